@@ -23,12 +23,12 @@ Weights gap_of(const EmbeddedScheme& scheme) {
 }  // namespace
 
 Keys EmbeddedOptions::keys() {
-  return {{"fixed", Form::boolean, Unit::none, false, "takes the given steps, without error control", {}},
+  return {{"fixed", Form::boolean, Unit::none, false, "use the given step, without error control", {}},
           {"stages",
            Form::choice,
            Unit::none,
            "auto",
-           "where stages are evaluated: as they are, on the constraints, or there near singular positions",
+           "projection of the stages onto the constraints: off, always, or near singular configurations",
            {"plain", "manifold", "auto"}}};
 }
 
@@ -205,7 +205,7 @@ void EmbeddedRungeKutta::restore(SnapshotReader& in) {
   StateRate late = stages_.k(scheme_.late_stage);
   in.get_all(late.v);
   if (gap_.v.size() != error_.v.size() || late.v.size() != error_.v.size())
-    throw ModelError(std::string(scheme_.name) + ": the saved history is that of another mechanism");
+    throw ModelError(std::string(scheme_.name) + ": the saved history belongs to another mechanism");
   stages_.put(scheme_.late_stage, late);
 }
 

@@ -41,15 +41,15 @@ TypeInfo GeneralizedAlpha::type_info() {
             Form::number,
             Unit::none,
             0.8,
-            "how much of infinitely fast modes a step leaves: 0 nothing ... 1 everything",
+            "share of infinitely fast modes that remains after a step: 0 (none) to 1 (all)",
             {}},
-           {"adaptive", Form::boolean, Unit::none, false, "chooses its steps by the tolerance", {}}}};
+           {"adaptive", Form::boolean, Unit::none, false, "choose the steps by the tolerance", {}}}};
 }
 
 std::unique_ptr<Integrator> GeneralizedAlpha::make(const Params& params) {
   const double rho = params.number("rho_infinity");
   if (!(rho >= 0 && rho <= 1))
-    params.refuse("rho_infinity", fmt::format("it is {}; it must lie between 0 (all damped) and 1 (nothing)", rho));
+    params.refuse("rho_infinity", fmt::format("it is {}; it must be between 0 (full damping) and 1 (none)", rho));
   return std::make_unique<GeneralizedAlpha>(rho, params.boolean("adaptive"));
 }
 
@@ -95,7 +95,7 @@ Attempt GeneralizedAlpha::attempt(Dynamics& dynamics, double h) {
   Attempt made;
   const bool found = solve(dynamics, h);
   if (!found && fixed())
-    newton_failed(h, "another method (--integrator radau5), or look for a singular position (lockstep check)");
+    newton_failed(h, "another method (--integrator radau5), or find a singular configuration (lockstep check)");
   if (found && !fixed()) made.error = estimate(h);
   made.accepted = found && made.error <= 1;
   return made;
@@ -268,7 +268,7 @@ void GeneralizedAlpha::restore(SnapshotReader& in) {
   for (VecX* v : {&vd_, &a_, &sd_, &as_, &bend_}) {
     const Eigen::Index own = v->size();  // by begin()
     in.get_all(*v);
-    if (v->size() != own) throw ModelError("generalized_alpha: the saved history is that of another mechanism");
+    if (v->size() != own) throw ModelError("generalized_alpha: the saved history belongs to another mechanism");
   }
   in.get_all(lambda_);
   for (VecX* v : {&rows_, &C_, &Cd_, &mu_}) v->setZero(lambda_.size());

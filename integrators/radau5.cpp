@@ -12,7 +12,7 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kTurn = 2.5;  // rad per step: the rotation vector must stay well away from a full turn
+constexpr double kTurn = 2.5;  // rad per step: the rotation vector must stay well away from a full revolution
 constexpr double kSqrt6 = 2.4494897427831780982;
 
 constexpr double kC[3] = {(4 - kSqrt6) / 10, (4 + kSqrt6) / 10, 1};
@@ -47,7 +47,7 @@ void collocation_weights(double x, double (&w)[3]) {
 TypeInfo Radau5::type_info() {
   return {"radau5",
           "implicit Runge-Kutta of order 5 with error control and dense output: stiff and accurate",
-          {{"fixed", Form::boolean, Unit::none, false, "takes the given steps, without error control", {}}}};
+          {{"fixed", Form::boolean, Unit::none, false, "use the given step, without error control", {}}}};
 }
 
 std::unique_ptr<Integrator> Radau5::make(const Params& params) {
@@ -252,7 +252,7 @@ void Radau5::restore(SnapshotReader& in) {
   h_before_ = in.get(), t_before_ = in.get();
   for (int i = 0; i < kStages; ++i) {
     in.get_all(y_);
-    if (y_.size() != before_.rows()) throw ModelError("radau5: the saved history is that of another mechanism");
+    if (y_.size() != before_.rows()) throw ModelError("radau5: the saved history belongs to another mechanism");
     before_.col(i) = y_;
   }
   output_.forget();

@@ -86,15 +86,15 @@ void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
   for (const auto& link : system.links())
     if (const bool holds = link->jointed() != nullptr && link->jointed()->imposed().hold;  // by constants
         link->n_own_states() > 0 && !holds)
-      who = "link '" + link->name() + "' (driven by its speed)";
+      who = "joint '" + link->name() + "' (driven by its speed)";
   for (const auto& auxiliary : system.auxiliaries())
     if (auxiliary->controls_error() && auxiliary->size() > 0) who = "'" + auxiliary->name() + "'";
   if (!who.empty())
     throw ModelError(
-        fmt::format("{}: {} integrates its own state, which is not a motion of bodies", scheme_.name, who) + advice);
+        fmt::format("{}: {} has an integrated state, which the method does not support", scheme_.name, who) + advice);
   for (const Force* force : dynamics.gather(state).reacting())
-    throw ModelError(fmt::format("{}: force '{}' ({}) depends on the reactions of links, as friction does; the method "
-                                 "keeps the energy",
+    throw ModelError(fmt::format("{}: force '{}' ({}) depends on the reactions of joints, as friction does; the method "
+                                 "conserves energy",
                                  scheme_.name, force->name(), force->type()) +
                      advice);
   State moving = state;
@@ -106,10 +106,8 @@ void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
       const VecX change = pushed_by(*force, dynamics.gather(moving).inputs(), state.v.size()) - still;
       if (change.norm() > kNegligible * still.norm())
         throw ModelError(
-            fmt::format("{}: force '{}' ({}) depends on velocities, as a damper does; the method keeps the "
-                        "energy{}",
-                        scheme_.name, force->name(), force->type(),
-                        scheme_.n > 1 ? " and goes back in time inside a step" : "") +
+            fmt::format("{}: force '{}' ({}) depends on velocities, as a damper does; the method conserves energy{}",
+                        scheme_.name, force->name(), force->type(), scheme_.n > 1 ? " and steps back in time" : "") +
             advice);
     }
 }
@@ -172,7 +170,7 @@ void Rattle::restore(SnapshotReader& in) {
   for (VecX* v : {&now_.q, &now_.v, &now_.z, &guess_, &factored_q_}) in.get_all(*v);
   if (now_.q.size() != own.q.size() || now_.v.size() != own.v.size() || now_.z.size() != own.z.size() ||
       guess_.size() != own.v.size() || factored_q_.size() != own.q.size())
-    throw ModelError(fmt::format("{}: the saved history is that of another mechanism", scheme_.name));
+    throw ModelError(fmt::format("{}: the saved history belongs to another mechanism", scheme_.name));
 }
 
 // False when an event has changed the state.
@@ -252,9 +250,8 @@ void Rattle::kick(const Evaluation& e, double h) {
 
 void Rattle::fail(double h, double left) const {
   throw StepError(
-      fmt::format("{}: the multipliers of the substep of {:.6g} s from t = {:.9g} s were not found ({:.3g} m of the "
-                  "constraints remain); take a smaller step (--step), or, where the mechanism passes a singular "
-                  "position, dop853 with \"stages\": \"manifold\"",
+      fmt::format("{}: the multipliers of the substep of {:.6g} s from t = {:.9g} s did not converge (constraint "
+                  "violation {:.3g} m); use a smaller step (--step), or dop853 near a singular configuration",
                   scheme_.name, h, now_.t, left),
       now_.t);
 }

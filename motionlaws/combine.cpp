@@ -113,13 +113,13 @@ void add_combine(LawTypes& types) {
   types.laws.add({"scale",
                   "y = offset + factor law(t)",
                   {{"law", Form::law, Unit::none, kRequired, "the law that is scaled"},
-                   {"factor", Form::number, Unit::any, 1, "what its value is multiplied by"},
-                   {"offset", Form::number, Unit::any, 0, "what is added then", {}, LawQuantity::value}}},
+                   {"factor", Form::number, Unit::any, 1, "factor of its value"},
+                   {"offset", Form::number, Unit::any, 0, "added to the product", {}, LawQuantity::value}}},
                  [](const Params& p) { return laws::scale(p.law("law"), p.number("factor"), p.number("offset")); });
   types.laws.add({"shift",
                   "y(t) = law(t - delay)",
                   {{"law", Form::law, Unit::none, kRequired, "the law that is delayed", {}, LawQuantity::value},
-                   {"delay", Form::number, Unit::time, kRequired, "by how much; negative: earlier"}}},
+                   {"delay", Form::number, Unit::time, kRequired, "delay; negative: earlier"}}},
                  [](const Params& p) { return laws::shift(p.law("law"), p.number("delay")); });
 }
 

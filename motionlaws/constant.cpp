@@ -29,7 +29,7 @@ void add_constant(LawTypes& types) {
                     Form::number,
                     Unit::any,
                     kRequired,
-                    "the value, in the unit of what it drives",
+                    "the value, in the unit of the driven quantity",
                     {},
                     LawQuantity::value}}},
                  [](const Params& p) { return laws::constant(p.number("value")); });

@@ -46,12 +46,12 @@ LawPtr<TranslationLaw> path(const PathPoints& points, const SplineSettings& k, c
 
 void add_path(LawTypes& types) {
   TypeInfo i{"path",
-             "smooth through points [t, x, y, z] or four columns of a CSV file, in axes of the frame",
+             "spline through points [t, x, y, z] or four columns of a CSV file, in axes of the frame",
              {{"points",
                Form::points,
                Unit::any,
                kOptional,
-               "[[t, x, y, z], ...], times rising; this or file",
+               "[[t, x, y, z], ...], times increasing; this or file",
                {},
                LawQuantity::value},
               {"file", Form::text, Unit::none, kOptional,

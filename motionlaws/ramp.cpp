@@ -30,7 +30,7 @@ void add_ramp(LawTypes& types) {
       {"ramp",
        "y = y0 + slope (t - t0)",
        {{"slope", Form::number, Unit::any, kRequired, "rate of y, its unit per second", {}, LawQuantity::rate},
-        {"t0", Form::number, Unit::time, 0, "instant at which y = y0"},
+        {"t0", Form::number, Unit::time, 0, "time at which y = y0"},
         {"y0", Form::number, Unit::any, 0, "value at t0", {}, LawQuantity::value}}},
       [](const Params& p) { return laws::ramp(p.number("slope"), p.number("t0"), p.number("y0")); });
 }

@@ -60,7 +60,7 @@ LawPtr<MotionLaw> repeat(LawPtr<MotionLaw> law, double period, const RepeatSetti
 void add_repeat(LawTypes& types) {
   types.laws.add(
       {"repeat",
-       "one period of a law, over and over",
+       "one period of a law, repeated",
        {{"law", Form::law, Unit::none, kRequired, "the law, used from its time 0 to period", {}, LawQuantity::value},
         {"period", Form::number, Unit::time, kRequired, "length of the period"},
         {"drift", Form::boolean, Unit::none, false,

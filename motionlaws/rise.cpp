@@ -14,10 +14,10 @@ namespace {
 TypeInfo rise_info(const char* name, const char* help) {
   return {name,
           help,
-          {{"rise", Form::number, Unit::any, kRequired, "h, what y gains; may be negative", {}, LawQuantity::value},
-           {"duration", Form::number, Unit::time, kRequired, "T, time that the rise takes"},
+          {{"rise", Form::number, Unit::any, kRequired, "h, change of y; may be negative", {}, LawQuantity::value},
+           {"duration", Form::number, Unit::time, kRequired, "T, duration of the rise"},
            {"t0", Form::number, Unit::time, 0, "start of the rise"},
-           {"y0", Form::number, Unit::any, 0, "value before", {}, LawQuantity::value}}};
+           {"y0", Form::number, Unit::any, 0, "value before the rise", {}, LawQuantity::value}}};
 }
 
 RiseSettings rise_settings(const Params& p) {
@@ -93,11 +93,11 @@ LawPtr<MotionLaw> harmonic_rise(const RiseSettings& k) { return std::make_shared
 }  // namespace laws
 
 void add_rise(LawTypes& types) {
-  types.laws.add(rise_info("poly345", "rise h (10 u^3 - 15 u^4 + 6 u^5), u = (t - t0)/T, held outside"),
+  types.laws.add(rise_info("poly345", "rise h (10 u^3 - 15 u^4 + 6 u^5), u = (t - t0)/T, constant outside"),
                  [](const Params& p) { return laws::poly345(rise_settings(p)); });
-  types.laws.add(rise_info("cycloid", "rise h (u - sin(2 pi u)/(2 pi)), u = (t - t0)/T, held outside"),
+  types.laws.add(rise_info("cycloid", "rise h (u - sin(2 pi u)/(2 pi)), u = (t - t0)/T, constant outside"),
                  [](const Params& p) { return laws::cycloid(rise_settings(p)); });
-  types.laws.add(rise_info("harmonic_rise", "rise h (1 - cos(pi u))/2, u = (t - t0)/T, held outside"),
+  types.laws.add(rise_info("harmonic_rise", "rise h (1 - cos(pi u))/2, u = (t - t0)/T, constant outside"),
                  [](const Params& p) { return laws::harmonic_rise(rise_settings(p)); });
 }
 

@@ -78,23 +78,23 @@ void add_rotations(LawTypes& types) {
   types.rotation_laws.add(
       {"constant",
        "a fixed orientation",
-       {{"orientation", Form::orientation, Unit::none, kRequired, "the orientation, against the frame"}}},
+       {{"orientation", Form::orientation, Unit::none, kRequired, "the orientation relative to the frame"}}},
       [](const Params& p) { return laws::constant_rotation(p.orientation("orientation")); });
   types.rotation_laws.add(
       {"axis_rotation",
-       "turn about an axis by a scalar law",
+       "rotation about an axis by a scalar law",
        {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
         {"law", Form::law, Unit::none, kRequired, "scalar law of the angle", {}, LawQuantity::value}}},
       [](const Params& p) { return laws::axis_rotation(p.vector3("axis"), p.law("law")); });
   types.rotation_laws.add(
       {"product",
        "two rotations one after the other, q = q1 q2",
-       {{"first", Form::rotation_law, Unit::none, kRequired, "q1, against the frame", {}, LawQuantity::value},
+       {{"first", Form::rotation_law, Unit::none, kRequired, "q1, relative to the frame", {}, LawQuantity::value},
         {"second",
          Form::rotation_law,
          Unit::none,
          kRequired,
-         "q2, about the axes turned by q1",
+         "q2, about the axes rotated by q1",
          {},
          LawQuantity::value}}},
       [](const Params& p) { return laws::rotation_product(p.rotation_law("first"), p.rotation_law("second")); });

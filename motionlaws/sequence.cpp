@@ -102,7 +102,7 @@ void add_sequence(LawTypes& types) {
                     Form::choice,
                     Unit::none,
                     "hold",
-                    "before and after: value held, or first and last law run on",
+                    "before and after: value held, or first and last law continued",
                     {"hold", "run_on"}},
                    {"t0", Form::number, Unit::time, 0, "start of the first law"}}},
                  [](const Params& p) {

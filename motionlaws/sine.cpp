@@ -41,7 +41,7 @@ void add_sine(LawTypes& types) {
                     Form::number,
                     Unit::any,
                     1,
-                    "half of the swing, in the unit of what it drives",
+                    "half the range, in the unit of the driven quantity",
                     {},
                     LawQuantity::value},
                    {"omega", Form::number, Unit::angular_speed, kOptional, "circular frequency; this or frequency"},

@@ -46,12 +46,12 @@ LawPtr<MotionLaw> spline(const SplinePoints& points, const SplineSettings& k, co
 
 void add_spline(LawTypes& types) {
   TypeInfo i{"spline",
-             "smooth through points [t, y] or two columns of a CSV file",
+             "spline through points [t, y] or two columns of a CSV file",
              {{"points",
                Form::points,
                Unit::any,
                kOptional,
-               "[[t, y], ...], times rising; this or file",
+               "[[t, y], ...], times increasing; this or file",
                {},
                LawQuantity::value},
               {"file", Form::text, Unit::none, kOptional,

@@ -33,17 +33,16 @@ void SplineCurve::check(const MatX& y) const {
   for (std::size_t i = 0; i < n; ++i) {
     const std::string place = "number " + text::number(static_cast<double>(i + 1)) + " of points";
     require(std::isfinite(t_[i]) && y.row(static_cast<Eigen::Index>(i)).allFinite(), law, "points",
-            "hold a number that is not finite in " + place);
+            "have a number that is not finite in " + place);
     require(i == 0 || t_[i] > t_[i - 1], law, "points",
-            "must have rising times; " + place + " is at " + text::number(t_[i]) + " s, the one before at " +
+            "must have increasing times; " + place + " is at " + text::number(t_[i]) + " s, the one before at " +
                 text::number(t_[i - (i > 0)]) + " s");
   }
   if (k_.ends == SplineEnds::periodic) {
     const double gap = (y.bottomRows(1) - turn_ * y.topRows(1)).cwiseAbs().maxCoeff();
     const double size = y.cwiseAbs().maxCoeff();
-    require(
-        gap <= 1e-12 * size, law, "points",
-        "end " + text::number(gap) + " away from where they start; with periodic ends the last must equal the first");
+    require(gap <= 1e-12 * size, law, "points",
+            "end " + text::number(gap) + " away from the first; with periodic ends the last must equal the first");
   }
   require(k_.outside != SplineOutside::repeat || k_.ends == SplineEnds::periodic, law, "outside",
           "is \"repeat\", which needs periodic ends; use \"hold\", or the law 'repeat' around this one");

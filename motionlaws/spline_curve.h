@@ -29,7 +29,7 @@ class SplineCurve {
   SplineCurve(const char* law, std::vector<double> t, const MatX& y, const SplineSettings&, const SplineEndRates& = {},
               double turn = 1);
   /// Writes value, first and second derivative at t, s, n_components() each. Throws ModelError outside of the points
-  /// when that is refused.
+  /// when that is an error.
   void at(double t, double* y, double* yd, double* ydd) const;
   /// Appends the jumps in (t0, t1), s: the ends of the range when the value is held outside and the curve does not come
   /// to rest there. There are none between the points.

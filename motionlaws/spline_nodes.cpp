@@ -84,7 +84,7 @@ class PointEquations {
   const MatX& y_;
 };
 
-// Elimination downwards, then substitution upwards; right sides may have any number of columns.
+// Elimination downwards, then substitution upwards; right-hand sides may have any number of columns.
 template <int m>
 MatX solve(std::vector<Row<m>> rows) {
   const std::size_t n = rows.size();

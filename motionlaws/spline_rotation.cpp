@@ -22,10 +22,9 @@ MatX aligned(const RotationPoints& points) {
     q.row(i) = require_orientation(kLaw, "points", points[i].second).coefficients().transpose();
     if (i == 0) continue;
     const double cosine = q.row(i).dot(q.row(i - 1));
-    require(
-        std::abs(cosine) > 1e-6, kLaw, "points",
-        "number " + ordinal(i - 1) + " and " + ordinal(i) +
-            " are half a turn apart, so the direction of the turn is not defined; give an orientation between them");
+    require(std::abs(cosine) > 1e-6, kLaw, "points",
+            "number " + ordinal(i - 1) + " and " + ordinal(i) +
+                " are 180 deg apart, so the direction of rotation is undefined; give an orientation between them");
     if (cosine < 0) q.row(i) *= -1.0;
   }
   return q;
@@ -41,7 +40,7 @@ SplineCurve curve_of(const RotationPoints& points, const SplineSettings& k) {
     const double gap = (q.bottomRows(1) - turn * q.topRows(1)).norm();
     require(gap < 1e-9, kLaw, "points",
             "end " + text::number(2.0 * gap) +
-                " rad away from where they start; with periodic ends the last must equal the first");
+                " rad away from the first; with periodic ends the last must equal the first");
     q.bottomRows(1) = turn * q.topRows(1);
   }
   return SplineCurve(kLaw, std::move(t), q, k, {}, turn);
@@ -57,7 +56,7 @@ class SplineRotation final : public RotationLaw {
         const double t0 = points[i - 1].first, t1 = points[i].first;
         curve_.at(t0 + (t1 - t0) * j / kSamples, r.data(), rd.data(), rdd.data());
         require(r.norm() > 0.5, kLaw, "points",
-                "turn too far between " + text::number(t0) + " s and " + text::number(t1) +
+                "rotate too far between " + text::number(t0) + " s and " + text::number(t1) +
                     " s; give orientations between them");
       }
   }
@@ -94,9 +93,9 @@ LawPtr<RotationLaw> spline_rotation(const RotationPoints& points, const SplineSe
 
 void add_spline_rotation(LawTypes& types) {
   TypeInfo i{kLaw,
-             "smooth through given orientations",
+             "spline through orientations",
              {{"points", Form::any, Unit::none, kRequired,
-               "[[t, orientation], ...], times rising, orientations in any form"}}};
+               "[[t, orientation], ...], times increasing, orientations in any form"}}};
   add_spline_keys(i.keys);
   types.rotation_laws.add(std::move(i), [](const Params& p) {
     const Value& list = p.value("points");

@@ -80,8 +80,8 @@ LawPtr<MotionLaw> trapezoid(const TrapezoidSettings& k) { return std::make_share
 void add_trapezoid(LawTypes& types) {
   types.laws.add(
       {"trapezoid",
-       "a distance with a speed that rises linearly, stays and falls linearly; held outside",
-       {{"distance", Form::number, Unit::any, kRequired, "what y gains; may be negative", {}, LawQuantity::value},
+       "a distance at trapezoidal speed: linear rise, constant, linear fall; y constant outside",
+       {{"distance", Form::number, Unit::any, kRequired, "change of y; may be negative", {}, LawQuantity::value},
         {"speed",
          Form::number,
          Unit::any,
@@ -93,12 +93,12 @@ void add_trapezoid(LawTypes& types) {
          Form::number,
          Unit::any,
          kOptional,
-         "size of the acceleration while it is not zero",
+         "magnitude of the acceleration while it is not zero",
          {},
          LawQuantity::acceleration},
-        {"duration", Form::number, Unit::time, kOptional, "time that the whole takes"},
+        {"duration", Form::number, Unit::time, kOptional, "total duration"},
         {"t0", Form::number, Unit::time, 0, "start"},
-        {"y0", Form::number, Unit::any, 0, "value before", {}, LawQuantity::value}}},
+        {"y0", Form::number, Unit::any, 0, "value before the start", {}, LawQuantity::value}}},
       [](const Params& p) {
         const auto given = [&](const char* key) {
           if (!p.has(key)) return 0.0;

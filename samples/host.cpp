@@ -32,7 +32,7 @@ int main() {
     shaft.drive(Axis::rz,
                 registry.laws.make("bump", Params{{"height", kTwoPi}, {"at", 1.0}, {"width", 1.0}}, &registry, "host"));
 
-    Recorder recorder(sys, {"shaft.angle_z", "follower.y", "shaft.drive.torque_on_p_link_z"});
+    Recorder recorder(sys, {"shaft.rz", "follower.y", "shaft.drive.torque_on_p_link_z"});
     Dynamics dynamics(sys, registry.solvers.make("schur", Params{}, &registry, "host"));
     State start = sys.start();
     assemble(dynamics, start);
@@ -44,7 +44,7 @@ int main() {
     double worst = 0;
     const Table& t = recorder.table();
     for (std::size_t i = 0; i < t.n_rows(); ++i)
-      worst = std::max(worst, std::abs(t["follower.y"][i] - (0.05 + 0.01 * (1 - std::cos(t["shaft.angle_z"][i])))));
+      worst = std::max(worst, std::abs(t["follower.y"][i] - (0.05 + 0.01 * (1 - std::cos(t["shaft.rz"][i])))));
     write_csv(samples::output("host.csv"), t);
     fmt::print("lift follows the profile to {:.1e} m; {}\n", worst, samples::output("host.csv"));
     return worst < 1e-9 ? 0 : 1;

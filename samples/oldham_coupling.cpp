@@ -26,13 +26,13 @@ int main() {
   sys.add<GenericLock>("slot_out", center, sys.add_marker("hub_out", output), mask_from("x z e1 e2 e3"));
 
   Simulation run(sys, {.integrator = "rk4", .step = 1e-3, .output = 5e-3});
-  const Table& t = run.record({"shaft_in.angle_z", "shaft_out.angle_z", "disc.x", "disc.y", "slot_in.torque_on_p_world_z"});
+  const Table& t = run.record({"shaft_in.rz", "shaft_out.rz", "disc.x", "disc.y", "slot_in.torque_on_p_world_z"});
   run.run_until(kTwoPi / w);
 
   double turn = 0, circle = 0, couple = 0;
   for (std::size_t i = 0; i < t.n_rows(); ++i) {
     const double phi = w * t["t"][i];
-    turn = std::max(turn, std::abs(t["shaft_out.angle_z"][i] - phi));
+    turn = std::max(turn, std::abs(t["shaft_out.rz"][i] - phi));
     circle = std::max(circle, std::hypot(t["disc.x"][i] - e / 2 * (1 + std::cos(2 * phi)),
                                          t["disc.y"][i] - e / 2 * std::sin(2 * phi)));
     couple = std::max(couple, std::abs(t["slot_in.torque_on_p_world_z"][i] - 0.8 * w * w * e * e * std::sin(2 * phi)));

@@ -19,7 +19,7 @@ constexpr double kStep = 2.5e-3, kEnd = 2.0;
 Table run(samples::Arm& arm) {
   std::vector<Request> wanted{"tool.x", "tool.y", "tool.z", "tool.cardan_1", "tool.cardan_2", "tool.cardan_3"};
   for (int k = 1; k <= 6; ++k)
-    for (const char* what : {"angle_z", "angle_z_d", "angle_z_dd"}) wanted.push_back(fmt::format("J{}.{}", k, what));
+    for (const char* what : {"rz", "rz_d", "rz_dd"}) wanted.push_back(fmt::format("J{}.{}", k, what));
   Recorder recorder(arm.sys, wanted);
   Dynamics dynamics(arm.sys, std::make_unique<SchurSolver>());
   State start = arm.sys.start();
@@ -48,7 +48,7 @@ int main() {
   // Then every joint is driven by what it did, and nobody holds the tool.
   samples::Arm driven = samples::make_arm(q0);
   for (std::size_t k = 0; k < 6; ++k) {
-    const std::string name = fmt::format("J{}.angle_z", k + 1);
+    const std::string name = fmt::format("J{}.rz", k + 1);
     std::vector<LawValue> samples;
     for (std::size_t i = 0; i < a.n_rows(); ++i) samples.push_back({a[name][i], a[name + "_d"][i], a[name + "_dd"][i]});
     driven.joints[k]->drive(Axis::rz, std::make_shared<samples::Sampled>(std::move(samples), kStep));
@@ -64,7 +64,7 @@ int main() {
   write_csv(samples::output("robot_arm.csv"), a);
   Panel angles{.y_label = "angle [rad]", .series = {}};
   for (int k = 1; k <= 6; ++k)
-    angles.series.push_back(table_series(a, "t", fmt::format("J{}.angle_z", k), fmt::format("J{}", k)));
+    angles.series.push_back(table_series(a, "t", fmt::format("J{}.rz", k), fmt::format("J{}", k)));
   write_chart(
       samples::output("robot_arm"),
       {.title = "Joint angles of an arm whose tool follows a trajectory", .x_label = "t [s]", .panels = {angles}});

@@ -34,14 +34,14 @@ install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 
 # Pages and their pictures, in the folders of the source, so that links lead from one to the other.
 foreach(page README.md framework/README.md framework/CHANGELOG.md framework/FROM_CHRONO.md framework/layout.txt framework/budgets.txt
-             framework/mechanism/lock/THEORY.md plugins/README.md samples/pictures/four_bar.png
+             framework/mechanism/lock/THEORY.md plugins/README.md
              tests/benchmark/peers/README.md tests/benchmark/results/README.md tests/benchmark/results/peers.md)
   cmake_path(GET page PARENT_PATH folder)
   install(FILES ${page} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder} COMPONENT doc)
 endforeach()
 foreach(folder framework/docs tests/stability/maps tests/benchmark/results/amd-epyc)
   install(DIRECTORY ${folder}/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder} COMPONENT doc
-          FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "*_chart_*" EXCLUDE)
+          FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "*.webp" PATTERN "*_chart_*" EXCLUDE)
 endforeach()
 
 # What a user copies from: examples of plugins, and a host of them.

@@ -144,11 +144,10 @@ class AdamsBashforth final : public Integrator {
     report.violation = landed.before, report.violation_after = landed.after;
     if (landed.converged) return;
     n_kept_ = 0;
-    throw StepError(
-        fmt::format("adams_bashforth: the end of the step of {:.3g} s from t = {:.9g} s could not be brought "
-                    "back onto the constraints; take a smaller step (--step) or dopri5 (--integrator)",
-                    report.h, start_.t),
-        start_.t);
+    throw StepError(fmt::format("adams_bashforth: the projection after the step of {:.3g} s from t = {:.9g} s did not "
+                                "converge; use a smaller step (--step) or dopri5 (--integrator)",
+                                report.h, start_.t),
+                    start_.t);
   }
 
   /// The rate at the beginning of the last step becomes the newest of the history.

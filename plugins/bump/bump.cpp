@@ -23,7 +23,7 @@ class Bump final : public MotionLaw {
     return {"bump",
             "one smooth bump: height (1 - u^2)^3, u = (t - at)/width, zero outside",
             {{"height", Form::number, Unit::any, kRequired, "value at the top", {}, LawQuantity::value},
-             {"at", Form::number, Unit::time, kRequired, "instant of the top"},
+             {"at", Form::number, Unit::time, kRequired, "time of the top"},
              {"width", Form::number, Unit::time, kRequired, "half of its duration, above zero"}}};
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A link as a plugin: the point P of a follower rides on the profile of a disc cam whose axis is z of S.
+// A joint as a plugin: the point P of a follower rides on the profile of a disc cam whose axis is z of S.
 #include <lockstep/author/plugin.h>
 
 namespace {
@@ -31,10 +31,10 @@ class CamFollower final : public PhiLock<CamProfile> {
 
   static TypeInfo info() {
     return {"cam_follower",
-            "P rides on a disc cam about z of S: r = base + (lift/2)(1 - cos(lobes psi)); free: all else",
+            "P on a disc cam about z of S, r = base + lift/2 (1 - cos lobes psi); degrees of freedom left: all but one",
             {{"base", Form::number, Unit::length, kRequired, "smallest radius, above zero"},
              {"lift", Form::number, Unit::length, kRequired, "largest radius less the smallest"},
-             {"lobes", Form::integer, Unit::none, 1, "rises per turn, at least 1"}}};
+             {"lobes", Form::integer, Unit::none, 1, "rises per revolution, at least 1"}}};
   }
 
   static std::unique_ptr<Lock> make(const Attachment& attachment, const Params& p) {

@@ -32,7 +32,7 @@ class Drag final : public FormulaForce<Drag> {
             "air drag on P, against its velocity and quadratic in speed: by coefficient, or by density and area",
             {{"coefficient", Form::number, Unit::any, kOptional, "force per speed squared, N s^2/m^2"},
              {"density", Form::number, Unit::density, 1.2, "of the air"},
-             {"area", Form::number, Unit::any, kOptional, "seen along the motion, m^2"},
+             {"area", Form::number, Unit::any, kOptional, "frontal area, m^2"},
              {"shape", Form::number, Unit::none, 1, "drag coefficient: 0.47 a ball, 1.2 a cylinder across"}}};
   }
 

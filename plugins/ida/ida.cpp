@@ -76,7 +76,7 @@ class Ida final : public Integrator {
     bool again = !followed_ || !is_end_of_last_step(state, dynamics.system().n_error_controlled_states());
     followed_ = false;
     for (report.h = h;; report.h *= 0.5, ++report.rejected, again = true) {
-      if (state.t + report.h == state.t) refuse(state.t, report.h, "the step shrank to nothing");
+      if (state.t + report.h == state.t) refuse(state.t, report.h, "the step size became too small");
       if (again) restart(report.h);
       advance(report);
       if (land(report)) break;
@@ -246,7 +246,7 @@ class Ida final : public Integrator {
       flag = IDASolve(memory_->ida, to, &t, memory_->u, memory_->ud, IDA_ONE_STEP);
     if (flag < 0) {
       if (thrown_) std::rethrow_exception(thrown_);
-      refuse(start_.t, report.h, "IDA gave up (code " + std::to_string(flag) + ")");
+      refuse(start_.t, report.h, "IDA failed (code " + std::to_string(flag) + ")");
     }
     if (t < to) report.h = t - start_.t;
     y_ = numbers(memory_->u) + shift_;
@@ -274,8 +274,8 @@ class Ida final : public Integrator {
   }
 
   [[noreturn]] static void refuse(double t, double h, const std::string& what) {
-    throw StepError(fmt::format("ida: {} (t = {:.9g} s, step {:.3g} s); use another method (--integrator), a wider "
-                                "tolerance, or look for a singular position (lockstep check)",
+    throw StepError(fmt::format("ida: {} (t = {:.9g} s, step {:.3g} s); use another method (--integrator), a larger "
+                                "tolerance, or check for a singular configuration (lockstep check)",
                                 what, t, h),
                     t);
   }

@@ -47,7 +47,7 @@ class CashKarp final : public Integrator {
   static TypeInfo type_info() {
     return {"odeint_cash_karp54",
             "explicit Runge-Kutta of order 5 with error control, from Boost.odeint: the example of wrapping",
-            {{"fixed", Form::boolean, Unit::none, false, "takes the given steps, without error control", {}}}};
+            {{"fixed", Form::boolean, Unit::none, false, "fixed steps, without error control", {}}}};
   }
 
   static std::unique_ptr<Integrator> make(const Params& p) { return std::make_unique<CashKarp>(p.boolean("fixed")); }
@@ -73,7 +73,7 @@ class CashKarp final : public Integrator {
     };
     StepReport report;
     for (report.h = h;; ++report.rejected) {
-      if (state.t + report.h == state.t) refuse(state.t, report.h, "the step shrank to nothing");
+      if (state.t + report.h == state.t) refuse(state.t, report.h, "the step size became too small");
       double t = state.t, h_next = report.h;
       if (fixed_) {
         stepper_.stepper().do_step(f, y_, t, y_end_, report.h);
@@ -88,7 +88,7 @@ class CashKarp final : public Integrator {
         state.t = end_.t, state.q = end_.q, state.v = end_.v, state.s = end_.s;
         return report;
       }
-      if (fixed_) refuse(state.t, report.h, "the end of the step could not be brought back onto the constraints");
+      if (fixed_) refuse(state.t, report.h, "the projection after the step did not converge");
       report.h *= 0.5;
     }
   }
@@ -123,11 +123,10 @@ class CashKarp final : public Integrator {
   }
 
   [[noreturn]] static void refuse(double t, double h, const char* what) {
-    throw StepError(
-        fmt::format("odeint_cash_karp54: {} (t = {:.9g} s, step {:.3g} s); take a smaller step (--step), or "
-                    "an implicit method where dampers are stiff (--integrator radau5)",
-                    what, t, h),
-        t);
+    throw StepError(fmt::format("odeint_cash_karp54: {} (t = {:.9g} s, step {:.3g} s); use a smaller step (--step), or "
+                                "an implicit method for stiff dampers (--integrator radau5)",
+                                what, t, h),
+                    t);
   }
 
   bool fixed_;

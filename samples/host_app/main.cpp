@@ -96,7 +96,7 @@ bool crank_from_scene(const Registry& registry) {
   run.run();
 
   const Table& table = run.table();
-  const double angle = table["A.angle_z"].back(), x = table["piston.x"].back();
+  const double angle = table["A.rz"].back(), x = table["piston.x"].back();
   std::printf("scene: %zu rows, at t = %.3f s the crank stands at %.9f rad, the piston at %.9f m\n", table.n_rows(),
               run.state().t, angle, x);
   return std::abs(angle - kTwoPi) < 1e-6 && std::abs(x - 0.8) < 1e-6;

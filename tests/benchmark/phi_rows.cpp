@@ -113,7 +113,7 @@ int main() {
   const std::string file = samples::output("phi_rows.csv");
   std::ofstream csv(file);
   csv << "link,phi [ns],by hand [ns],ratio,difference\n";
-  fmt::print("{:32} {:>9} {:>9} {:>7} {:>11}\n", "one link's rows", "phi, ns", "hand, ns", "ratio", "difference");
+  fmt::print("{:32} {:>9} {:>9} {:>7} {:>11}\n", "one joint's rows", "phi, ns", "hand, ns", "ratio", "difference");
   for (const Case& c : cases) {
     Probe phi(c.third, c.phi), hand(c.third, c.hand);
     phi.gather(), hand.gather();

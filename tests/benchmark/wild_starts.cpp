@@ -51,7 +51,7 @@ WildStarts try_starts(Mechanism& m, Dynamics& dynamics, int starts) {
     } catch (const SolveError&) {
       ++out.failures["rows contradict one another on the way"];
     } catch (const NonFiniteError&) {
-      ++out.failures["a law or function of a link has no value there"];
+      ++out.failures["a law or function of a joint has no value there"];
     }
   }
   std::ranges::sort(out.moved);

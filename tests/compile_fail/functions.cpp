@@ -107,7 +107,7 @@ struct NoRow {
 };
 template class PhiLock<NoRow>;
 
-// refused: a link that derives from a facet
+// refused: a joint that derives from a facet
 struct Unseen : Lock, Observable {};
 template void check_facets<Unseen>();
 

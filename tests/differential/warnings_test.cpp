@@ -56,7 +56,7 @@ struct Run {
 };
 
 bool is_of_model(const std::string& warning) {
-  return warning.starts_with("no freedom is left") || warning.starts_with("the start lies in a singular position");
+  return warning.starts_with("no degree of freedom") || warning.starts_with("the start is a singular configuration");
 }
 
 // With a method that chooses its own steps, where the scene has none.

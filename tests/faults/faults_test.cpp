@@ -120,7 +120,7 @@ TEST_CASE("a run that kill -9 ends at any instant goes on from its checkpoint to
           const Called r = call("resume '" + saved + "'");
           INFO(kind.name << ", " << signal << " after " << wait << " s:\n" << r.text);
           REQUIRE(r.exit == 0);
-          CHECK(contains(r.text, "resumed at t "));
+          CHECK(contains(r.text, "resumed    at t = "));
           ++resumed;
         }
         if (!fs::exists(file)) continue;  // ended before its first checkpoint
@@ -212,19 +212,19 @@ TEST_CASE("a checkpoint is refused when the scene, its rows or the file itself h
     std::ofstream(name, std::ios::binary) << bytes;
   };
   put(scene, of_scene + " ");
-  refused("scene '" + scene + "', or a file that it reads, was changed since");
+  refused("scene '" + scene + "', or a file that it reads, has changed");
   put(scene, of_scene);
   std::string rows = of_rows;
   rows[of_rows.find('\n') + 3] ^= 1;
   put(file + ".partial", rows);
-  refused("neither in");
+  refused("the rows before the checkpoint are missing or changed in '" + file + ".partial' and '" + file + "'");
   put(file + ".partial", of_rows);
   std::string damaged = of_file;
   damaged[damaged.size() / 2] ^= 4;
   put(saved, damaged);
   refused("is damaged");
   put(saved, of_file.substr(0, of_file.size() / 3));
-  refused("is cut or damaged");
+  refused("is truncated or damaged");
   CHECK(bytes_of(file + ".partial") == of_rows);
   CHECK(call("run '" + scene + "' --record '" + file + "' --checkpoint '" + file + "'").exit == 2);
   CHECK(call("run '" + scene + "' --record '" + file + "' --checkpoint '" + scene + "'").exit == 2);
@@ -253,7 +253,7 @@ TEST_CASE("a sweep that kill -9 ends goes on where it was, to the same table", "
   CHECK_FALSE(fs::exists(mark));
   const Called none = call(words + " --resume");
   CHECK(none.exit == 8);
-  CHECK(contains(none.text, "no sweep to go on with"));
+  CHECK(contains(none.text, "no sweep to continue"));
   for (const char* signal : {"KILL", "TERM"}) {
     fs::remove(file);
     // As soon as rows are there.
@@ -264,7 +264,7 @@ TEST_CASE("a sweep that kill -9 ends goes on where it was, to the same table", "
     std::ofstream(fs::exists(partial) ? partial : file, std::ios::app) << "7,-9";  // a torn row
     const Called other = call(words + " --until 1 --resume");
     CHECK(other.exit == 8);
-    CHECK(contains(other.text, "it was begun by `lockstep sweep"));
+    CHECK(contains(other.text, "its command was `lockstep sweep"));
     const Called r = shell("lockstep " + words + " --resume");
     INFO(r.text);
     CHECK(r.exit == 0);
@@ -291,7 +291,7 @@ TEST_CASE("a sweep that goes on ends with 9 for the wrong runs of its first part
   INFO(r.text);
   CHECK(r.exit == 9);
   CHECK(contains(r.text, "done before "));
-  CHECK(contains(r.text, "not conserved or drifted  300"));
+  CHECK(contains(r.text, "300 wrong (energy or constraints)"));
   CHECK_FALSE(contains(bytes_of(file), ",ok\n"));
 }
 
@@ -308,9 +308,9 @@ TEST_CASE("the page of a sweep that went on says which runs it has no curves of"
   const Called r = shell("lockstep " + words + " --resume");
   INFO(r.text);
   CHECK(r.exit == 0);
-  const std::string fact = "runs before the interruption the page has no curves; the folder has";
+  const std::string fact = "runs before the interruption are in the folder only";
   CHECK(contains(bytes_of(page), fact));
-  CHECK(contains(r.text, "without curves of the "));
+  CHECK(contains(r.text, "the curves of "));
   CHECK(fs::exists(kFolder + "/told/01.csv"));
 }
 

@@ -92,7 +92,7 @@ TEST_CASE("a sweep in lanes ends by exit code 10 where memory runs out", "[fault
   const std::string scene = arm_scene("memory_lanes", R"("until": 0.05, "output": 0.01, "record": ["arm.x"])");
   const std::string old = kFolder + "/memory_lanes.csv";
   const std::string words = "sweep '" + scene + "' --jobs 1 --vary gravity.1=-1:-9:16 --record '" + old + "'";
-  REQUIRE(contains(call(words).text, "eight at a time"));
+  REQUIRE(contains(call(words).text, "vectorised"));
   check_requests({words, {old}, false}, 120);
   check_requests({words + " --json", {old}, false});
 }

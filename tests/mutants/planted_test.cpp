@@ -255,12 +255,12 @@ TEST_CASE("a Fourier series by its frequency is the one by its circular frequenc
     return run(kArm + R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0],
       "drive": {"axis": "rz", "law": {"type": "fourier", ")" +
                key + "\": " + value + R"(, "sines": [0.1, 0.05]}}}],
-      "run": {"until": 0.5, "output": 0.5, "record": ["A.angle_z", "A.angle_z_d"]})");
+      "run": {"until": 0.5, "output": 0.5, "record": ["A.rz", "A.rz_d"]})");
   };
   const Table cycles = turned("frequency", "0.5"), circular = turned("omega", std::to_string(kPi));
-  CHECK(cycles.last("A.angle_z") == Approx(0.1).epsilon(1e-9));           // sin(pi/2), sin(pi)
-  CHECK(cycles.last("A.angle_z_d") == Approx(-0.1 * kPi).epsilon(1e-6));  // 2 pi 0.05 cos(pi)
-  CHECK(circular.last("A.angle_z") == Approx(cycles.last("A.angle_z")).epsilon(1e-5));
+  CHECK(cycles.last("A.rz") == Approx(0.1).epsilon(1e-9));           // sin(pi/2), sin(pi)
+  CHECK(cycles.last("A.rz_d") == Approx(-0.1 * kPi).epsilon(1e-6));  // 2 pi 0.05 cos(pi)
+  CHECK(circular.last("A.rz") == Approx(cycles.last("A.rz")).epsilon(1e-5));
 }
 
 TEST_CASE("an angular velocity in world axes is turned into those of the body", "[mutants]") {

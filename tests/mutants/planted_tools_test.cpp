@@ -120,7 +120,7 @@ TEST_CASE("what is no number in a repeat agrees in no digit", "[mutants]") {
   }
 }
 
-TEST_CASE("copies of which one has a link that is not in force are none", "[mutants]") {
+TEST_CASE("copies of which one has a joint that is not in force are none", "[mutants]") {
   std::vector<std::unique_ptr<System>> systems;
   for (int k = 0; k < 2; ++k) {
     systems.push_back(std::make_unique<System>(System::Options{{0, -9.81, 0}}));
@@ -132,7 +132,7 @@ TEST_CASE("copies of which one has a link that is not in force are none", "[muta
   check_words(message_of<ModelError>([&] {
                 Copies({systems[0].get(), systems[1].get()}, CopiesOptions{});
               }),
-              {"link 'B', which is active in one of them only"});
+              {"joint 'B', which is active in one of them only"});
 }
 
 TEST_CASE("a run in lanes that drifts beyond the scene's limit is wrong", "[mutants]") {

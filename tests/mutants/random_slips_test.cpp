@@ -226,9 +226,9 @@ TEST_CASE("a start turns the body that hangs on a joint as its S", "[mutants][st
     CAPTURE(turn);
     Simulation run(made(R"~("bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
       "links": [{"name": "A", "type": "revolute", "p": "ground", "s": "rod", "at": [0, 0, 0], "start": {"position": {"rz": )~" +
-                        std::to_string(turn) + R"~(}}}], "run": {"until": 0, "record": ["A.angle_z"]})~"));
+                        std::to_string(turn) + R"~(}}}], "run": {"until": 0, "record": ["A.rz"]})~"));
     run.run();
-    CHECK(std::abs(run.table().first("A.angle_z") - turn) < 1e-9);
+    CHECK(std::abs(run.table().first("A.rz") - turn) < 1e-9);
     const Body& rod = run.system().body("rod");
     const Pose pose = body_pose(rod, run.state());
     CHECK((pose.x - Vec3(0.5 * std::cos(turn), -0.5 * std::sin(turn), 0)).norm() < 1e-9);
@@ -330,7 +330,7 @@ TEST_CASE("a motion names the four bodies that move most", "[mutants][words]") {
   }
 }
 
-TEST_CASE("linear equations have a note on each one-sided link, and on no other", "[mutants][linearize]") {
+TEST_CASE("linear equations have a note on each one-sided joint, and on no other", "[mutants][linearize]") {
   const auto notes_of = [](const std::string& scene) {
     std::string file = paths::kScenes;
     Simulation run(read_mechanism(file.append("/").append(scene).append(".json")));
@@ -340,7 +340,7 @@ TEST_CASE("linear equations have a note on each one-sided link, and on no other"
     for (const Finding& note : linear_motion(run.dynamics(), run.state(), options).notes) all += note.text() + "\n";
     return all;
   };
-  CHECK(says(notes_of("bouncing_pendulum"), {"one-sided link 'hinge", "is open and left out"}));
+  CHECK(says(notes_of("bouncing_pendulum"), {"one-sided joint 'hinge", "is open and left out"}));
   CHECK(!says(notes_of("pendulum"), {"one-sided"}));
 }
 

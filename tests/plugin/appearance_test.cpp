@@ -27,7 +27,7 @@ std::string scene_with(const std::string& name, const std::string& law) {
     "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0],
                "drive": {"axis": "rz", "law": )" +
                               law + R"(}}],
-    "run": {"until": 0.1, "output": 0.05, "record": ["A.angle_z"]})");
+    "run": {"until": 0.1, "output": 0.05, "record": ["A.rz"]})");
 }
 
 }  // namespace

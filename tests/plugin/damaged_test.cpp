@@ -69,7 +69,7 @@ TEST_CASE("a plugin that ends the process that opens it is listed with what happ
     CHECK(all["deadly"]["checksum"] != "0000000000000000");
     CHECK(contains(all["deadly"]["build"].get<std::string>(), "ABI "));
     CHECK(all["deadly"]["why"] == "plugin file '" + file + "' ended the process that opened it: " + says +
-                                      "; the file is damaged, or its code is wrong; build or install it anew");
+                                      "; the file is damaged, or its code is wrong; build or install it again");
     CHECK(all["zeal"]["state"] == "loads");  // the list goes on
     CHECK(all["zeal"]["brings"][0]["name"] == "probe_law");
   }
@@ -145,8 +145,8 @@ TEST_CASE("size and checksum of a plugin are kept before it is opened", "[plugin
   });
   check_words(
       other, {"PluginError: plugin 'kept': " + file + " has " + std::to_string(longer.size()) + " bytes with checksum ",
-              "expected were " + std::to_string(sound.size()) + " bytes with checksum ",
-              "; install the file anew, or expect what it is now"});
+              ", expected " + std::to_string(sound.size()) + " bytes with checksum ",
+              "; install the file again, or update the expected stamp"});
   CHECK(std::getenv("LOCKSTEP_TEST_PROBE") == nullptr);  // none of its code ran
 
   plugin_file("kept", "kept.so", sound);
@@ -158,7 +158,7 @@ TEST_CASE("size and checksum of a plugin are kept before it is opened", "[plugin
   const std::string changed = thrown_by([&] { load_plugin(third, file); });
   check_words(changed,
               {"plugin 'kept': " + file + " has " + std::to_string(longer.size()) + " bytes",
-               "this process opened it when it had " + std::to_string(sound.size()) + " bytes", "; restart it"});
+               "this process loaded it with " + std::to_string(sound.size()) + " bytes", "; restart the process"});
   CHECK(third.laws.names().empty());
 }
 
@@ -177,7 +177,7 @@ TEST_CASE("a plugin built without lockstep's flags is refused in a sentence", "[
   CHECK(contains(answer_of(test_plugin("unlinked")), "it needs 'lockstep::gone_since("));
 }
 
-TEST_CASE("files of laws, links and forces of plugins are looked for in the scene's folder", "[plugin][damaged]") {
+TEST_CASE("files of laws, joints and forces of plugins are looked for in the scene's folder", "[plugin][damaged]") {
   const std::string folder = kRunnerFolder + "/with_files";
   fs::create_directories(folder + "/data");
   std::ofstream(folder + "/data/word.txt") << "the_word_of_the_scene";

@@ -94,8 +94,8 @@ TEST_CASE("an event that never happens is in the summary, with the nearest value
   const Called said = call("run " + scene);
   INFO(said.text);
   CHECK(said.exit == 0);
-  CHECK(contains(said.text, "event-missed: event 'catch': rod.angle_z did not cross -15 rad; nearest -3.14"));
-  CHECK(contains(said.text, "event-missed: event 'late': its instant, 7 s, did not come"));
+  CHECK(contains(said.text, "event-missed: event 'catch': rod.angle_z did not cross -15 rad; nearest value -3.14"));
+  CHECK(contains(said.text, "event-missed: event 'late': its time, 7 s, was not reached"));
   const Json result = Json::parse(call("run " + scene + " --json 2>/dev/null").text);
   const Json& missed = result["missed_events"];
   REQUIRE(missed.size() == 2);
@@ -113,17 +113,17 @@ TEST_CASE("an event that never happens is in the summary, with the nearest value
   // One that is passed the other way: rz'^2 = 3 g/L sin(-rz), so that -1 rad is met at 0.375 s.
   const std::string other = " --set events.catch.when.crosses=-1 --set events.catch.when.direction=rising --until 0.9";
   CHECK(contains(call("run " + scene + other).text,
-                 "did not rise through -1 rad; it passed there the other way at t = 0.375"));
+                 "did not rise through -1 rad; it crossed in the other direction at t = 0.375"));
 }
 
 TEST_CASE("a tolerance that rounding does not let anything meet is refused", "[runner]") {
   const std::string run = "run '" + std::string(paths::kScenes) + "/pendulum.json' --until 0.01 --no-picture ";
   check_refused(call(run + "--tolerance 1e-20"), 2,
-                {"--tolerance", "1e-20 is less than rounding leaves", "take 1e-13"});
+                {"--tolerance", "1e-20 is below the round-off", "take 1e-13"});
   const std::string scene =
       scene_file("too_tight", kArm + R"("links": [{)" + kHinge + R"(}], "run": {"until": 1, "tolerance": 1e-20})");
   check_refused(call("run '" + scene + "'"), 3,
-                {"too_tight.json:", "run.tolerance", "1e-20 is less than rounding leaves"});
+                {"too_tight.json:", "run.tolerance", "1e-20 is below the round-off"});
   CHECK(call(run + "--tolerance 1e-12 --record below.csv").exit == 0);
 }
 

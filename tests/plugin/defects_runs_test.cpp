@@ -59,7 +59,7 @@ TEST_CASE("a homokinetic joint that is folded back is refused by name", "[runner
   const Called ran = run_named(defect("homokinetic_folded"), "homokinetic_folded");
   INFO(ran.text);
   CHECK(ran.exit == 5);
-  CHECK(contains(ran.text, "link 'J' is folded back by half a turn at the start"));
+  CHECK(contains(ran.text, "joint 'J' is folded by 180 deg at the start"));
 }
 
 // Two slides guide the same body, and their directions differ by 0.001 rad: what one allows the other nearly forbids.
@@ -67,14 +67,15 @@ TEST_CASE("rows that are nearly redundant are named before a start velocity that
   const Called trammel = run_named(defect("near_redundant_trammel"), "near_redundant_trammel");
   INFO(trammel.text);
   CHECK(trammel.exit == 5);
-  CHECK(contains(trammel.text, "P2.e3, R1.x, R1.y, R1.z, R1.e1, R1.e2, R2.x, R2.y, R2.z, R2.e1 and R2.e2: 1 too many"));
-  CHECK(contains(trammel.text, "start velocity: P1.z cannot be met"));
+  CHECK(contains(trammel.text,
+                 "P2.e3, R1.x, R1.y, R1.z, R1.e1, R1.e2, R2.x, R2.y, R2.z, R2.e1 and R2.e2: 1 nearly redundant"));
+  CHECK(contains(trammel.text, "start velocity: P1.z is impossible"));
 }
 
 // Rounding takes a little off the rate in each round: it went on for minutes. A fuzzed scene.
 TEST_CASE("a start velocity that rounding alone comes nearer to is refused at once", "[runner]") {
   check_refused(run_named(defect("crank_that_cannot_turn"), "crank_that_cannot_turn"), 5,
-                {"start velocity: A.rz cannot be met; the mechanism does not move that way"});
+                {"start velocity: A.rz is impossible: the joints do not allow this motion"});
 }
 
 // The axes of the two chains differ visibly: as soon as it moves, it is locked. No verb runs it, quiet or not.
@@ -159,7 +160,7 @@ TEST_CASE("inverse names the instants at which reactions have no value", "[runne
   const Called called = call(inverse);
   INFO(called.text);
   REQUIRE(called.exit == 0);
-  CHECK(contains(called.text, "the reactions at t = 0.5 s are uncertain by more than 1 %, or have no value"));
+  CHECK(contains(called.text, "the reactions at t = 0.5 s are uncertain by more than 1 %, or undefined"));
   const Table table = table_of("through_flat");
   REQUIRE(table.n_rows() == 5);
   for (std::size_t k = 0; k < 5; ++k) {
@@ -179,13 +180,13 @@ TEST_CASE("a body that may slide along the plane's normal is not said to be fixe
     "bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 1]}],
     "links": [{"name": "G", "type": "prismatic", "p": "b", "s": "ground", "at": [0, 0, 0], "axis": "z"}],
     "run": {"until": 0.1, "output": 0.1, "record": ["b.z"]})"));
-  CHECK(!contains(run_named(scene, "normal_slide").text, "no freedom is left"));
+  CHECK(!contains(run_named(scene, "normal_slide").text, "no degree of freedom"));
   CHECK(contains(call("check " + scene + " --planar off").text, "degrees of freedom  1"));
   for (const std::string method : {"dopri5 --formulation omega", "radau5"}) {
     const Called ran = run_named(scene, "normal_slide", "--integrator " + method);
     INFO(ran.text);
     CHECK(ran.exit == 0);
-    CHECK_FALSE(contains(ran.text, "no freedom is left: nothing can move"));
+    CHECK_FALSE(contains(ran.text, "no degree of freedom"));
   }
 }
 
@@ -228,7 +229,7 @@ TEST_CASE("copies in lanes pass singular positions in as many steps as alone", "
   const Called lanes = call(sweep + "--record lanes.csv"), alone = call(sweep + "--lanes off --record alone.csv");
   INFO(lanes.text << alone.text);
   REQUIRE((lanes.exit == 0 && alone.exit == 0));
-  CHECK(contains(lanes.text, "in lanes  16"));
+  CHECK(contains(lanes.text, "16 runs, all succeeded (vectorised: 8 per batch)"));
   const auto most = [](const std::string& csv) {
     std::ifstream file(kRunnerFolder + "/" + csv);
     std::string header, row;
@@ -258,7 +259,7 @@ TEST_CASE("a run that ends beside a flat position makes no more steps than one t
                                  "--json --set bodies.bar.rod.mass=0.6666666666666666 " +
                                      ("--set run.max_steps=200 --until " + until) + " --tolerance " + tolerance);
     INFO(ran.text);
-    if (contains(ran.text, "has made its 200 steps")) return 200L;
+    if (contains(ran.text, "has used its 200 steps")) return 200L;
     REQUIRE(ran.exit == 0);
     return Json::parse(ran.text)["steps"].get<long>();
   };

@@ -182,7 +182,7 @@ TEST_CASE("a run of which no digit is certified ends as a doubtful one", "[runne
   const std::string scene = scene_file("uncertified", kFalling + R"(, "run": {"integrator": "rk4", "step": 0.5,
     "until": 20, "output": 0.5, "energy_limit": 100, "record": ["arm.vx"]})");
   check_refused(call("run '" + scene + "' --certify --budget 10s --no-picture --record found.csv"), 11,
-                {"--certify: not one digit of arm.vx is certified"});
+                {"--certify: no digit of arm.vx is verified"});
 }
 
 // (t + 1)^2 - t^2 - 2 t - 1 is zero but for rounding, which changes its sign all along.

@@ -72,28 +72,28 @@ TEST_CASE("new-plugin touches nothing that exists", "[plugin][new_plugin]") {
     const testing::Called r = call("new-plugin law " + std::string(name) + " --into '" + kPlace + "'");
     INFO(r.text);
     CHECK(r.exit == kExitFile);
-    CHECK(contains(r.text, "exists already and is left as it is"));
+    CHECK(contains(r.text, "exists and is left unchanged"));
   }
   CHECK(fs::is_empty(kPlace + "/mine"));
   CHECK(text_of(kPlace + "/file") == "kept");
   CHECK_FALSE(fs::exists(kPlace + "/nowhere"));
   const testing::Called r = call("new-plugin law mine2 --into '" + kPlace + "/file'");
   CHECK(r.exit == kExitFile);
-  CHECK(contains(r.text, "cannot be made"));
+  CHECK(contains(r.text, "cannot be created"));
 }
 
 TEST_CASE("new-plugin refuses names that cannot be", "[plugin][new_plugin]") {
   fs::remove_all(kPlace);
   for (const char* name : {"", "Rail", "2rails", "a-b", "../up", "a/b", "rail_", "a__b", "r\xc3\xa4", "a b"})
     CHECK(contains(refusal("link", name), "small letters, digits and single _"));
-  CHECK(contains(refusal("link", "revolute"), "\"revolute\" is a link of lockstep already"));
-  CHECK(contains(refusal("law", "dopri5"), "is an integrator of lockstep already"));
+  CHECK(contains(refusal("link", "revolute"), "\"revolute\" is already a joint of lockstep"));
+  CHECK(contains(refusal("law", "dopri5"), "is already an integrator of lockstep"));
   CHECK(contains(refusal("law", "motion"), "would be MotionLaw, which lockstep has"));
-  CHECK(contains(refusal("force", "test"), "a target that every CMake project has"));
+  CHECK(contains(refusal("force", "test"), "a target of every CMake project"));
   for (const char* target : {"edit_cache", "rebuild_cache", "preinstall"})
-    CHECK(contains(refusal("force", target), "a target that every CMake project has"));
+    CHECK(contains(refusal("force", target), "a target of every CMake project"));
   CHECK(contains(refusal("link", std::string(61, 'a')), "at most 60"));
-  CHECK(contains(refusal("link", "libra"), "begins with \"lib\", which lockstep cuts"));
+  CHECK(contains(refusal("link", "libra"), "begins with \"lib\", which lockstep removes"));
   CHECK_FALSE(fs::exists(kPlace));
   const testing::Called r = call("new-plugin gear mine");
   CHECK(r.exit == kExitUsage);

@@ -33,9 +33,9 @@ TEST_CASE("a mechanism that locks names its crank and the loop that cannot follo
   const Called ran = run_named(defect("locks_jansen"), "locks_jansen");
   INFO(ran.text);
   CHECK(ran.exit == 6);
-  CHECK(contains(ran.text, "12 rows up to there"));
+  CHECK(contains(ran.text, "saved: 12 rows up to t = "));
   const bool two_laws = contains(ran.text, "two laws may drive one coordinate");
-  expect_defect("locks", kPlainWords, two_laws && contains(ran.text, "link 'A'"),
+  expect_defect("locks", kPlainWords, two_laws && contains(ran.text, "joint 'A'"),
                 !two_laws && contains(ran.text, "'A'") && contains(ran.text, "loop"));
 }
 

@@ -33,14 +33,14 @@ TEST_CASE("the option --set gives a parameter another value, and all that hangs 
 }
 
 TEST_CASE("check lists parameters and points with their values", "[runner]") {
-  const Called text = call("check " + scene_path("four_bar") + " --set crank=120mm");
+  const Called text = call("check " + scene_path("four_bar") + " --verbose --set crank=120mm");
   INFO(text.text);
   CHECK(text.exit == 0);
   check_words(text.text,
               {"parameters", "crank", "0.12 m", "beta", "=atan2(BD.y, BD.x)", "points:", "=A + [base, 0, 0]"});
   const Called json = call("check " + scene_path("four_bar") + " --json");
   check_words(json.text, {"\"parameters\"", "\"name\": \"coupler\"", "\"value\": \"0.3 m\"", "\"kind\": \"point\""});
-  CHECK_FALSE(contains(call("check " + scene_path("screw")).text, "parameters"));
+  CHECK_FALSE(contains(call("check " + scene_path("screw") + " --verbose").text, "parameters"));
 }
 
 TEST_CASE("a sweep varies a parameter: other lengths give other motions", "[runner]") {
@@ -48,7 +48,7 @@ TEST_CASE("a sweep varies a parameter: other lengths give other motions", "[runn
       call("sweep " + scene_path("slider_crank") + " --vary crank=\"100 mm:200 mm:3\" --record lengths.csv --quiet");
   INFO(swept.text);
   REQUIRE(swept.exit == 0);
-  CHECK_FALSE(contains(swept.text, "also written"));
+  CHECK_FALSE(contains(swept.text, "also given"));
   const Columns table = read_columns(kRunnerFolder + "/lengths.csv", "run", {"crank", "xs max", "xs min"});
   REQUIRE(table.t.size() == 3);
   for (int i = 0; i < 3; ++i) {
@@ -66,11 +66,12 @@ TEST_CASE("a length that varies while it stands elsewhere is warned about", "[ru
                   "links": [{"name": "A", "type": "revolute", "p": "a", "s": "ground", "at": [0, 0, 0]},
                             {"name": "B", "type": "revolute", "p": "b", "s": "a", "at": [0.3, 0, 0]}],
                   "gravity": [0, -9.81, 0], "run": {"until": 0.01, "output": 0.01, "record": ["b.x"]})");
-  check_words(
-      call("sweep " + scene + " --vary bodies.a.rod.to.0=0.3,0.4 --record twice.csv").text,
-      {"the length at bodies.a.rod.to.0 is also written at bodies.b.rod.from.0 and links.B.at.0", "parameters"});
+  check_words(call("sweep " + scene + " --vary bodies.a.rod.to.0=0.3,0.4 --record twice.csv").text,
+              {"the length at bodies.a.rod.to.0 is also given at bodies.b.rod.from.0 and links.B.at.0, "
+               "which do not vary with it",
+               "make it a parameter and write \"=name\" in these places"});
   CHECK_FALSE(
-      contains(call("sweep " + scene + " --vary bodies.a.rod.mass=1,2 --record twice.csv").text, "also written"));
+      contains(call("sweep " + scene + " --vary bodies.a.rod.mass=1,2 --record twice.csv").text, "also given"));
 }
 
 }  // namespace parameters_command_test

@@ -66,7 +66,7 @@ TEST_CASE("a run is not gone on with when a plugin of it was changed since", "[r
   INFO(changed.text);
   CHECK(changed.exit == 8);
   CHECK(contains(changed.text, "checkpoint '" + saved + "': a plugin of scene '" + scene +
-                                   "' was changed since; bring back what it was, or run anew"));
+                                   "' has changed; restore it, or run again"));
   CHECK(fs::exists(saved));
   CHECK(fs::exists(file + ".partial"));
   put(sound);  // as it was: it goes on

@@ -42,8 +42,8 @@ TEST_CASE("links with rows that are not unique are marked by their own names, st
   std::vector<std::string> names, rows;
   for (const auto& [link, why] : marked) names.push_back(link), rows.push_back(why.substr(0, why.find(';')));
   CHECK(names == std::vector<std::string>{"A", "A.stop_rz_low", "A.stop_rz_high"});
-  CHECK(rows == std::vector<std::string>{"not unique: the reaction of row x, y", "not unique: the reaction of row rz",
-                                         "not unique: the reaction of row rz"});
+  CHECK(rows == std::vector<std::string>{"reaction not unique: constraint x, y", "reaction not unique: constraint rz",
+                                         "reaction not unique: constraint rz"});
 }
 
 TEST_CASE("run, report, sweep and chart write pages", "[runner]") {
@@ -85,11 +85,11 @@ TEST_CASE("run, report, sweep and chart write pages", "[runner]") {
   const std::string own = scene_file("own", kArm + R"("run": {"until": 0.1})");
   const Called over = call("run '" + own + "' --record bar.csv --report '" + own + "'");
   CHECK(over.exit == 2);
-  CHECK(contains(over.text, "from which the scene is read"));
+  CHECK(contains(over.text, "a file of the scene"));
 }
 
 // A four-bar in space has three redundant rows, which share forces along the axes and moments across them.
-TEST_CASE("the page of a run marks links whose reactions are not unique", "[runner]") {
+TEST_CASE("the page of a run marks joints whose reactions are not unique", "[runner]") {
   for (const char* name : {"full.html", "flat.html"}) fs::remove(kFolder + "/" + std::string(name));
   const std::string run = "run '" + kFourBar + "' --until 0.05 --no-picture ";
   REQUIRE(call(run + "--full --record full.csv --report full.html").exit == 0);
@@ -113,7 +113,7 @@ TEST_CASE("a run that fails leaves a report of what it computed", "[runner]") {
   const Called r = call("run '" + few + "' --record broken.csv --report broken.html");
   INFO(r.text);
   CHECK(r.exit == 6);
-  CHECK(contains(r.text, "its report up to there is"));
+  CHECK(contains(r.text, "unfinished report: "));
   std::ifstream in(page);
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   CHECK(contains(text, "the run ended at t = 0.2 s"));
@@ -128,16 +128,16 @@ TEST_CASE("a number that is none stops the run, what was computed is kept", "[ru
   const Called r = call("run '" + blow + "' --record blow.csv");
   INFO(r.text);
   CHECK(r.exit == 7);
-  CHECK(contains(r.text, "link 'A'"));
+  CHECK(contains(r.text, "joint 'A'"));
   CHECK(contains(r.text, "t = 0.5 s"));
-  CHECK(contains(r.text, "rows up to there are in"));
+  CHECK(contains(r.text, " rows up to t = "));
   CHECK(read_csv(kFolder + "/blow.csv.partial").n_rows() >= 5);
   CHECK_FALSE(fs::exists(kFolder + "/blow.csv"));
   const Called full = call("run '" + blow + "' --record /dev/full");
   INFO(full.text);
   CHECK(full.exit == 7);  // the run's own error, not the disk's
-  CHECK(contains(full.text, "could not be written"));
-  CHECK(contains(full.text, "link 'A'"));
+  CHECK(contains(full.text, "saved: no rows: "));
+  CHECK(contains(full.text, "joint 'A'"));
 }
 
 TEST_CASE("results replace neither what a scene is read from nor what another run writes", "[runner]") {
@@ -178,7 +178,7 @@ TEST_CASE("an interrupted run ends after its step, with its rows beside the old 
   INFO(r.text);
   CHECK(r.exit == 130);
   CHECK(contains(r.text, "interrupted at t = "));
-  CHECK(contains(r.text, "the rows up to there are in swing.csv.partial"));
+  CHECK(contains(r.text, "rows saved in swing.csv.partial"));
   CHECK_FALSE(contains(r.text, "the caller"));
   CHECK(read_csv(kFolder + "/swing.csv.partial").n_rows() >= 1);
   CHECK(contents_of(kFolder + "/swing.csv") == "t,old\n0,1\n");
@@ -214,7 +214,7 @@ TEST_CASE("a run or sweep to its own start has one row", "[runner]") {
     CHECK(std::count(rows.begin(), rows.end(), '\n') == 5);
     CHECK(contains(rows, "\n4,-4,0,"));  // to t = 0
   }
-  check_refused(call("run '" + never + "'"), 3, {"does not say how long it runs"});
+  check_refused(call("run '" + never + "'"), 3, {"the scene has no end time"});
   check_refused(call("run '" + never + "' --until -1s"), 2, {"--until: the value is -1s; it must be 0 or greater"});
 }
 
@@ -225,11 +225,11 @@ TEST_CASE("an interrupted chart writes the runs that are done", "[runner]") {
   for (const char* seconds : {"3", "8", "20"}) {
     r = call("chart '" + kFourBar + "' --until 0.05 --budget 60 --out charts --quiet",
              std::string("timeout --foreground --preserve-status -s INT ") + seconds);
-    if (contains(r.text, "the runs up to there are written")) break;
+    if (contains(r.text, "the completed runs are written")) break;
   }
   INFO(r.text);
   CHECK(r.exit == 130);
-  CHECK(contains(r.text, "the runs up to there are written"));
+  CHECK(contains(r.text, "the completed runs are written"));
   std::ifstream file(kFolder + "/charts/four_bar_chart.csv");
   std::string line;
   int n_lines = 0;
@@ -258,7 +258,7 @@ TEST_CASE("a picture that fails hides neither summary nor table", "[runner]") {
   INFO(broken.text);
   CHECK(broken.exit == 0);
   CHECK(contains(broken.text, "inkless.csv"));
-  CHECK(contains(broken.text, "rows         71"));
+  CHECK(contains(broken.text, "simulated  0.7 s"));
   CHECK(contains(broken.text, "no picture: gnuplot could not draw"));
   CHECK(contains(broken.text, "out of ink"));
   const Called none = call("run '" + kFourBar + "' --record bare.csv", "PATH=/nowhere");
@@ -268,7 +268,7 @@ TEST_CASE("a picture that fails hides neither summary nor table", "[runner]") {
   INFO(torn.text);
   CHECK(torn.exit == 8);
   CHECK(contains(torn.text, "file '/dev/full' cannot be written: No space left on device"));
-  CHECK(contains(torn.text, "conserved"));
+  CHECK(contains(torn.text, "energy ok"));
   CHECK(fs::is_character_file("/dev/full"));  // a device is written to, and never replaced
 }
 
@@ -305,7 +305,7 @@ TEST_CASE("a scene reads files of its own folder only, unless it may", "[runner]
     const Called r = run(file);
     CAPTURE(file, r.text);
     CHECK(r.exit == 2);
-    CHECK(contains(r.text, "\"" + file + "\" is outside of the scene's folder"));
+    CHECK(contains(r.text, "\"" + file + "\" is outside the scene's folder"));
     CHECK(contains(r.text, "--allow-files"));
   }
   CHECK(run("../outside.csv", "--allow-files").exit == 0);
@@ -319,7 +319,7 @@ TEST_CASE("a scene reads files of its own folder only, unless it may", "[runner]
     return call("check within/seen.json " + options);
   };
   CHECK(look("../outside.obj").exit == 2);
-  CHECK(contains(look("../outside.obj").text, "\"../outside.obj\" is outside of the scene's folder"));
+  CHECK(contains(look("../outside.obj").text, "\"../outside.obj\" is outside the scene's folder"));
   CHECK(look("../outside.obj", "--allow-files").exit == 0);
   fs::copy_file(kFolder + "/outside.obj", kFolder + "/within/inside.obj", fs::copy_options::overwrite_existing);
   CHECK(look("inside.obj").exit == 0);
@@ -339,7 +339,7 @@ TEST_CASE("a scene reads files of its own folder only, unless it may", "[runner]
   const Called outside = include("../part.json");
   CAPTURE(outside.text);
   CHECK(outside.exit == 2);
-  CHECK(contains(outside.text, "part.json\" is outside of the scene's folder"));
+  CHECK(contains(outside.text, "part.json\" is outside the scene's folder"));
   CHECK(include("../part.json", "--allow-files").exit == 0);
 }
 
@@ -353,7 +353,7 @@ TEST_CASE("a scene named from its own folder reads the files beside it", "[runne
     "links": [{"name": "A", "type": "revolute", "p": "sun", "s": "ground", "at": [0, 0, 0]},
       {"name": "B", "type": "revolute", "p": "ring", "s": "ground", "at": [0, 0, 0]},
       {"name": "G", "type": "gear", "pairs": ["A", "B"], "teeth_1": 20, "teeth_2": 40, "mesh": "internal"}],
-    "run": {"until": 0.1, "output": 0.1, "record": ["A.angle_z"]}})";
+    "run": {"until": 0.1, "output": 0.1, "record": ["A.rz"]}})";
   for (const char* words : {"lockstep check gears.json", "lockstep check ./gears.json", "lockstep check - < gears.json",
                             "lockstep run gears.json --record gears.csv"}) {
     const Called r = shell(cd + words);
@@ -379,13 +379,13 @@ TEST_CASE("a scene named from its own folder reads the files beside it", "[runne
     const Called r = check(file);
     CAPTURE(file, r.text);
     CHECK(r.exit == 2);
-    CHECK(contains(r.text, "\"" + std::string(file) + "\" is outside of the scene's folder"));
+    CHECK(contains(r.text, "\"" + std::string(file) + "\" is outside the scene's folder"));
   }
 }
 
 TEST_CASE("what a full standard output swallows is told", "[runner]") {
   check_refused(shell("lockstep check '" + kFourBar + "' --json > /dev/full"), 8,
-                {"standard output cannot be written; what was printed is not complete"});
+                {"standard output cannot be written; the printed text is incomplete"});
 }
 
 }  // namespace runner_files_test

@@ -28,7 +28,7 @@ const std::string kBob = R"("gravity": [0,-9.81,0],
   "links": [{"name": "pivot", "type": "revolute", "p": "bob", "s": "ground", "at": [0,0,0]}],
   "forces": [{"name": "motor", "type": "torque_motor", "p": "bob", "s": "ground", "at": [0,0,0], "torque": 0},
              {"name": "push", "type": "applied_force", "p": "bob", "at": [0,-0.7,0], "force": [0, -3, 0]}],
-  "run": {"until": 1, "output": 0.1, "record": ["pivot.angle_z"]})";
+  "run": {"until": 1, "output": 0.1, "record": ["pivot.rz"]})";
 const double kSwing = std::sqrt(2 * 9.81 * 0.7 / (0.3 + 2 * 0.49));  // sqrt(m g d/(I + m d^2))
 
 std::string without_push() {
@@ -53,7 +53,7 @@ TEST_CASE("modes of a scene: a pendulum's frequency", "[runner][modes]") {
   const Called words = call("modes '" + scene + "' --csv modes.csv");
   INFO(words.text);
   CHECK(words.exit == 0);
-  for (const char* word : {"at rest", "'bob' turns 1 rad about z", "undamped", "modes.csv"})
+  for (const char* word : {"at rest", "'bob' rotates 1 rad about z", "undamped", "modes.csv"})
     CHECK(contains(words.text, word));
   std::ifstream file(kRunnerFolder + "/modes.csv");
   std::string header, row;
@@ -68,20 +68,20 @@ TEST_CASE("modes refuse what is no equilibrium, with the next move", "[runner][m
   const Called refused = call("modes '" + scene + "'");
   INFO(refused.text);
   CHECK(refused.exit == 3);
-  for (const char* word : {"'arm' accelerates with", "m/s^2", "--frozen", "--at"}) CHECK(contains(refused.text, word));
+  for (const char* word : {"'arm' accelerates at", "m/s^2", "--frozen", "--at"}) CHECK(contains(refused.text, word));
   const Called frozen = call("modes '" + scene + "' --frozen");
   CHECK(frozen.exit == 0);
   CHECK(contains(frozen.text, "frozen coefficients"));
   CHECK(call("modes '" + scene + "' --set gravity.0=9.81 --set gravity.1=0").exit == 0);
   check_refused(call("modes '" + scene + "' --frozen --spin 1,2"), 2,
-                {"--spin: \"1,2\" is no vector; write three numbers"});
+                {"--spin: \"1,2\" is not a vector; write three numbers"});
   for (const char* spin : {"nan,0,0", "0,inf,0"}) {
     const Called endless = call("modes '" + scene + "' --frozen --spin " + spin);
     INFO(endless.text);
     CHECK(endless.exit == 2);
     for (const char* word : {"--spin", spin, "not finite"}) CHECK(contains(endless.text, word));
   }
-  check_refused(call("modes '" + scene + "' --frozen --count none"), 2, {"--count: \"none\" is no number of modes"});
+  check_refused(call("modes '" + scene + "' --frozen --count none"), 2, {"--count: \"none\" is not a number of modes"});
   check_refused(call("modes '" + scene + "' --frozen --at yesterday"), 2, {"--at: \"yesterday\" is not a time"});
 }
 
@@ -94,7 +94,7 @@ TEST_CASE("modes refuse a slender rod that falls about a hinge beside it", "[run
     const Called refused = call(std::string(verb) + " '" + scene + "'");
     INFO(refused.text);
     CHECK(refused.exit == 3);
-    CHECK(contains(refused.text, "'arm' accelerates with"));
+    CHECK(contains(refused.text, "'arm' accelerates at"));
   }
 }
 
@@ -105,7 +105,7 @@ TEST_CASE("modes of a scene at an instant to which it is run", "[runner][modes]"
     "forces": [{"name": "spring", "type": "spring_damper", "p": "mass", "s": "ground", "at_p": [0,0,0], "at_s": [0,-1,0],
                 "stiffness": 200, "damping": 20, "free_length": 1}],
     "run": {"until": 1, "tolerance": 1e-10})");
-  check_refused(call("modes '" + scene + "'"), 3, {"'mass' accelerates with", "--at"});
+  check_refused(call("modes '" + scene + "'"), 3, {"'mass' accelerates at", "--at"});
   const Called settled = call("modes '" + scene + "' --at 10 --json");
   INFO(settled.text);
   REQUIRE(settled.exit == 0);
@@ -118,7 +118,7 @@ TEST_CASE("modes of a scene at an instant to which it is run", "[runner][modes]"
 TEST_CASE("linearize: a motor, a push and a drive of a pendulum", "[runner][linear]") {
   const std::string scene = scene_file("pushed", kBob);
   const Called called =
-      call("linearize '" + scene + "' --inputs motor,push --outputs pivot.angle_z,bob.ax,pivot.omega_z --json");
+      call("linearize '" + scene + "' --inputs motor,push --outputs pivot.rz,bob.ax,pivot.omega_z --json");
   INFO(called.text);
   REQUIRE(called.exit == 0);
   const json j = json::parse(called.text);
@@ -155,7 +155,7 @@ TEST_CASE("linearize: the law of a drive has three columns", "[runner][linear]")
                "drive": {"axis": "z", "law": 0}},
               {"name": "pivot", "type": "revolute", "p": "bob", "s": "cart", "at": [0,0,0]}],
     "run": {"until": 1})");
-  const Called called = call("linearize '" + scene + "' --inputs rail --outputs pivot.angle_z,cart.x,bob.x --json");
+  const Called called = call("linearize '" + scene + "' --inputs rail --outputs pivot.rz,cart.x,bob.x --json");
   INFO(called.text);
   REQUIRE(called.exit == 0);
   const json j = json::parse(called.text);
@@ -230,7 +230,7 @@ TEST_CASE("linearize: a force along an axis of a bushing and a torque about it",
   CHECK(j["inputs"][1]["unit"] == "N m");
 }
 
-TEST_CASE("linearize: laws of links and markers, and a brake by a formula", "[runner][linear]") {
+TEST_CASE("linearize: laws of joints and markers, and a brake by a formula", "[runner][linear]") {
   const std::string scene = scene_file("four", kFour);
   const json j =
       linearized(scene,
@@ -281,7 +281,7 @@ TEST_CASE("linearize refuses what can be no input, with the next move", "[runner
   // nothing that hangs on the marker asks for its axes
   const Called nothing = call("linearize '" + scene + "' --inputs table.rotation.z");
   CHECK(nothing.exit == 3);
-  CHECK(contains(nothing.text, "'table.rotation.z' acts on nothing at this state"));
+  CHECK(contains(nothing.text, "'table.rotation.z' has no effect at this state"));
 }
 
 TEST_CASE("linearize: a particle that cannot turn, and the law of a cam", "[runner][linear]") {
@@ -291,13 +291,13 @@ TEST_CASE("linearize: a particle that cannot turn, and the law of a cam", "[runn
   CHECK(entry(linearized(particle, "--inputs pad.y"), "B", "bead.move_y_d", "pad.y") == Approx(1).epsilon(1e-12));
   const Called turn = call("linearize '" + particle + "' --inputs pad.rz");
   CHECK(turn.exit == 3);
-  CHECK(contains(turn.text, "'bead', which is a particle and cannot turn; name a force along x, y or z"));
+  CHECK(contains(turn.text, "'bead', which is a particle and cannot rotate; name a force along x, y or z"));
   const Called cam = call("linearize '" + std::string(paths::kScenes) + "/cam.json' --inputs contact_1.radius");
   CHECK(cam.exit == 2);
-  CHECK(contains(cam.text, "not of time"));
+  CHECK(contains(cam.text, "not on time"));
   const Called link = call("linearize '" + std::string(paths::kScenes) + "/cam.json' --inputs contact_1");
   CHECK(link.exit == 2);
-  CHECK(contains(link.text, "give it one, or add a motor or a force beside it"));  // its law can be no input
+  CHECK(contains(link.text, "give it one, or add a motor or a force"));  // its law can be no input
 }
 
 TEST_CASE("linearize: an input on a drive of a speed that is switched off acts on nothing", "[runner][linear]") {
@@ -311,7 +311,7 @@ TEST_CASE("linearize: an input on a drive of a speed that is switched off acts o
   INFO(called.text);
   CHECK(called.exit == 3);
   CHECK(contains(called.text,
-                 "'gear' acts on nothing at this state; put its law in a drive or a force that is in force"));
+                 "'gear' has no effect at this state; put its law in an active drive or force"));
 }
 
 TEST_CASE("matrices as files that agree with one another", "[runner][linear]") {

@@ -58,49 +58,49 @@ void write(const std::string& name, const std::string& text) {
 TEST_CASE("options that cannot be meant are refused with the option, the value and how to write it", "[runner]") {
   write("requires.json", R"({"lockstep": 1, "requires": ["bump"], "bodies": [{"name": "a", "particle": 1}]})");
   check_refusals({
-      {"describe", 2, {"describe: give a name, as in `lockstep describe revolute`"}},
+      {"describe", 2, {"describe: a name is missing, as in `lockstep describe revolute`"}},
       {"describe revolut", 2, {"describe: unknown name \"revolut\"", "did you mean \"revolute\""}},
       {"describe cranc --scene @", 2, {"no parameter or point \"cranc\"", "did you mean"}},
-      {"run @ --picture A.angle_z", 2, {"--picture A.angle_z: expected X:Y", "--picture crank.x:crank.y"}},
+      {"run @ --picture A.rz", 2, {"--picture A.rz: expected X:Y", "--picture crank.x:crank.y"}},
       {"run @ --picture none:nothing", 2, {"--picture none:nothing: \"none\" is not recorded"}},
-      {"run @ --json --record -", 2, {"--json: standard output takes the rows", "let one of the two go to a file"}},
-      {"run @ --report -", 2, {"--report: a page for the browser goes to a file", "--report out.html"}},
+      {"run @ --json --record -", 2, {"--json: standard output takes the table", "write one of the two to a file"}},
+      {"run @ --report -", 2, {"--report: the report needs a file", "--report out.html"}},
       {"run @ --record table.csv --report table.csv",
        2,
        {"the report would replace 'table.csv'", "name it table.html"}},
       {"run @ --record - --checkpoint run.checkpoint",
        2,
-       {"--checkpoint: rows that go to '", "record them to a file (--record)"}},
+       {"--checkpoint: rows written to '", "record them to a file (--record)"}},
       {"run @ --record table.csv --checkpoint table.csv",
        2,
        {"--checkpoint: the checkpoint would replace 'table.csv'", "name another file"}},
       {"run @ --checkpoint run.checkpoint --every 0s", 2, {"--every: the value is 0s", "greater than 0"}},
-      {"check @ --channels --of cranc", 2, {"--of: nothing named \"cranc\" has channels", "did you mean \"crank\""}},
-      {"statics @ --all none", 2, {"--all: \"none\" is no whole number from 1 to 1000000"}},
-      {"statics @ --all 3 --record rest.csv", 2, {"--all: it prints every equilibrium", "neither --vary nor --record"}},
-      {"statics @ --json --vary run.step=1,2", 2, {"--json: with --vary the rows are CSV", "leave one of the two out"}},
-      {"statics @ --vary run.integrator=rk4,dopri5", 2, {"--vary: \"run.integrator\" takes words", "over numbers"}},
-      {"modes @ --count 0", 2, {"--count: \"0\" is no number of modes", "--count 10"}},
+      {"check @ --channels --of cranc", 2, {"--of: no body, marker, joint or force is called \"cranc\"", "did you mean \"crank\""}},
+      {"statics @ --all none", 2, {"--all: \"none\" is not a whole number from 1 to 1000000"}},
+      {"statics @ --all 3 --record rest.csv", 2, {"--all prints every equilibrium", "leave out --vary and --record"}},
+      {"statics @ --json --vary run.step=1,2", 2, {"--json: with --vary the result is CSV", "leave out one of the two"}},
+      {"statics @ --vary run.integrator=rk4,dopri5", 2, {"--vary: \"run.integrator\" has no numbers", "varies numbers only"}},
+      {"modes @ --count 0", 2, {"--count: \"0\" is not a number of modes", "--count 10"}},
       {"modes @ --at -1", 2, {"--at: the value is -1", "0 or greater"}},
-      {"matrices @ --out /dev/null/here", 8, {"folder '/dev/null/here' cannot be made", "name another"}},
-      {"kinematics @ --output 1e-12", 2, {"poses, one every 1e-12 s", "give a longer interval, --output"}},
+      {"matrices @ --out /dev/null/here", 8, {"folder '/dev/null/here' cannot be created", "name another"}},
+      {"kinematics @ --output 1e-12", 2, {"poses, one every 1e-12 s", "use a longer interval, --output"}},
       {"sweep @ --vary run.step=1,2 --step 3", 2, {"--step: \"run.step\" varies", "leave one of the two out"}},
       {"sweep @ --vary planar=off,z --full", 2, {"--planar: \"planar\" varies", "leave one of the two out"}},
       {"sweep @ --vary run.step=1e-3,2e-3 --histories /dev/null/here",
        8,
-       {"folder '/dev/null/here' cannot be made", "check --histories"}},
-      {"chart @ --budget 0.5", 2, {"--budget: the value is 0.5", "1 s at least"}},
+       {"folder '/dev/null/here' cannot be created", "check --histories"}},
+      {"chart @ --budget 0.5", 2, {"--budget: the value is 0.5", "at least 1 s"}},
       {"chart @ --tolerances 1e-3:x", 2, {"--tolerances: \"1e-3:x\" is not a range", "COARSE:FINE"}},
-      {"atlas @ --vary run.step=1,2", 2, {"--vary: a map has two axes", "give two of them"}},
+      {"atlas @ --vary run.step=1,2", 2, {"--vary: a map has two axes", "give --vary twice"}},
       {"atlas @ --vary run.step=1,2 --vary run.integrator=rk4,dopri5",
        2,
        {"\"run.integrator\": an axis of a map needs numbers", "--integrators"}},
       {"atlas @ --vary run.step=2,1 --vary run.tolerance=1,2",
        2,
-       {"\"run.step\": an axis of a map needs two values at least, rising"}},
+       {"\"run.step\": an axis of a map needs at least two increasing values"}},
       {"atlas @ --vary run.step=1,2 --vary run.tolerance=1,2 --step 3", 2, {"--step: \"run.step\" varies"}},
       {"atlas @ --vary run.until=1,2 --vary run.tolerance=1,2 --until 3", 2, {"--until: \"run.until\" varies"}},
-      {"run requires.json --set requires.0=drag", 2, {"\"requires.0\" cannot be set", "plugins are given by --plugin"}},
+      {"run requires.json --set requires.0=drag", 2, {"\"requires.0\" cannot be set", "give plugins by --plugin"}},
       {"sweep requires.json --vary requires.0=bump,drag", 2, {"\"requires.0\" cannot vary", "plugins and columns are the same"}},
   });
 }
@@ -138,44 +138,43 @@ TEST_CASE("what a run, a sweep or a plugin's template cannot go on with is refus
   checkpoint("kind.csv.sweep", "run", "");
   checkpoint("other.csv.sweep", "sweep", "sweep other.json");
   check_refusals({
-      {"check folder.json", 3, {"include[0].scene: \".\" is no file that holds a scene"}},
+      {"check folder.json", 3, {"include[0].scene: \".\" is not a regular file"}},
       {"run @ --plugin ./sparse.so", 4, {"sparse.so' has 1073741825 bytes", "at most 2^30"}},
       {"resume host.saved", 2, {"checkpoint 'host.saved' is of a simulation in C++", "Simulation::load"}},
-      {"resume words.saved", 2, {"the command line that a checkpoint holds cannot be read", "--nonsense"}},
+      {"resume words.saved", 2, {"the command line in the checkpoint cannot be read", "--nonsense"}},
       {"sweep ends.json --vary run.tolerance=1e-6,1e-7 --resume --record kind.csv",
        8,
-       {"the sweep of 'kind.csv.sweep' cannot be gone on with: the file is no sweep's", "leave out --resume"}},
+       {"the sweep of 'kind.csv.sweep' cannot be continued: the file is not of a sweep", "leave out --resume"}},
       {"sweep ends.json --vary run.tolerance=1e-6,1e-7 --resume --record other.csv",
        8,
-       {"it was begun by `lockstep sweep other.json`", "leave out --resume to begin anew"}},
-      {"modes ends.json --at 0.5", 3, {"the run ended at t = 0.2 s, by 'end'", "give an instant --at before it"}},
-      {"check damped.json", 3, {"run.integrator.rho_infinity: it is 2", "between 0 (all damped) and 1 (nothing)"}},
-      {"check includes.json", 3, {"include[0].scene: \"list.json\" holds no object"}},
-      {"check deep_0.json", 3, {"scenes are included deeper than 16 within one another"}},
+       {"its command was `lockstep sweep other.json`", "leave out --resume to begin again"}},
+      {"modes ends.json --at 0.5", 3, {"the run ended at t = 0.2 s, by 'end'", "give a time --at before it"}},
+      {"check damped.json", 3, {"run.integrator.rho_infinity: it is 2", "between 0 (full damping) and 1 (none)"}},
+      {"check includes.json", 3, {"include[0].scene: \"list.json\" is not an object"}},
+      {"check deep_0.json", 3, {"scenes include one another more than 16 deep"}},
       {"run below.json",
        5,
-       {"the start has the one-sided link 'S' (row phi) on its forbidden side: C = -1", "widen the range",
-        "or start within it"}},
+       {"the start lies 1 m beyond the stop 'S'", "widen its range (\"low\", \"high\")", "or start within it"}},
       {"run inside.json",
        5,
-       {"the start has the one-sided link 'S' (row",
+       {"the start lies 1 m on the wrong side of the one-sided joint 'S'",
         "move its bodies apart, or reverse the side (\"side\": \"below\")"}},
       {"atlas @ --vary run.tolerance=1e-6,1e-5 --vary run.until=1,2 --integrators rk4 --budget 2s",
        2,
-       {"no method can run this scene", "\"rk4\" takes fixed steps and no step is given"}},
+       {"no method can run this scene", "\"rk4\" has fixed steps and no step is given"}},
       {"linearize @ --json --csv numbers", 2, {"--json and --csv", "give one of the two"}},
       {"sweep ends.json --vary run.tolerance=1e-6,1e-7 --resume --record absent.csv",
        8,
-       {"there is no sweep to go on with", "'absent.csv.sweep' is missing", "leave out --resume"}},
+       {"there is no sweep to continue", "'absent.csv.sweep' is missing", "leave out --resume"}},
       {"sweep ends.json --vary run.tolerance=1e-6,1e-7 --resume --record none.csv",
        8,
-       {"checkpoint 'none.csv.sweep' is none", "not written by lockstep"}},
+       {"checkpoint 'none.csv.sweep' is not a checkpoint", "is not a checkpoint"}},
       {"sweep - --vary run.tolerance=1e-6,1e-7 --resume < ends.json",
        2,
-       {"--resume: it needs a scene and rows that can be read again", "give files for both"}},
-      {"new-plugin link revolute", 2, {"\"revolute\" is a link of lockstep already", "take another name"}},
-      {"new-plugin law motion", 2, {"the class of \"motion\" would be MotionLaw", "take another name"}},
-      {"new-plugin link mine --into /dev/null/here", 8, {"/dev/null/here/mine: cannot be made", "say --into a folder"}},
+       {"--resume: scene and table must be readable again", "give files for both"}},
+      {"new-plugin link revolute", 2, {"\"revolute\" is already a joint of lockstep", "use another name"}},
+      {"new-plugin law motion", 2, {"the class of \"motion\" would be MotionLaw", "use another name"}},
+      {"new-plugin link mine --into /dev/null/here", 8, {"/dev/null/here/mine: cannot be created", "give --into a writable"}},
   });
 }
 
@@ -193,8 +192,8 @@ TEST_CASE("plugins refuse numbers that cannot be by key, value and limit", "[run
   write("no_lobe.json", cam(R"("base": 1, "lift": 1, "lobes": 0)"));
   check_refusals({
       {"check flat_bump.json", 3, {"drive.law.width: is 0 s", "above zero"}},
-      {"check no_cam.json", 3, {"link 'C', base: is 0 m", "a radius above zero"}},
-      {"check no_lobe.json", 3, {"link 'C', lobes: is 0", "a cam has at least one"}},
+      {"check no_cam.json", 3, {"joint 'C', base: is 0 m", "a radius above zero"}},
+      {"check no_lobe.json", 3, {"joint 'C', lobes: is 0", "a cam has at least one"}},
   });
 }
 
@@ -206,9 +205,9 @@ TEST_CASE("files that cannot be written are refused with the file and the next m
       "<child link='arm'/></joint></robot>");
   write("there.json", "{}");
   check_refusals({
-      {"import robot.urdf --out there.json", 2, {"--out: 'there.json' is there already", "name another file"}},
+      {"import robot.urdf --out there.json", 2, {"--out: 'there.json' exists", "name another file"}},
       {"import robot.urdf --out /dev/null/scene.json", 8, {"file '/dev/null/scene.json' cannot be written", "(--out)"}},
-      {"run @ --record /dev/null/here/table.csv", 8, {"folder '/dev/null/here' cannot be made", "name another"}},
+      {"run @ --record /dev/null/here/table.csv", 8, {"folder '/dev/null/here' cannot be created", "name another"}},
   });
 }
 
@@ -217,8 +216,9 @@ TEST_CASE("neither a checkpoint nor a report replaces what is no regular file", 
   fs::create_directories(kRunnerFolder);
   fs::remove(pipe), fs::remove(device);
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
-  check_refusals({{"run @ --checkpoint pipe", 8, {"checkpoint 'pipe' would replace", "a pipe; name a file"}}});
-  check_words(message_of<FileError>([&] { write_checkpoint(pipe, {}); }), {"pipe' would replace", "name a file"});
+  check_refusals({{"run @ --checkpoint pipe", 8, {"checkpoint 'pipe' would replace", "a pipe; give a file name"}}});
+  check_words(message_of<FileError>([&] { write_checkpoint(pipe, {}); }),
+              {"pipe' would replace a folder, a device or a pipe", "give a file name"});
   CHECK(fs::is_fifo(pipe));
   CHECK_FALSE(fs::exists(pipe + ".partial"));
   fs::remove(pipe);

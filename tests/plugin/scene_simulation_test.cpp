@@ -68,10 +68,10 @@ const std::string kCatch = R"~("gravity": [0, -9.81, 0],
   "links": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0],
              "start": {"position": {"rz": 0.3}, "velocity": {"rz": 2}}},
             {"name": "grab", "type": "fixed", "p": "load", "s": "rod", "at": [1, 0, 0]}],
-  "events": [{"name": "drop", "when": {"channel": "A.angle_z", "crosses": 0.4, "direction": "rising"}, "deactivate": ["grab"]},
+  "events": [{"name": "drop", "when": {"channel": "A.rz", "crosses": 0.4, "direction": "rising"}, "deactivate": ["grab"]},
              {"name": "end", "at": 0.45, "stop": true}],
   "run": {"integrator": "dop853", "tolerance": 1e-9, "until": 1, "output": 0.01, "at_jumps": true,
-          "record": ["A.angle_z", {"y": "load.y"}, "A.force_on_p_world_y", "energy.total"]})~";
+          "record": ["A.rz", {"y": "load.y"}, "A.force_on_p_world_y", "energy.total"]})~";
 
 }  // namespace
 
@@ -100,7 +100,7 @@ TEST_CASE("a host's run of a scene has its start, events and rows at jumps", "[s
   CHECK(report.stopped_by == "end");
   CHECK(run.state().t == 0.45);
   const Table& t = run.table();
-  CHECK(std::abs(t.first("A.angle_z") - 0.3) < 1e-9);
+  CHECK(std::abs(t.first("A.rz") - 0.3) < 1e-9);
   CHECK(csv_of(t) == program_rows(file, {}));
   CHECK(run.verdict().audit.energy == Audit::Energy::conserved);
 }
@@ -155,12 +155,12 @@ TEST_CASE("columns that a host adds are treated as those of the scene", "[simula
     "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
     "links": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0],
                "start": {"position": {"rz": 4}}}],
-    "run": {"until": 0.1, "output": 0.1, "record": ["A.angle_z"]})~");
+    "run": {"until": 0.1, "output": 0.1, "record": ["A.rz"]})~");
   Simulation turned(read_mechanism(far, builtin()));
-  turned.record({{"mine", "A.angle_z"}});
+  turned.record({{"mine", "A.rz"}});
   turned.run();
   CHECK(std::abs(turned.table().first("mine") - 4) < 1e-9);
-  CHECK(turned.table()["mine"] == turned.table()["A.angle_z"]);
+  CHECK(turned.table()["mine"] == turned.table()["A.rz"]);
 
   // The start lies in a singular position.
   const auto doubts_of = [](const std::string& column) {
@@ -244,8 +244,8 @@ TEST_CASE("what is wrong with a host's scene is said with its place", "[simulati
   std::string unknown = kCatch;
   unknown.replace(unknown.find("load.y"), 6, "load.w");
   check_words(refused(unknown), {"wrong.json:", "load.w"});
-  unknown.replace(unknown.find("A.angle_z\", \"crosses"), 9, "A.angle_w");  // of an event: both are reported at once
-  check_words(refused(unknown), {"load.w", "A.angle_w", "event 'drop'"});
+  unknown.replace(unknown.find("A.rz\", \"crosses"), 4, "A.rw");  // of an event: both are reported at once
+  check_words(refused(unknown), {"load.w", "A.rw", "event 'drop'"});
   std::string endless = kCatch;
   endless.replace(endless.find("\"until\": 1, "), 12, "");
   check_words(refused(endless), {"run()", "until"});

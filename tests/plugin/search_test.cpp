@@ -66,11 +66,11 @@ TEST_CASE("of two files of one name the first folder's is taken", "[plugin][sear
   CHECK(find(all, a + "/twin.so")->state == PluginCandidate::State::loaded);
   for (const char* hidden : {"/twin.so", "/libtwin.so"}) {
     CHECK(find(all, b + hidden)->state == PluginCandidate::State::hidden);
-    CHECK(contains(find(all, b + hidden)->why, a + "/twin.so comes before it and is used"));
+    CHECK(contains(find(all, b + hidden)->why, a + "/twin.so comes first and is used"));
   }
 }
 
-TEST_CASE("a link may not lead out of the plugin folders", "[plugin][search]") {
+TEST_CASE("a symbolic link may not lead out of the plugin folders", "[plugin][search]") {
   const std::string inside = folder("inside", {"real.so"}), outside = folder("outside", {"stray.so"});
   fs::create_symlink("real.so", inside + "/alias.so");
   fs::create_symlink(outside + "/stray.so", inside + "/leak.so");
@@ -80,9 +80,9 @@ TEST_CASE("a link may not lead out of the plugin folders", "[plugin][search]") {
   for (const char* name : {"leak", "climb"}) {
     const std::string answer = answer_of(name, {inside});
     CHECK(contains(
-        answer, "is refused: it leads out of the plugin folders, to " + fs::canonical(outside + "/stray.so").string()));
+        answer, "is not loaded: it is a link out of the plugin folders, to " + fs::canonical(outside + "/stray.so").string()));
   }
-  CHECK(contains(answer_of("dangling", {inside}), "is refused: it is a link that leads nowhere"));
+  CHECK(contains(answer_of("dangling", {inside}), "is not loaded: it is a broken symbolic link"));
   CHECK(answer_of("leak", {inside, outside}) == "loaded");  // that folder is allowed as well
   CHECK(answer_of(inside + "/leak.so") == "loaded");        // a path is the user's own word
   CHECK(contains(answer_of("..", {inside}), "plugin '..' not found"));
@@ -92,31 +92,31 @@ TEST_CASE("what others could change is not loaded by its name", "[plugin][search
   const std::string open = folder("open", {"mine.so"}), file = open + "/mine.so";
   CHECK(answer_of("mine", {open}) == "loaded");
   fs::permissions(open, fs::perms(0777));
-  CHECK(contains(answer_of("mine", {open}), "can be written by everybody; chmod o-w it"));
+  CHECK(contains(answer_of("mine", {open}), "is writable by all users; chmod o-w it"));
   CHECK(contains(answer_of("mine", {open}), "its folder " + fs::canonical(open).string()));
   CHECK(answer_of(file) == "loaded");  // by its path the user takes it all the same
   fs::permissions(open, fs::perms(01777));
-  CHECK(contains(answer_of("mine", {open}), "can be written by everybody"));
+  CHECK(contains(answer_of("mine", {open}), "is writable by all users"));
   fs::permissions(open, fs::perms(0755));
   fs::permissions(file, fs::perms(0646));
-  CHECK(contains(answer_of("mine", {open}), "the file can be written by everybody"));
+  CHECK(contains(answer_of("mine", {open}), "the file is writable by all users"));
   fs::permissions(file, fs::perms(0644));
   if (geteuid() != 0) {
     WARN("owners were not tried: only root can give files away");
     return;
   }
   REQUIRE(chown(file.c_str(), 54321, 0) == 0);
-  CHECK(contains(answer_of("mine", {open}), "the file belongs to user 54321, who is neither you nor root"));
+  CHECK(contains(answer_of("mine", {open}), "the file belongs to user 54321, neither you nor root"));
   REQUIRE(chown(file.c_str(), 0, 54321) == 0);
   CHECK(answer_of("mine", {open}) == "loaded");
   fs::permissions(file, fs::perms(0664));
-  CHECK(contains(answer_of("mine", {open}), "the file can be written by group 54321, which is not yours"));
+  CHECK(contains(answer_of("mine", {open}), "the file is writable by group 54321, which is not yours"));
 }
 
 TEST_CASE("folders of that name and empty entries of the path are no plugins", "[plugin][search]") {
   const std::string odd = folder("odd", {"sound.so"});
   fs::create_directories(odd + "/folder.so");
-  CHECK(contains(answer_of("folder", {odd}), "is refused: it is a folder"));
+  CHECK(contains(answer_of("folder", {odd}), "is not loaded: it is a folder"));
   setenv("LOCKSTEP_PLUGIN_PATH", ("::" + odd + "::/nowhere:").c_str(), 1);
   const std::vector<std::string> folders = plugin_folders();
   unsetenv("LOCKSTEP_PLUGIN_PATH");
@@ -179,14 +179,14 @@ TEST_CASE("plugins list says of every file how it stands", "[plugin][search][run
             .starts_with("damaged refused plugin file '" + one +
                          "/damaged.so' is not a shared library that can be loaded here: it ends too early"));
   CHECK(row_of(brief.text, "passwords")
-            .starts_with("passwords refused it leads out of the plugin folders, to /etc/passwd"));
-  CHECK(row_of(brief.text, "widely").starts_with("widely refused the file can be written by everybody"));
-  CHECK(contains(brief.text, "loads    link cam_follower"));
+            .starts_with("passwords refused it is a link out of the plugin folders, to /etc/passwd"));
+  CHECK(row_of(brief.text, "widely").starts_with("widely refused the file is writable by all users"));
+  CHECK(contains(brief.text, "loads    joint cam_follower"));
 
   const Called why = call("plugins list --why", path);
   INFO(why.text);
-  CHECK(contains(value_of(why.text, "of them missing"), "/nowhere"));
-  CHECK(contains(why.text, one + "/fine.so comes before it and is used"));
+  CHECK(contains(value_of(why.text, "missing folders"), "/nowhere"));
+  CHECK(contains(why.text, one + "/fine.so comes first and is used"));
   CHECK(contains(row_of(why.text, "loose"), one + "/loose.so " + abi_words(abi_of_this_build())));
   CHECK(value_of(why.text, "this host") == abi_words(abi_of_this_build()));
 

@@ -134,7 +134,7 @@ TEST_CASE("a plugin whose record ends before its last numbers is refused", "[plu
   const std::string answer = answer_of(plugin_file("structure", "short_record.so", library.bytes()));
   INFO(answer);
   CHECK(contains(answer, "short_record.so' has a record of " + number(whole) + " bytes, of which " + number(whole - 4) +
-                             " are there; rebuild"));
+                             " exist; rebuild"));
   fs::remove_all(kModules + "/structure");
 }
 

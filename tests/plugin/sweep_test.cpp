@@ -64,7 +64,7 @@ std::string arm_scene() {
     "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],
     "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}],
     "run": {"integrator": "dop853", "tolerance": 1e-10, "until": 0.5, "output": 0.1,
-            "record": ["arm.x", "A.angle_z", {"Fy": "A.force_on_p_world_y"}]})");
+            "record": ["arm.x", "A.rz", {"Fy": "A.force_on_p_world_y"}]})");
 }
 
 }  // namespace
@@ -112,8 +112,7 @@ TEST_CASE("two shards together are the whole sweep", "[runner][sweep]") {
   const Called whole = call(kGrid + "--record whole.csv --histories sweep_histories");
   INFO(whole.text);
   CHECK(whole.exit == 0);
-  CHECK(value_of(whole.text, "done") == "6");
-  CHECK(value_of(whole.text, "failed") == "0");
+  CHECK(contains(whole.text, "  6 runs, all succeeded"));
   CHECK(call(kGrid + "--record half_1.csv --shard 1/2 --quiet").exit == 0);
   CHECK(call(kGrid + "--record half_2.csv --shard 2/2 --quiet").text.empty());
   CHECK(lines_of("half_1.csv").size() == 4);
@@ -148,8 +147,8 @@ TEST_CASE("lanes make the same table as single runs", "[runner][sweep]") {
   const Called many = call(words + "--record lanes.csv"), single = call(words + "--record single.csv --lanes off");
   INFO(many.text << single.text);
   CHECK(many.exit == 0);
-  CHECK(value_of(many.text, "eight at a time, in lanes") == "11");
-  CHECK(value_of(single.text, "one by one") == "as asked for");
+  CHECK(contains(many.text, "  11 runs, all succeeded (vectorised: 8 per batch)\n"));
+  CHECK(value_of(single.text, "one by one") == "as requested");
   const auto a = results_of("lanes.csv"), b = results_of("single.csv");
   REQUIRE(a.size() == 12);
   REQUIRE(b.size() == 12);
@@ -170,7 +169,7 @@ TEST_CASE("each run of a sweep has a verdict on its energy and its drift, and th
   const Called r = call("sweep '" + kRod + "' --until 20 --vary run.tolerance=1e-9,0.5 --record verdicts.csv");
   INFO(r.text);
   CHECK(r.exit == 9);
-  CHECK(value_of(r.text, "not conserved or drifted") == "1");
+  CHECK(contains(r.text, "2 runs, 1 wrong (energy or constraints)"));
   const auto rows = results_of("verdicts.csv");
   REQUIRE(rows.size() == 3);
   const auto at = static_cast<std::size_t>(std::ranges::find(rows[0], "energy") - rows[0].begin());
@@ -262,18 +261,17 @@ TEST_CASE("an interrupted sweep keeps the rows that are done", "[runner][sweep]"
 TEST_CASE("a sweep on several threads makes the table of one thread", "[runner][sweep]") {
   const std::string arm = "sweep '" + arm_scene() + "' ";
   struct Case {
-    std::string words, label, says;
+    std::string words, says;
     std::size_t rows;
     int exit;
   };
   const std::vector<Case> cases = {
-      {"--vary bodies.arm.rod.mass=1:3:20", "eight at a time, in lanes", "20", 20, 0},
-      {"--vary bodies.arm.rod.mass=1:3:20 --lanes off", "one by one", "as asked for", 20, 0},
+      {"--vary bodies.arm.rod.mass=1:3:20", "20 runs, all succeeded (vectorised: 8 per batch)", 20, 0},
+      {"--vary bodies.arm.rod.mass=1:3:20 --lanes off", "one by one  as requested", 20, 0},
       // a run that cannot be built sends its group back, to be run one by one
-      {"--vary bodies.arm.rod.mass=1,2,3,4,-5,6,7,8,9,10,11,12", "eight at a time, in lanes", "4", 12, 1},
+      {"--vary bodies.arm.rod.mass=1,2,3,4,-5,6,7,8,9,10,11,12", "12 runs, 1 failed (vectorised: 4 of 12, 8 per batch)", 12, 1},
       // the second half is not for lanes
-      {"--vary run.integrator=dop853,radau5 --vary bodies.arm.rod.mass=1:3:8", "eight at a time, in lanes", "8", 16,
-       0}};
+      {"--vary run.integrator=dop853,radau5 --vary bodies.arm.rod.mass=1:3:8", "(vectorised: 8 of 16, 8 per batch)", 16, 0}};
   for (const Case& c : cases) {
     INFO(c.words);
     const Called one = call(arm + c.words + " --jobs 1 --record jobs_1.csv --histories jobs_1"),
@@ -281,15 +279,15 @@ TEST_CASE("a sweep on several threads makes the table of one thread", "[runner][
     INFO(one.text << four.text);
     CHECK(one.exit == c.exit);
     CHECK(four.exit == c.exit);
-    CHECK(value_of(one.text, c.label) == c.says);
-    CHECK(value_of(four.text, c.label) == c.says);
+    CHECK(contains(one.text, c.says));
+    CHECK(contains(four.text, c.says));
     const auto rows = results_of("jobs_1.csv");
     CHECK(rows.size() == 1 + c.rows);
     CHECK(results_of("jobs_4.csv") == rows);
     CHECK(shell("diff -r jobs_1 jobs_4").text.empty());
     CHECK_FALSE(fs::exists(kRunnerFolder + "/jobs_4.csv.partial"));
   }
-  check_refused(call(arm + cases[0].words + " --jobs 0"), 2, {"--jobs: \"0\" is no whole number from 1 to 1024"});
+  check_refused(call(arm + cases[0].words + " --jobs 0"), 2, {"--jobs: \"0\" is not a whole number from 1 to 1024"});
 }
 
 // The recipes are taken from the help, so that what is printed there is what works.
@@ -326,7 +324,7 @@ TEST_CASE("the recipe for Slurm makes the table of one sweep", "[runner][sweep]"
   std::string script;
   const std::size_t begin = help.find("\n  #SBATCH");
   REQUIRE(begin != std::string::npos);
-  script = help.substr(begin, help.find("\nThe shares", begin) - begin);
+  script = help.substr(begin, help.find("\nAll shards", begin) - begin);
   CHECK(contains(script, "--array=1-8"));
   const std::string folder = kRunnerFolder + "/slurm";
   fs::remove_all(folder);

@@ -36,17 +36,17 @@ TEST_CASE("each verb stands in the manual once, and --certify may be written wit
   const Called certified =
       call("run '" + kFourBar + "' --certify=true --until 0.05 --budget 2s --record certified.csv");
   INFO(certified.text);
-  CHECK(contains(certified.text, "certificate"));
+  CHECK(contains(certified.text, "digits of each column that agree"));
 }
 
 TEST_CASE("a program that is not there says how to get it", "[runner]") {
   const std::string nowhere = "LOCKSTEP_EXEC_PATH=/nowhere";
   check_refused(
       call("statics '" + kFourBar + "'", nowhere), 2,
-      {"'statics' is in the program lockstep-analyses, which is neither '/nowhere/lockstep-analyses' nor on the PATH",
+      {"'statics' needs the program lockstep-analyses, which is neither '/nowhere/lockstep-analyses' nor on the PATH",
        "--target lockstep_analyses"});
   check_refused(call("run '" + kFourBar + "' --certify", nowhere), 2,
-                {"--certify is in the program lockstep-measuring"});
+                {"--certify needs the program lockstep-measuring"});
   CHECK(call("check '" + kFourBar + "'", nowhere).exit == 0);
   const std::string folder = kRunnerFolder + "/refused";
   fs::create_directories(folder + "/lockstep-analyses");  // a folder cannot be started
@@ -66,7 +66,7 @@ TEST_CASE("a program of one's own is a verb", "[runner]") {
   const Called own = call("hello you --too", "PATH=\"$PATH:" + folder + "\"");
   CHECK(own.exit == 7);
   CHECK(own.text == "hello you --too\n");
-  check_refused(call("hello"), 2, {"unknown verb \"hello\""});
+  check_refused(call("hello"), 2, {"unknown command \"hello\""});
   fs::remove_all(folder);
 }
 

@@ -89,9 +89,9 @@ TEST_CASE("a sound thing of the plugin disturbs nobody", "[plugin][user_code]") 
   CHECK(run(hinge(""), "", by_method("")) == "nothing");
 }
 
-TEST_CASE("an exception of a law reaches the host with the link, the law, the plugin and the time",
+TEST_CASE("an exception of a law reaches the host with the joint, the law, the plugin and the time",
           "[plugin][user_code]") {
-  const std::string whose = "link 'A' (revolute): the law of drive rz ('naughty_law' of plugin naughty) threw: ";
+  const std::string whose = "joint 'A' (revolute): the law of drive rz ('naughty_law' of plugin naughty) threw: ";
   SAYS(run(driven_by("std")), {"UserCodeError: t = 0.05", whose, "no more"});
   SAYS(run(driven_by("int")), {"UserCodeError: t = 0.05", whose, "an object of type int, which is not an exception"});
   SAYS(run(driven_by("error")), {"UserCodeError: t = 0.05", whose, "the profile has no point: the table is empty"});
@@ -102,7 +102,7 @@ TEST_CASE("an exception of a law reaches the host with the link, the law, the pl
 }
 
 TEST_CASE("a law that is no number is named at its first evaluation", "[plugin][user_code]") {
-  SAYS(run(driven_by("nan")), {"NonFiniteError: t = 0.05", "link 'A' (revolute)",
+  SAYS(run(driven_by("nan")), {"NonFiniteError: t = 0.05", "joint 'A' (revolute)",
                                "the law of drive rz ('naughty_law' of plugin naughty) gives nan, 0, 0"});
   SAYS(run(driven_by("nan at once")), {"NonFiniteError: t = 0 s", "'naughty_law' of plugin naughty"});
   SAYS(run(hinge(""), R"({"name": "M", "type": "torque_motor", "p": "arm", "s": "ground", "at": [0,0,0],
@@ -110,19 +110,19 @@ TEST_CASE("a law that is no number is named at its first evaluation", "[plugin][
        {"NonFiniteError: t = 0.05", "force 'M' (torque_motor)", "'naughty_law' of plugin naughty"});
 }
 
-TEST_CASE("an exception of a link reaches the host with the link, the plugin and the time", "[plugin][user_code]") {
-  const std::string whose = "link 'B' (naughty_link of plugin naughty) threw: ";
+TEST_CASE("an exception of a joint reaches the host with the joint, the plugin and the time", "[plugin][user_code]") {
+  const std::string whose = "joint 'B' (naughty_link of plugin naughty) threw: ";
   SAYS(run(bad_link("std")), {"UserCodeError: t = 0.05", whose, "no more"});
   SAYS(run(bad_link("int")), {"UserCodeError: t = 0.05", whose, "an object of type int"});
   SAYS(run(bad_link("error")), {"UserCodeError: t = 0.05", whose, "the profile has no point: the table is empty"});
   SAYS(run(bad_link("accept")), {"UserCodeError: t = 0.0", whose, "cannot remember"});
   SAYS(run(bad_link("tangent"), "", R"("integrator": "radau5", "tolerance": 1e-6)"),
        {"UserCodeError: t = 0", whose, "no tangent"});
-  SAYS(run(bad_link("nan")), {"NonFiniteError: t = 0.06", "link 'B' (naughty_link of plugin naughty)"});
-  SAYS(run(bad_link("setup")), {"link 'B' (naughty_link of plugin naughty)", "its rod has no length"});
+  SAYS(run(bad_link("nan")), {"NonFiniteError: t = 0.06", "joint 'B' (naughty_link of plugin naughty)"});
+  SAYS(run(bad_link("setup")), {"joint 'B' (naughty_link of plugin naughty)", "its rod has no length"});
   SAYS(run(bad_link("setup int")), {"UserCodeError: ", whose, "an object of type int"});
   // the one of two that throws
-  SAYS(run(bad_link("") + ", " + bad_link("std", "C", "other")), {"link 'C' (naughty_link of plugin naughty) threw"});
+  SAYS(run(bad_link("") + ", " + bad_link("std", "C", "other")), {"joint 'C' (naughty_link of plugin naughty) threw"});
 }
 
 TEST_CASE("an exception of a force or an integrator reaches the host by name", "[plugin][user_code]") {
@@ -138,23 +138,23 @@ TEST_CASE("an exception of a force or an integrator reaches the host by name", "
   SAYS(run(hinge(""), "", by_method("step")), {"StepError: ", method, "the step is too long"});
 }
 
-TEST_CASE("a link that writes outside of its rows is refused before the first step", "[plugin][user_code]") {
-  const std::string whose = "UserCodeError: link 'B' (naughty_link of plugin naughty) ";
+TEST_CASE("a joint that writes outside of its rows is refused before the first step", "[plugin][user_code]") {
+  const std::string whose = "UserCodeError: joint 'B' (naughty_link of plugin naughty) ";
   SAYS(run(bad_link("row")), {whose + "writes outside of its rows"});
   SAYS(run(bad_link("next row")), {whose + "writes outside of its rows, beyond row 2"});
   SAYS(run(bad_link("before")), {whose + "writes outside of its rows"});
   SAYS(run(bad_link("side")), {whose + "writes outside of its rows"});
-  SAYS(run(bad_link("unwritten")), {whose + "leaves Ct of row z unwritten"});
+  SAYS(run(bad_link("unwritten")), {whose + "leaves Ct of constraint z unwritten"});
   SAYS(run(bad_link("states")), {whose + "writes outside of its 1 numbers in start_states()"});
-  SAYS(run(bad_link("bad slot")), {whose + "names slot 77 of 2"});
+  SAYS(run(bad_link("bad slot")), {whose + "uses slot 77 of 2"});
   SAYS(run(bad_link("first lane") + ", " + bad_link("first lane", "C", "other")),
-       {"UserCodeError: link 'C' (naughty_link of plugin naughty) leaves C of row x unwritten"});
+       {"UserCodeError: joint 'C' (naughty_link of plugin naughty) leaves C of constraint x unwritten"});
   SAYS(run(hinge(""), bad_force("slot")), {"UserCodeError: force 'F' (naughty_force of plugin naughty)", "slot"});
 }
 
 TEST_CASE("a maker that fails is named with its plugin", "[plugin][user_code]") {
   const std::string law = "law 'naughty_law' (plugin naughty)";
-  SAYS(run(driven_by("null maker")), {"the maker of " + law + " returned nothing"});
+  SAYS(run(driven_by("null maker")), {"the maker of " + law + " returned null"});
   SAYS(run(driven_by("maker throws")), {"the maker of " + law + " threw: no making"});
   SAYS(run(driven_by("maker throws int")), {"the maker of " + law + " threw: an object of type int"});
   SAYS(run(driven_by("maker refuses")), {"SceneError: ", "naughty.json:", "is of no use", law});

@@ -532,11 +532,11 @@ async function checkMarks(browser) {
   for (const [name, signs] of Object.entries(after))
     check(signs.cross === (name === cut), `link ${name}: the cross after the cut is ${signs.cross}`);
   const words = await page.evaluate("document.querySelector('#run .remarks').textContent");
-  check(words.includes(`${cut}switched off at 0.1 s, by event 'cut'`), `the run tells of the cut: ${words}`);
-  for (const name of redundant) check(words.includes(`${name}not unique`), `the run tells of ${name}: ${words}`);
+  check(words.includes(`${cut}deactivated at 0.1 s, by event 'cut'`), `the run tells of the cut: ${words}`);
+  for (const name of redundant) check(words.includes(`${name}reaction not unique`), `the run tells of ${name}: ${words}`);
   await page.evaluate("globalThis.lockstepReport.select(globalThis.lockstepReport.data.mechanism.bodies.findIndex((b) => b.name === 'rocker'))");
   const panel = await page.evaluate("document.querySelector('#body').textContent");
-  check(panel.includes('switched off at 0.1 s') && panel.includes('not unique'), `the body tells of both: ${panel}`);
+  check(panel.includes('deactivated at 0.1 s') && panel.includes('not unique'), `the body tells of both: ${panel}`);
   checkQuiet(page, 'marks');
   await page.close();
 }

@@ -132,7 +132,7 @@ if command -v git >/dev/null; then
   git -C "$tree" add .
   git -C "$tree" -c user.name=t -c user.email=t@example.org commit -qm first
   run_small() {  # run_small COMMIT: with an installed program of this commit; without one cmake is called, which fails here
-    stand_in lockstep "case \$1 in --version) echo 'lockstep 0.1.0 ($1)' ;; *) echo ran \"\$@\" ;; esac"
+    stand_in lockstep "case \$1 in --version) echo 'lockstep 0.2.0 ($1)' ;; *) echo ran \"\$@\" ;; esac"
     stand_in cmake 'case $1 in --version) echo cmake version 3.25.0 ;; *) exit 1 ;; esac'
     PATH="$place/bin:$PATH" "$tree/samples/run" small >"$place/said" 2>&1
     code=$?

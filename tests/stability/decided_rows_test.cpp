@@ -64,10 +64,10 @@ TEST_CASE("lanes refuse rows that are left out, and rows that are held", "[stabi
   const auto two = door({}, true);
   CHECK(Copies::unsuited(two->system) == "");
   two->begin(NearlyRedundant::free, "schur");
-  CHECK(Copies::unsuited(two->system).find("link 'high' are left out") != std::string::npos);
+  CHECK(Copies::unsuited(two->system).find("joint 'high' are left out") != std::string::npos);
   two->system.leave_out(two->system.link("high"), 0);
   two->system.hold_down_to(1e-7);
-  CHECK(Copies::unsuited(two->system).find("nearly depend") != std::string::npos);
+  CHECK(Copies::unsuited(two->system).find("nearly redundant constraints are kept") != std::string::npos);
 }
 
 TEST_CASE("a door free or held moves alike by implicit methods", "[stability][redundancy]") {
@@ -132,7 +132,7 @@ TEST_CASE("a door in its plane is free and held as it is in space", "[stability]
   }
 }
 
-TEST_CASE("events that switch links on a loop with rows left out or held are refused by name, others act",
+TEST_CASE("events that switch joints on a loop with rows left out or held are refused by name, others act",
           "[stability][redundancy]") {
   for (const NearlyRedundant choice : {NearlyRedundant::free, NearlyRedundant::held})
     for (const char* const link : {"low", "high"}) {
@@ -143,8 +143,8 @@ TEST_CASE("events that switch links on a loop with rows left out or held are ref
       open.name = "open", open.at = 0.01, open.deactivate = {link};
       State end;
       const std::string said = message_of<ModelError>([&] { two->run(0.1, end, "dop853", 0, {open}); });
-      CHECK(said.find("event 'open' switches link '" + std::string(link) + "'") != std::string::npos);
-      CHECK(said.find(choice == NearlyRedundant::held ? "rows hold that nearly depend" : "rows were left out") !=
+      CHECK(said.find("event 'open' switches joint '" + std::string(link) + "'") != std::string::npos);
+      CHECK(said.find(choice == NearlyRedundant::held ? "kept as nearly redundant" : "left out as redundant") !=
             std::string::npos);
     }
   // The arm comes off at its hinge, which is on no loop.

@@ -195,11 +195,11 @@ TEST_CASE("a row that was left out is watched: what violates it is refused by na
   m.start = m.system.start();
   State end;
   const std::string said = message_of<ModelError>([&] { m.run(1, end); });
-  CHECK(said.find("link 'A', row y") != std::string::npos);
-  CHECK(said.find("was left out at the start") != std::string::npos);
+  CHECK(said.find("joint 'A', constraint y") != std::string::npos);
+  CHECK(said.find("left out at the start as redundant or nearly redundant") != std::string::npos);
   CHECK(said.find("\"held\" or \"told\"") != std::string::npos);
   testing::check_words(message_of<ModelError>([&] { m.system.leave_out(hinge, 1U << 5); }),
-                       {"link 'A'", "not its own"});
+                       {"joint 'A'", "not its own"});
 }
 
 TEST_CASE("in C++ nothing is decided unless it is asked for: rows are told, and none is left out or held",
@@ -273,7 +273,7 @@ TEST_CASE("sets with a law are not decided, and no row of a law is left out", "[
           decide_nearly_redundant(two->system, dynamics, two->system.start(), choice);
       REQUIRE(near.size() == 1);
       CHECK_FALSE(near.front().decided);
-      CHECK(near.front().undecided == "a law is among them");
+      CHECK(near.front().undecided == "one of them is driven");
       CHECK(near.front().left_out.empty());
       for (const auto& link : two->system.links()) CHECK(two->system.left_out(*link) == 0);
       CHECK(two->system.held_down_to() == 0);
@@ -302,7 +302,7 @@ TEST_CASE("reactions that rows left out would share are not unique", "[stability
   }
 }
 
-TEST_CASE("a link whose rows are left out is in force, and says which they are", "[stability][redundancy]") {
+TEST_CASE("a joint whose rows are left out is in force, and says which they are", "[stability][redundancy]") {
   const auto two = door({}, true);
   two->begin(NearlyRedundant::free, "schur");
   const LinkAccount high = account_of(*two->dynamics, two->start, two->system.link("high"));

@@ -25,7 +25,7 @@ Outcome turning(const std::string& method, double turn, double stiffness) {
                "start": {"velocity": {"rz": 10}}}],
     "forces": [{"name": "s", "type": "spring_damper", "p": "end", "s": "post", "stiffness": $k, "free_length": 1}],
     "run": {"integrator": $method, "step": $h, "formulation": "omega", "until": $until, "output": $until,
-            "record": ["A.angle_z", "A.angle_z_d"]}})";
+            "record": ["A.rz", "A.rz_d"]}})";
   return outcome_of(
       filled(filled(filled(filled(text, "$method", method), "$h", h), "$until", 20 * h), "$k", stiffness));
 }
@@ -45,12 +45,12 @@ TEST_CASE("implicit methods: a turn of a hundredth in a step is found, a larger 
         }
         REQUIRE(o.ended());
         CHECK(o.audit.violation < 1e-9);
-        if (stiffness == 0) CHECK(o.table.last("A.angle_z") == Approx(20 * turn).epsilon(turn * turn));
+        if (stiffness == 0) CHECK(o.table.last("A.rz") == Approx(20 * turn).epsilon(turn * turn));
       }
       for (const double turn : {1.0, 2.0, 3.0, 6.0, 20.0}) {
         const Outcome o = turning(method, turn, stiffness);
         CAPTURE(method, stiffness, turn, o.error, o.told());
-        const bool right = o.ended() && stiffness == 0 && std::abs(o.table.last("A.angle_z") - 20 * turn) < 1e-2 * turn;
+        const bool right = o.ended() && stiffness == 0 && std::abs(o.table.last("A.rz") - 20 * turn) < 1e-2 * turn;
         CHECK((right || o.told()));
         if (!o.ended()) CHECK(o.error.find("step") != std::string::npos);  // what to do
       }

@@ -313,7 +313,7 @@ TEST_CASE("flat positions that plain stages pass are found, with their times and
 }
 
 // The second crank drives a third one of another length, whose bay stays regular.
-TEST_CASE("the links of a flat bay are named, and not those of its neighbour", "[stability][analysis]") {
+TEST_CASE("the joints of a flat bay are named, and not those of its neighbour", "[stability][analysis]") {
   std::string text = upright_cranks();
   const auto append = [&](const std::string& before, const std::string& more) {
     text.insert(text.find(before), ", " + more);

@@ -70,7 +70,7 @@ TEST_CASE("a rotor that turns by ten radians a step comes to its angle, or is to
     const bool right = o.ended() && std::abs(o.table.last("b.angle_z") - 500) < 1e-9;
     const bool told = std::ranges::any_of(o.report.findings, [](const Finding& finding) {
       const std::string warning = finding.text();
-      return warning.find("body 'b' turned by up to 10 rad within a step") != std::string::npos;
+      return warning.find("body 'b' rotates by up to 10 rad in one step") != std::string::npos;
     });
     CHECK((right || told));
     if (formulation == std::string(R"("joint")")) CHECK(right);

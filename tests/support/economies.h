@@ -137,7 +137,7 @@ inline std::vector<Economy> all() {
            [] { return balls(true); }},
           {"drives", "no law", "a law on every hinge", plain, driven},
           {"moving markers", "markers at rest", "markers that slide by a law", plain, shaken},
-          {"switched links", "six links out of force", "six links in force", [] { return stayed(false); },
+          {"switched links", "six joints out of force", "six joints in force", [] { return stayed(false); },
            [] { return stayed(true); }},
           {"particles", "particles", "bodies that may turn", [] { return pearls(false); }, [] { return pearls(true); }},
           {"planar", "in its plane", "in space", flat, plain},

@@ -83,7 +83,7 @@ TEST_CASE("what cannot be assembled is refused by the rows that stay apart, and 
   State state = sys.start();
   const State before = state;
   const std::string message = message_of<AssemblyError>([&] { assemble(dynamics, state); });
-  CHECK(says(message, {"assembly stopped", "row x of link", "Check the start poses"}));
+  CHECK(says(message, {"assembly stopped", "worst: constraint x of joint", "check the start poses"}));
   CHECK(state.q == before.q);
 }
 
@@ -105,7 +105,7 @@ TEST_CASE("a law that is not a number is named by assembly and by a run", "[unit
     run.set_state(start);
     run.add_observer(recorder);
     const std::string message = message_of<NonFiniteError>([&] { run.run_until(1.0); });
-    CHECK(says(message, {"link 'slide'", "the law of drive z", "t = 0.5"}));
+    CHECK(says(message, {"joint 'slide'", "the law of drive z", "t = 0.5"}));
     CHECK(recorder.table().n_rows() > 40);
   }
   SECTION("with error control too: it does not creep towards it for ever, nor look beyond the run for its first step") {
@@ -114,7 +114,7 @@ TEST_CASE("a law that is not a number is named by assembly and by a run", "[unit
     run.set_state(start);
     run.add_observer(recorder);
     const std::string message = message_of<NonFiniteError>([&] { run.run_until(1.0); });
-    CHECK(says(message, {"link 'slide'", "the law of drive z"}));
+    CHECK(says(message, {"joint 'slide'", "the law of drive z"}));
     CHECK(recorder.table().last("t") > 0.4);
     CHECK(recorder.table().last("t") < 0.5);
   }
@@ -122,7 +122,7 @@ TEST_CASE("a law that is not a number is named by assembly and by a run", "[unit
     State late = start;
     late.t = 0.6;
     const std::string message = message_of<NonFiniteError>([&] { assemble(dynamics, late); });
-    CHECK(says(message, {"link 'slide'", "the law of drive z"}));
+    CHECK(says(message, {"joint 'slide'", "the law of drive z"}));
   }
 }
 
@@ -165,7 +165,7 @@ TEST_CASE("freedoms and redundant rows are told by name", "[unit][analysis]") {
   CHECK(m.redundant_links == std::vector<std::string>{"A", "B", "C", "D"});
 }
 
-TEST_CASE("freedoms of a tree are counted link by link, however large it is", "[unit][dynamics]") {
+TEST_CASE("freedoms of a tree are counted joint by joint, however large it is", "[unit][dynamics]") {
   constexpr int kBodies = 3000;  // a decomposition of all rows would take hours
   System sys;
   Body* last = &sys.ground();
@@ -228,7 +228,7 @@ TEST_CASE("a start is as far off as the nearest pose that fits, however small th
   State state = sys.start();
   StepLoop run(dynamics, std::make_unique<Dopri5>());
   CHECK(says(message_of<AssemblyError>([&] { run.run_until(0.1); }),
-             {"violates the constraints by 0.2 m", "row phi of link 'faint'", "assemble it first"}));
+             {"violates the constraints by 0.2 m", "constraint phi of joint 'faint'", "assemble it first"}));
   const AssemblyReport report = assemble(dynamics, state);
   CHECK(report.before == Approx(0.2).epsilon(1e-9));
   CHECK(report.after < 1e-9);
@@ -258,7 +258,7 @@ TEST_CASE("two laws on one coordinate are told apart by name", "[unit][analysis]
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   State state = sys.start();
   const std::string message = message_of<AssemblyError>([&] { assemble(dynamics, state); });
-  CHECK(says(message, {"inconsistent velocities: they violate the constraints", "row e3 of link",
+  CHECK(says(message, {"inconsistent velocities: they violate the constraints", "constraint e3 of joint",
                        "two laws may drive one coordinate"}));
 }
 
@@ -315,7 +315,7 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
       const AssemblyReport report = assemble(one, state);
       CHECK(report.kinetic_after == Approx(0.75 * report.kinetic_before).epsilon(1e-3));
       REQUIRE(report.findings.size() == 1);
-      CHECK(says(report.findings.front().text(), {"no angular one (\"omega_world\") is given for 'arm'"}));
+      CHECK(says(report.findings.front().text(), {"no angular velocity (\"omega_world\") is given for 'arm'"}));
     }
     SECTION("both") {
       arm.start = {Vec3(0, 0.5, 0), omega};

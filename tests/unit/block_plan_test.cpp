@@ -68,7 +68,7 @@ TEST_CASE("A tree makes no fill, whatever its shape", "[unit][kkt]") {
   }
 }
 
-TEST_CASE("A link never goes before its slots have room for its rows", "[unit][kkt]") {
+TEST_CASE("A joint never goes before its slots have room for its rows", "[unit][kkt]") {
   // two bodies and three links of five rows in a row, ground to ground: 15 rows on 12 freedoms
   BlockGraph g = tree({-1, 0});
   g.width.push_back(5), g.first.push_back(22);

@@ -46,7 +46,7 @@ TEST_CASE("bodies get mass, place and start from their keys", "[unit][scene]") {
   CHECK(s.n_velocities() == 4 * 6 + 3);
 }
 
-TEST_CASE("a link between bodies gets both markers at one place in the world", "[unit][scene]") {
+TEST_CASE("a joint between bodies gets both markers at one place in the world", "[unit][scene]") {
   Mechanism m = mechanism(R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [2,0,0]}}],
     "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [2,0,0], "axis": "y",
                "drive": {"axis": "rz", "speed": {"type": "ramp", "slope": 2}}, "active": false}])");

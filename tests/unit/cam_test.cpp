@@ -136,7 +136,7 @@ TEST_CASE("A flat face on an eccentric circle has a closed form, however far off
   }
 }
 
-TEST_CASE("Cams pass the check of links, with splines for profiles as well", "[unit][links]") {
+TEST_CASE("Cams pass the check of joints, with splines for profiles as well", "[unit][links]") {
   SplinePoints points;
   for (int i = 0; i <= 12; ++i) points.emplace_back(kTwoPi * i / 12, 0.3 + 0.03 * std::cos(kTwoPi * (i % 12) / 12));
   const auto quintic = laws::spline(points, {.degree = 5, .ends = SplineEnds::periodic});
@@ -169,17 +169,17 @@ TEST_CASE("A profile that cannot be is refused in words", "[unit][links]") {
   CHECK(roller(lobes(), 0.05) == "no error");
   CHECK(flat(egg()) == "no error");
   check_words(roller(laws::law([](auto u) { return 0.3 + 0.01 * u; }), 0.05),
-              {"link 'cam'", "does not close", "0.3 m", "0.36", "repeat after 2 pi"});
+              {"joint 'cam'", "does not close", "0.3 m", "0.36", "repeat after 2 pi"});
   check_words(roller(laws::law([](auto u) { return 0.3 + 0.1 * sin(0.5 * u); }), 0.05),
-              {"link 'cam'", "does not close", "slope", "m/rad"});
+              {"joint 'cam'", "does not close", "slope", "m/rad"});
   check_words(roller(laws::law([](auto u) { return 0.3 + 0.4 * cos(u); }), 0.05),
-              {"link 'cam'", "the radius of its cam is", "deg", "above zero"});
-  check_words(roller(lobes(), 3.0), {"link 'cam'", "curvature", "1/m at", "a roller of 3 m does not fit", "hollow"});
-  check_words(flat(lobes()), {"link 'cam'", "curvature", "flat face", "convex", "use cam_roller"});
-  check_words(roller(nullptr, 0.05), {"link 'cam'", "no law for its radius"});
-  check_words(flat(nullptr), {"link 'cam'", "no law for its radius"});
-  check_words(roller(egg(), -0.1), {"link 'cam'", "roller is -0.1 m", "must not be negative"});
-  check_words(roller(egg(), std::nan("")), {"link 'cam'", "roller", "negative"});
+              {"joint 'cam'", "the radius of its cam is", "deg", "above zero"});
+  check_words(roller(lobes(), 3.0), {"joint 'cam'", "curvature", "1/m at", "a roller of 3 m does not fit", "hollow"});
+  check_words(flat(lobes()), {"joint 'cam'", "curvature", "flat face", "convex", "use cam_roller"});
+  check_words(roller(nullptr, 0.05), {"joint 'cam'", "no law for its radius"});
+  check_words(flat(nullptr), {"joint 'cam'", "no law for its radius"});
+  check_words(roller(egg(), -0.1), {"joint 'cam'", "roller is -0.1 m", "must not be negative"});
+  check_words(roller(egg(), std::nan("")), {"joint 'cam'", "roller", "negative"});
 }
 
 }  // namespace cam_test

@@ -9,6 +9,7 @@
 #include <lockstep/author/params.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
+#include <lockstep/finding.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
@@ -251,8 +252,8 @@ TEST_CASE("rates and second rates are those of the channels they belong to", "[u
     pairs.push_back({"B.angle_" + k, "B.angle_" + k + "_d"});
     pairs.push_back({"B.angle_" + k + "_d", "B.angle_" + k + "_dd"});
   }
-  pairs.push_back({"A.angle_z", "A.omega_z"});
-  pairs.push_back({"A.angle_z_d", "A.angle_z_dd"});
+  pairs.push_back({"A.rz", "A.omega_z"});
+  pairs.push_back({"A.rz_d", "A.rz_dd"});
   a.begin(0.4);
   double largest = 0;
   for (const auto& [y, yd] : pairs) {
@@ -268,10 +269,10 @@ TEST_CASE("a driven hinge's coordinate is its law", "[unit][record]") {
   Arm a;
   a.begin(0.4);
   const double t = a.state.t;
-  CHECK(a.value("A.angle_z") == Approx(0.7 * std::sin(3 * t)).margin(1e-10));
-  CHECK(a.value("A.angle_z_d") == Approx(2.1 * std::cos(3 * t)).margin(1e-9));
+  CHECK(a.value("A.rz") == Approx(0.7 * std::sin(3 * t)).margin(1e-10));
+  CHECK(a.value("A.rz_d") == Approx(2.1 * std::cos(3 * t)).margin(1e-9));
   CHECK(a.value("A.omega_z") == Approx(2.1 * std::cos(3 * t)).margin(1e-9));
-  CHECK(a.value("A.angle_z_dd") == Approx(-6.3 * std::sin(3 * t)).margin(1e-9));
+  CHECK(a.value("A.rz_dd") == Approx(-6.3 * std::sin(3 * t)).margin(1e-9));
   CHECK(std::abs(a.value("A.C_e1")) < 1e-10);
   CHECK(a.value("A.violation") < 1e-10);
   CHECK(a.value("violation") < 1e-10);
@@ -350,7 +351,7 @@ TEST_CASE("angles run on past full turns", "[unit][record]") {
   Body& wheel = system.add_body("wheel", some_mass(1, Vec3::Zero()));
   Revolute& A = system.add<Revolute>("A", wheel, system.ground(), Pose{});
   A.drive(Axis::rz, laws::ramp(-10));
-  Channel body = make_channel(system, "wheel.angle_z"), link = make_channel(system, "A.angle_z");
+  Channel body = make_channel(system, "wheel.angle_z"), link = make_channel(system, "A.rz");
   Dynamics dynamics(system, std::make_unique<DenseSolver>());
   State s = system.start();
   const StepReport none;
@@ -367,7 +368,7 @@ TEST_CASE("angles run on past full turns", "[unit][record]") {
   }
 }
 
-TEST_CASE("a link that is not active gives no reaction", "[unit][record]") {
+TEST_CASE("a joint that is not active gives no reaction", "[unit][record]") {
   Arm a;
   a.B->set_active_at_start(false);
   a.begin(0.1);
@@ -401,6 +402,16 @@ TEST_CASE("every channel that is offered can be made, is told once, and gives a 
   }
 }
 
+TEST_CASE("the one rotation of a joint has its old name for a release, with a warning", "[unit][record]") {
+  Arm a;
+  FindingScope scope;
+  make_channel(a.system, "A.rz");
+  CHECK(scope.found.empty());
+  make_channel(a.system, "A.angle_z_d");
+  REQUIRE(scope.found.size() == 1);
+  check_words(scope.found.front().text(), {"\"A.angle_z_d\" is now called \"A.rz_d\""});
+}
+
 TEST_CASE("unknown channels are refused with the closest and all names", "[unit][record]") {
   Arm a;
   const auto refusal = [&](const std::string& name) {
@@ -408,11 +419,10 @@ TEST_CASE("unknown channels are refused with the closest and all names", "[unit]
   };
   check_words(refusal("arm.anglez"),
               {"arm.anglez", "body 'arm'", "did you mean \"angle_z\"?", "omega_body_x", "center_x"});
-  check_words(refusal("A.drive.torque_on_p_link"), {"link 'A'", "torque_on_p_link_z"});
+  check_words(refusal("A.drive.torque_on_p_link"), {"joint 'A'", "torque_on_p_link_z"});
   // the words of drives, stops and starts
-  check_words(refusal("A.rz"), {"link 'A' has no \"rz\"; did you mean \"angle_z\"?"});
-  check_words(refusal("A.rx"), {"did you mean \"angle_x\"?"});
-  check_words(refusal("A.rz_d"), {"did you mean \"angle_z_d\"?"});
+  check_words(refusal("A.rx"), {"joint 'A' has no \"rx\"; did you mean \"angle_x\"?"});
+  check_words(refusal("A.reaction_x"), {"did you mean \"force_on_p_world_x\"?"});
   check_words(refusal("arm.ry"), {"body 'arm' has no \"ry\"; did you mean \"angle_y\"?"});
   // names that say more
   check_words(refusal("arm.omega_z"), {"did you mean \"omega_world_z\" or \"omega_body_z\"?"});

@@ -237,9 +237,10 @@ TEST_CASE("a gnuplot that cannot be started, fails or draws nothing is told with
     return message;
   };
   check_words(said_by("no program"), {"cannot start", "gnuplot", "check that it can be executed"});
-  check_words(said_by("#!/bin/sh\necho no fonts\nexit 3\n"), {"gnuplot could not draw", "a.svg", "it said: no fonts"});
+  check_words(said_by("#!/bin/sh\necho no fonts\nexit 3\n"),
+              {"gnuplot could not draw", "a.svg", "its message: no fonts"});
   check_words(said_by("#!/bin/sh\necho nothing to do\n"),
-              {"gnuplot drew nothing for", "a.svg", "it said: nothing to do"});
+              {"gnuplot drew nothing for", "a.svg", "its message: nothing to do"});
 }
 
 }  // namespace chart_test

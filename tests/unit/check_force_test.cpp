@@ -124,20 +124,20 @@ TEST_CASE("check_force passes a right force", "[unit][check]") {
   const CheckReport r = rubber(Fault::none);
   INFO(r.text());
   CHECK(r.ok());
-  CHECK(says(r, "force 'rubber' (rubber): nothing found in"));
+  CHECK(says(r, "force 'rubber' (rubber): no findings in"));
 }
 
 TEST_CASE("check_force names wrong energies", "[unit][check]") {
   CheckReport r = rubber(Fault::potential);
   CAPTURE(r.text());
-  CHECK(says(r, "W to the bodies, and -dV/dt - dissipation() + supply() are"));
+  CHECK(says(r, "W to the bodies, but -dV/dt - dissipation() + supply() is"));
   CHECK(says(r, "its force on body 'arm' along the world's "));
-  CHECK(says(r, "at rest, and potential() and supply() say"));
+  CHECK(says(r, "at rest, but potential() and supply() give"));
   CHECK(says(r, "look at potential(), whose gradient is minus the force"));
 
   r = rubber(Fault::dissipation);
   CAPTURE(r.text());
-  CHECK(says(r, "its force at rest fits potential() and supply(), so that what goes with the velocities is wrong"));
+  CHECK(says(r, "its force at rest fits potential() and supply(), so its part that depends on velocities is wrong"));
   CHECK(says(r, "look at dissipation()"));
   CHECK(says(rubber(Fault::negative), "below zero"));
 
@@ -153,15 +153,15 @@ TEST_CASE("check_force finds wrong energies of a formula, whose supply follows f
   const CheckReport right = checked<FormulaRubber>(1.0, 1.0);
   INFO(right.text());
   CHECK(right.ok());
-  CHECK(says(checked<FormulaRubber>(2.0, 1.0), "at rest, and potential() and supply() say"));
-  CHECK(says(checked<FormulaRubber>(1.0, 0.5), "so that what goes with the velocities is wrong"));
+  CHECK(says(checked<FormulaRubber>(2.0, 1.0), "at rest, but potential() and supply() give"));
+  CHECK(says(checked<FormulaRubber>(1.0, 0.5), "so its part that depends on velocities is wrong"));
 }
 
 TEST_CASE("check_force names wrong tangents", "[unit][check]") {
   CheckReport r = rubber(Fault::stiffness);
   CAPTURE(r.text());
   CHECK(says(r, "tangent(): K of the force on body 'arm' along its "));
-  CHECK(says(r, "so it is twice that: a factor 2 is too much"));
+  CHECK(says(r, "so it is twice the value: a factor of 2 is superfluous"));
   CHECK(r.findings().size() == 1);
   r = rubber(Fault::damping);
   CAPTURE(r.text());
@@ -170,13 +170,13 @@ TEST_CASE("check_force names wrong tangents", "[unit][check]") {
 }
 
 TEST_CASE("check_force names what is forgotten", "[unit][check]") {
-  CHECK(says(rubber(Fault::markers), "pushes body 'cam', on which none of its markers() is"));
-  CHECK(says(rubber(Fault::breakpoint), "at t = 0.8 s, which breakpoints() does not tell"));
-  CHECK(says(rubber(Fault::keeps), "pushes otherwise when it is asked again at the same inputs"));
+  CHECK(says(rubber(Fault::markers), "acts on body 'cam', which has none of its markers()"));
+  CHECK(says(rubber(Fault::breakpoint), "at t = 0.8 s, which breakpoints() does not report"));
+  CHECK(says(rubber(Fault::keeps), "exerts another force in a second call with the same inputs"));
   CHECK(says(rubber(Fault::nan), "its force on body 'arm' is not finite at t = "));
   CheckReport r = rubber(Fault::turns);
   CAPTURE(r.text());
-  CHECK(says(r, "where body 'arm' has turned by "));
+  CHECK(says(r, "when body 'arm' has rotated by "));
 }
 
 TEST_CASE("every force of the library passes its check", "[unit][check]") {

@@ -115,7 +115,7 @@ TEST_CASE("check_integrator passes a right method and says which order it measur
   const CheckReport r = two(Fault::none);
   INFO(r.text());
   CHECK(r.ok());
-  CHECK(says(r, "integrator 'two': nothing found"));
+  CHECK(says(r, "integrator 'two': no findings"));
   CHECK(says(r, "order 2.0"));
 }
 
@@ -123,20 +123,20 @@ TEST_CASE("check_integrator names what is wrong in a method", "[unit][check]") {
   CheckReport r = two(Fault::order);
   CAPTURE(r.text());
   CHECK(says(r, "integrator 'two': is of order 2.0"));
-  CHECK(says(r, "and its info() tells 3"));
+  CHECK(says(r, "but info() declares 3"));
   r = two(Fault::weights);
   CAPTURE(r.text());
   CHECK(says(r, "is of order 1.0"));
   CHECK(says(r, "look at the coefficients"));
   r = two(Fault::too_long);
   CAPTURE(r.text());
-  CHECK(says(r, "makes a step of 0.02 s (asked for 0.01 s at t = 0 s"));
+  CHECK(says(r, "makes a step of 0.02 s (requested: 0.01 s at t = 0 s"));
   r = two(Fault::time);
   CAPTURE(r.text());
-  CHECK(says(r, "the time went on by"));
+  CHECK(says(r, "the time advances by"));
   r = two(Fault::memory);
   CAPTURE(r.text());
-  CHECK(says(r, "changes what the state remembers"));
+  CHECK(says(r, "changes the memory of the state"));
   r = two(Fault::no_projection);
   CAPTURE(r.text());
   CHECK(says(r, "the new state violates the constraints by"));
@@ -145,20 +145,20 @@ TEST_CASE("check_integrator names what is wrong in a method", "[unit][check]") {
   CHECK(says(r, "a quaternion has length"));
   r = two(Fault::early);
   CAPTURE(r.text());
-  CHECK(says(r, "a step that throws leaves another state behind"));
+  CHECK(says(r, "a step that throws changes the state"));
   r = two(Fault::swallowed);
   CAPTURE(r.text());
-  CHECK(says(r, "makes a step though the equations of motion give no number"));
+  CHECK(says(r, "makes a step although the equations of motion give NaN"));
   r = two(Fault::keeps);
   CAPTURE(r.text());
-  CHECK(says(r, "begun anew it runs otherwise"));
+  CHECK(says(r, "a run after a second begin() differs"));
   r = two(Fault::no_save);
   CAPTURE(r.text());
-  CHECK(says(r, "taken back by restore(), the same steps end"));
-  CHECK(says(r, "another object, begun and restored, goes on"));
+  CHECK(says(r, "after restore(), the same steps end"));
+  CHECK(says(r, "another object, begun and restored, ends"));
   r = two(Fault::dense);
   CAPTURE(r.text());
-  CHECK(says(r, "dense() inside a step falls only with the power 2.0"));
+  CHECK(says(r, "the error of dense() decreases only with the power 2.0"));
 }
 
 TEST_CASE("every integrator of the library passes its check", "[unit][check]") {

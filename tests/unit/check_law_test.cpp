@@ -50,27 +50,27 @@ class Wrong final : public MotionLaw {
 TEST_CASE("check_law names what is wrong in a scalar law", "[unit][check]") {
   const auto report = [](Fault fault) { return check_law(Wrong(fault), {.seed = 3}, "wave"); };
   CHECK(report(Fault::none).ok());
-  CHECK(says(report(Fault::none), "law 'wave': nothing found in 128 comparisons (seed 3"));
+  CHECK(says(report(Fault::none), "law 'wave': no findings in 128 comparisons (seed 3"));
 
   CheckReport r = report(Fault::rate_sign);
   CAPTURE(r.text());
   CHECK_FALSE(r.ok());
   CHECK(says(r, "law 'wave': yd at t = "));
-  CHECK(says(r, "differences of y say"));
+  CHECK(says(r, "differences of y give"));
   CHECK(says(r, "so it has the wrong sign"));
   CHECK(says(r, "look at the formula of yd"));
-  CHECK(says(report(Fault::half_acceleration), "so it is half of that: a factor 2 is missing"));
+  CHECK(says(report(Fault::half_acceleration), "so it is half the value: a factor of 2 is missing"));
   CHECK(says(report(Fault::nan), "yd is "));
   CHECK(says(report(Fault::nan), "nan at t = 1.51 s"));
-  CHECK(says(report(Fault::keeps), "says something else at t = 0 s when it is asked again"));
-  CHECK(says(report(Fault::outside), "breakpoints(0, 2) tells 99 s"));
+  CHECK(says(report(Fault::keeps), "returns another value at t = 0 s in a second call"));
+  CHECK(says(report(Fault::outside), "breakpoints(0, 2) reports 99 s"));
 }
 
 TEST_CASE("check_law finds the instant of a jump that is not told", "[unit][check]") {
   const CheckReport r = check_law(Wrong(Fault::jump), {.seed = 3});
   CAPTURE(r.text());
   REQUIRE(r.findings().size() == 1);
-  CHECK(says(r, "ydd jumps by 2 at t = 0.7 s, which breakpoints() does not tell"));
+  CHECK(says(r, "ydd jumps by 2 at t = 0.7 s, which breakpoints() does not report"));
 }
 
 namespace {
@@ -103,8 +103,8 @@ class WrongSlide final : public TranslationLaw {
 TEST_CASE("check_law names what is wrong in laws of rotation and translation", "[unit][check]") {
   CHECK(check_law(WrongTurn(0)).ok());
   CHECK(says(check_law(WrongTurn(1)), "has length"));
-  CHECK(says(check_law(WrongTurn(2)), "differences of q say"));
-  CHECK(says(check_law(WrongTurn(2)), "a factor 2 is missing"));
+  CHECK(says(check_law(WrongTurn(2)), "differences of q give"));
+  CHECK(says(check_law(WrongTurn(2)), "a factor of 2 is missing"));
   CHECK(says(check_law(WrongTurn(3)), "a[1] at t = "));
   CHECK(says(check_law(WrongTurn(3)), "so it is missing"));
   const CheckReport slide = check_law(WrongSlide(), {}, "slide");

@@ -148,26 +148,26 @@ CheckReport rod(Fault fault) {
 
 }  // namespace
 
-TEST_CASE("check_lock passes a right link and says how well it looked", "[unit][check]") {
+TEST_CASE("check_lock passes a right joint and says how well it looked", "[unit][check]") {
   const CheckReport r = rod(Fault::none);
   INFO(r.text());
   CHECK(r.ok());
-  CHECK(says(r, "link 'rod' (rod): nothing found in"));
-  CHECK(says(r, "(seed 7; differences good to"));
+  CHECK(says(r, "joint 'rod' (rod): no findings in"));
+  CHECK(says(r, "(seed 7; differences accurate to"));
   CHECK(r.accuracy() < 1e-5);
 }
 
 TEST_CASE("check_lock names wrong derivatives", "[unit][check]") {
   CheckReport r = rod(Fault::rate_sign);
   CAPTURE(r.text());
-  CHECK(says(r, "link 'rod' (rod): Ct of row length is "));
+  CHECK(says(r, "joint 'rod' (rod): Ct of constraint length is "));
   CHECK(says(r, "so it has the wrong sign (seed 7, state "));
 
   r = rod(Fault::half_square);
   CAPTURE(r.text());
-  CHECK(says(r, "Qhat of row length is "));
+  CHECK(says(r, "Qhat of constraint length is "));
   CHECK(says(r, "its part that is quadratic in the velocity of body 'arm' is "));
-  CHECK(says(r, "so it is half of that: a factor 2 is missing"));
+  CHECK(says(r, "so it is half the value: a factor of 2 is missing"));
   CHECK(r.findings().size() == 1);
 
   r = rod(Fault::half_turning);
@@ -185,13 +185,13 @@ TEST_CASE("check_lock names wrong derivatives", "[unit][check]") {
 
   r = rod(Fault::world_axes);
   CAPTURE(r.text());
-  CHECK(says(r, "jacobian of row length with respect to the angular velocity of body 'arm' about its "));
-  CHECK(says(r, "its three numbers are right in world axes, and the angular velocity is in the body's own"));
+  CHECK(says(r, "Jacobian of constraint length with respect to the angular velocity of body 'arm' about its "));
+  CHECK(says(r, "its three numbers are in world axes, but the angular velocity is in body axes"));
 
   r = rod(Fault::body_axes);
   CAPTURE(r.text());
   CHECK(says(r, "with respect to the velocity of body 'arm' along the world's "));
-  CHECK(says(r, "right in body axes"));
+  CHECK(says(r, "are in body axes"));
 
   r = rod(Fault::column_missing);
   CAPTURE(r.text());
@@ -201,28 +201,28 @@ TEST_CASE("check_lock names wrong derivatives", "[unit][check]") {
   r = rod(Fault::tangent);
   CAPTURE(r.text());
   CHECK(says(r, "tangent(): the change of the force on body 'arm'"));
-  CHECK(says(r, "a factor 2 is too much"));
+  CHECK(says(r, "a factor of 2 is superfluous"));
 
-  CHECK(says(rod(Fault::velocity), "Ct of row length changes with the velocities"));
+  CHECK(says(rod(Fault::velocity), "Ct of constraint length changes with the velocities"));
 }
 
 TEST_CASE("check_lock names what is forgotten or written where it does not belong", "[unit][check]") {
-  CHECK(says(rod(Fault::ct_missing), "leaves Ct of row length unwritten"));  // found when it is set up
-  CHECK(says(rod(Fault::ct_sometimes), "Ct of row length is not written: what stood there before shows through"));
+  CHECK(says(rod(Fault::ct_missing), "leaves Ct of constraint length unwritten"));  // found when it is set up
+  CHECK(says(rod(Fault::ct_sometimes), "Ct of constraint length is not written: it keeps the number from before"));
   CheckReport r = rod(Fault::breakpoint);
   CAPTURE(r.text());
-  CHECK(says(r, "Ct of row length jumps by "));
-  CHECK(says(r, "at t = 1.25 s, which breakpoints() does not tell"));
-  CHECK(says(rod(Fault::keeps), "says something else when it is asked again"));
-  CHECK(says(rod(Fault::slots), "slots() leaves out body 'cam', on which its marker 's' is"));
-  CHECK(says(rod(Fault::slots), "row length depends on body 'cam', which is not among slots()"));
-  CHECK(says(rod(Fault::names), "two rows are called 'length'"));
+  CHECK(says(r, "Ct of constraint length jumps by "));
+  CHECK(says(r, "at t = 1.25 s, which breakpoints() does not report"));
+  CHECK(says(rod(Fault::keeps), "has other constraints in a second call"));
+  CHECK(says(rod(Fault::slots), "slots() lacks body 'cam', which has its marker 's'"));
+  CHECK(says(rod(Fault::slots), "constraint length depends on body 'cam', which slots() lacks"));
+  CHECK(says(rod(Fault::names), "two constraints are called 'length'"));
   CHECK(says(rod(Fault::padding), "writes outside of its rows, beyond row 0"));
-  CHECK(says(rod(Fault::nan), "C of row length is not finite at t = "));
-  CHECK(says(rod(Fault::kind), "row length is of the kind rotation, but moves of body 'arm' change it"));
+  CHECK(says(rod(Fault::nan), "C of constraint length is not finite at t = "));
+  CHECK(says(rod(Fault::kind), "constraint length is of the kind rotation, but translations of body 'arm' change it"));
 }
 
-TEST_CASE("check_lock of a type finds a group that writes one link twice", "[unit][check]") {
+TEST_CASE("check_lock of a type finds a group that writes one joint twice", "[unit][check]") {
   Registry registry = builtin_registry();
   const auto with = [&](const char* name, Fault fault) {
     registry.links.add({name, "a rod", {}}, [fault](const Attachment& attachment, const Params&) {
@@ -233,9 +233,9 @@ TEST_CASE("check_lock of a type finds a group that writes one link twice", "[uni
   const CheckReport right = check_lock(registry, "rod"), wrong = check_lock(registry, "rod_this");
   CAPTURE(right.text(), wrong.text());
   CHECK(right.ok());
-  CHECK(says(wrong, "two links gathered as one group are not what they are alone"));
+  CHECK(says(wrong, "two joints gathered as one group differ from each one alone"));
   CHECK(says(wrong, "links[i] (not this)"));
-  CHECK(says(wrong, "the first findings came with both bodies moving"));
+  CHECK(says(wrong, "the first findings are with both bodies moving"));
 }
 
 namespace {
@@ -280,12 +280,12 @@ TEST_CASE("check_lock follows a joint over full turns", "[unit][check]") {
   const CheckReport counted = joint<TurnsCounted>(), forgotten = joint<TurnsForgotten>(), odd = joint<OddInE>();
   CAPTURE(counted.text(), forgotten.text(), odd.text());
   CHECK(counted.ok());
-  CHECK(says(forgotten, "row phi jumps by 0.126 where 'thread.P' has turned by 1"));
+  CHECK(says(forgotten, "constraint phi jumps by 0.126 when 'thread.P' has rotated by 1"));
   CHECK(says(forgotten, ".counts_turns = true"));
-  CHECK(says(odd, "row phi on body 'nut' is another one when the quaternion of body 'nut' changes its sign"));
+  CHECK(says(odd, "constraint phi on body 'nut' changes with the sign of the quaternion of body 'nut'"));
 }
 
-TEST_CASE("every link of the library passes its check", "[unit][check]") {
+TEST_CASE("every joint of the library passes its check", "[unit][check]") {
   const Registry registry = builtin_registry();
   for (const std::string& name : registry.links.names()) {
     const CheckOptions options{.seed = 2, .states = 4, .pairs = sample_pairs(name)};
@@ -313,11 +313,11 @@ TEST_CASE("drives by angle and by speed pass the check of links", "[unit][check]
   }
 }
 
-TEST_CASE("check_lock asks for a link of the system", "[unit][check]") {
+TEST_CASE("check_lock asks for a joint of the system", "[unit][check]") {
   Bench here, there;
   Lock& link = there.system.add(std::make_unique<Rod>("rod", there.p, there.s, Fault::none));
   testing::check_words(testing::message_of<ModelError>([&] { check_lock(here.system, link); }),
-                       {"link 'rod' is not in the system", "System::add"});
+                       {"joint 'rod' is not in the system", "System::add"});
 }
 
 namespace {
@@ -345,7 +345,7 @@ TEST_CASE("check_lock names a memory that adds up", "[unit][check]") {
   Body &nut = system.add_body("nut", mass), &shaft = system.add_body("shaft", mass);
   const CheckReport r = check_lock(system, system.add<AddsUp>("thread", nut, shaft, pose_at({0, 0.1, 0})));
   CAPTURE(r.text());
-  CHECK(says(r, "called again and again there, adds the same each time"));
+  CHECK(says(r, "adds the same each time"));
 }
 
 }  // namespace check_lock_test

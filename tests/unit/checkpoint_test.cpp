@@ -139,20 +139,20 @@ TEST_CASE("a checkpoint that is damaged, cut or of another layout is refused") {
   for (const std::size_t n :
        {std::size_t{0}, std::size_t{5}, std::size_t{25}, whole.size() / 2, whole.size() - 8, whole.size() - 1})
     CHECK(refusal(whole.substr(0, n)) != "no error");
-  CHECK(says(refusal(whole.substr(0, whole.size() - 3)), {"is cut or damaged"}));
-  CHECK(says(refusal(whole + "x"), {"is cut or damaged"}));
-  CHECK(says(refusal("{\"lockstep\": 1}"), {"is none"}));
+  CHECK(says(refusal(whole.substr(0, whole.size() - 3)), {"is truncated or damaged"}));
+  CHECK(says(refusal(whole + "x"), {"is truncated or damaged"}));
+  CHECK(says(refusal("{\"lockstep\": 1}"), {"is not a checkpoint"}));
   std::string later = whole;
   REQUIRE(later.starts_with("lockstep checkpoint " + std::to_string(kCheckpointLayout) + "\n"));
   later.replace(20, std::to_string(kCheckpointLayout).size(), std::to_string(kCheckpointLayout + 1));
-  const std::string numbers = "of another layout (" + std::to_string(kCheckpointLayout + 1) + " instead of " +
-                              std::to_string(kCheckpointLayout) + ")";
+  const std::string numbers = "has layout " + std::to_string(kCheckpointLayout + 1) + " instead of " +
+                              std::to_string(kCheckpointLayout) + ":";
   CHECK(says(refusal(later), {numbers.c_str(), "run the scene again from its start"}));
   std::string first = whole;
   first[20] = '1';  // which said nothing of the layout
-  CHECK(says(refusal(first), {"of another layout (1 instead of "}));
-  CHECK(says(refusal("lockstep checkpoint "), {"no number of a layout"}));
-  CHECK(says(refusal("lockstep checkpoint 2"), {"no number of a layout"}));
+  CHECK(says(refusal(first), {"has layout 1 instead of "}));
+  CHECK(says(refusal("lockstep checkpoint "), {"has no layout number"}));
+  CHECK(says(refusal("lockstep checkpoint 2"), {"has no layout number"}));
   CHECK(says(message_of<FileError>([&] { run.load(folder / "nowhere"); }), {"cannot be read"}));
 }
 
@@ -190,16 +190,16 @@ TEST_CASE("a checkpoint of another version, simulation or kind is refused by nam
   const Vec3 down(0, -9.81, 0), here(0, 0, 0);
   const Shape same_rod = shapes::rod(1.0, {0, 0, 0}, {1, 0, 0});
   CHECK(refusal_of(same_rod, down, here) == "no error");
-  CHECK(says(refusal_of(shapes::rod(2.0, {0, 0, 0}, {1, 0, 0}), down, here), {"of another run", "body rod"}));
+  CHECK(says(refusal_of(shapes::rod(2.0, {0, 0, 0}, {1, 0, 0}), down, here), {"belongs to another run", "body rod"}));
   Shape thicker = same_rod, off_centre = same_rod;
   thicker.mass.J *= 1.01, off_centre.mass.center[0] += 0.01;
-  CHECK(says(refusal_of(thicker, down, here), {"of another run", "body rod"}));
-  CHECK(says(refusal_of(off_centre, down, here), {"of another run", "body rod"}));
-  CHECK(says(refusal_of(same_rod, {0, -1.62, 0}, here), {"of another run", "gravity"}));
-  CHECK(says(refusal_of(same_rod, down, {0.1, 0, 0}), {"of another run", "marker hinge.P"}));
+  CHECK(says(refusal_of(thicker, down, here), {"belongs to another run", "body rod"}));
+  CHECK(says(refusal_of(off_centre, down, here), {"belongs to another run", "body rod"}));
+  CHECK(says(refusal_of(same_rod, {0, -1.62, 0}, here), {"belongs to another run", "gravity"}));
+  CHECK(says(refusal_of(same_rod, down, {0.1, 0, 0}), {"belongs to another run", "marker hinge.P"}));
   SimulationOptions drifting = options_with("dopri5");
   drifting.dynamics.stabilization.kind = Stabilization::Kind::none;
-  CHECK(says(refusal(same.system, drifting), {"of another run", "stabilization"}));
+  CHECK(says(refusal(same.system, drifting), {"belongs to another run", "stabilization"}));
 
   write_checkpoint(folder / "kind", [] {
     Snapshot s;
@@ -213,7 +213,7 @@ TEST_CASE("what cannot be saved or loaded is told, and who reads less than was s
   const Folder folder;
   Pendulum pendulum;
   Simulation run(pendulum.system, options_with("dopri5"));
-  CHECK(says(message_of<ModelError>([&] { run.save(folder / "early"); }), {"has not begun"}));
+  CHECK(says(message_of<ModelError>([&] { run.save(folder / "early"); }), {"has not started"}));
   Counter counter;
   run.add_observer(counter);
   run.run_until(0.1);
@@ -258,7 +258,7 @@ TEST_CASE("a snapshot holds any word of 64 bits") {
   for (const double odd : {-1.0, 4294967296.0, std::nan("")}) {
     Snapshot bad;
     bad.put(0), bad.put(odd);
-    CHECK(says(message_of<ModelError>([&] { SnapshotReader(bad).get_bits(); }), {"than was saved"}));
+    CHECK(says(message_of<ModelError>([&] { SnapshotReader(bad).get_bits(); }), {"restore() reads more than save() wrote"}));
   }
 }
 
@@ -266,7 +266,7 @@ TEST_CASE("a part of a snapshot is no longer than what is left of it") {
   for (const double size : {3.0, 4.0, -1.0, std::nan("")}) {
     Snapshot bad;
     for (const double x : {size, 1.0, 2.0}) bad.put(x);
-    CHECK(says(message_of<ModelError>([&] { SnapshotReader(bad).get_part(); }), {"than was saved"}));
+    CHECK(says(message_of<ModelError>([&] { SnapshotReader(bad).get_part(); }), {"restore() reads more than save() wrote"}));
   }
 }
 

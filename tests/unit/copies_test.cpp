@@ -176,7 +176,7 @@ std::unique_ptr<System> with_turned_particle(int k) {
 }  // namespace
 
 TEST_CASE("a moment on a particle is refused of a copy in lanes by the words of a single run", "[unit][copies]") {
-  const std::vector<std::string> words{"force 'twist' exerts a moment of 0.5 N m on body 'bead'", "cannot turn"};
+  const std::vector<std::string> words{"force 'twist' exerts a moment of 0.5 N m on body 'bead'", "cannot rotate"};
   Family family(4, with_turned_particle);
   const Told lanes = told(family, family.starts(), {0.1, 0.5}, {});
   for (std::size_t k = 0; k < 4; ++k) {
@@ -280,12 +280,12 @@ TEST_CASE("an explicit method of a registry's own runs in lanes as it runs alone
   Family family(1, [](int k) { return chain(2, k); });
   CopiesOptions unknown;
   unknown.integrator = "ralston";
-  check_words(message_of<ModelError>([&] { Copies(family.pointers(), unknown); }), {"ralston", "no lanes"});
+  check_words(message_of<ModelError>([&] { Copies(family.pointers(), unknown); }), {"ralston", "is not vectorised"});
   Registry others = builtin_registry();
   others.integrators.add({"ralston", "order 2", {}}, [](const Params&) { return std::make_unique<Ralston>(false); });
   unknown.step = 0.01, unknown.registry = &others;
   check_words(message_of<ModelError>([&] { Copies(family.pointers(), unknown); }),
-              {"ralston", "does not take joint coordinates"});
+              {"ralston", "does not support joint coordinates"});
 }
 
 TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
@@ -302,7 +302,7 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
     static_cast<MarkerLock&>(*planar->links()[0]).drive(Axis::rz, laws::law([](auto t) { return t; }));
     static_cast<MarkerLock&>(*planar->links()[1]).drive(Axis::rz, laws::law([](auto t) { return t; }));
     planar->set_planar(Plane{1});
-    check_words(Copies::unsuited(*planar), {"laws alone move it"});  // not that it is planar
+    check_words(Copies::unsuited(*planar), {"moved by laws alone"});  // not that it is planar
   }
   {
     inputs::RandomMechanism m(1);
@@ -312,7 +312,7 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
   }
   {
     Family family(2, [](int k) { return chain(2 + k, 0); });
-    check_words(message([&] { Copies c(family.pointers()); }), {"copy 1", "moving bodies"});
+    check_words(message([&] { Copies c(family.pointers()); }), {"instance 1 differs from instance 0", "moving bodies"});
   }
   {
     Family family = Family(2, [](int k) {
@@ -335,7 +335,7 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
       sys->add(std::make_unique<Own>(k == 0 ? "other" : "one"));
       return sys;
     });
-    check_words(message([&] { Copies c(swapped.pointers()); }), {"copy 1", "'other' in place of 'one'"});
+    check_words(message([&] { Copies c(swapped.pointers()); }), {"instance 1", "'other' instead of 'one'"});
   }
   {
     Family off(2, [](int k) { return chain(2, k); });
@@ -354,7 +354,7 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
   check_words(message([&] { Copies c(family.pointers(), options); }), {"radau5"});
   Copies copies(family.pointers());
   const std::vector<State> one{family.starts()[0]};
-  check_words(message([&] { copies.run(one, std::vector<double>{0.5}, {}); }), {"1 states for 2 copies"});
+  check_words(message([&] { copies.run(one, std::vector<double>{0.5}, {}); }), {"1 states for 2 instances"});
   check_words(message([&] { copies.run(family.starts(), std::vector<double>{1.0, 0.5}, {}); }), {"ascending"});
   check_words(message([&] { Copies c({}); }), {"at least one"});
 }

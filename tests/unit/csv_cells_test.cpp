@@ -43,16 +43,16 @@ TEST_CASE("csv cells: quotes that are not closed, or in the midst of a cell, are
     std::size_t column;
     const char* problem;
   };
-  const Line lines[] = {{"0,\"0", 3, "without its closing one"},
-                        {"\"0,1", 1, "without its closing one"},
-                        {"a,\"b\"\"", 3, "without its closing one"},
-                        {"0,\"", 3, "without its closing one"},
-                        {"0,1\"", 4, "inside of a cell"},
-                        {"5\" pipe,2", 2, "inside of a cell"},
-                        {"1,2\"3\"", 4, "inside of a cell"},
-                        {"1,\"2\"3", 6, "behind the closing quote"},
-                        {"1,\"2\" \"3\"", 7, "inside of a cell"},
-                        {"\xC3\xA4,\xC3\xB6,\"x", 5, "without its closing one"}};  // columns count characters
+  const Line lines[] = {{"0,\"0", 3, "is not closed"},
+                        {"\"0,1", 1, "is not closed"},
+                        {"a,\"b\"\"", 3, "is not closed"},
+                        {"0,\"", 3, "is not closed"},
+                        {"0,1\"", 4, "inside an unquoted cell"},
+                        {"5\" pipe,2", 2, "inside an unquoted cell"},
+                        {"1,2\"3\"", 4, "inside an unquoted cell"},
+                        {"1,\"2\"3", 6, "after the closing quote"},
+                        {"1,\"2\" \"3\"", 7, "inside an unquoted cell"},
+                        {"\xC3\xA4,\xC3\xB6,\"x", 5, "is not closed"}};  // columns count characters
   std::vector<std::string> cells;
   for (const Line& line : lines) {
     CAPTURE(line.text);
@@ -74,10 +74,10 @@ TEST_CASE("csv: a law's table is refused where a quote or the number of its cell
     std::ofstream(file) << text;
     return message_of<FileError>([&] { read_columns(file, "t", {"y"}); });
   };
-  check_words(refused("t,y\n0,\"0\n0.5,1\n1,2\n"), {file + ":2:3: ", "a quote without its closing one"});
-  check_words(refused("t,y\n0,0\n0.5,1\"\n1,2\n"), {file + ":3:6: ", "a quote inside of a cell"});
-  check_words(refused("t,\"y\n0,0\n"), {file + ":1:3: ", "a quote without its closing one"});
-  check_words(refused("t;y\n0;0\n0,2;\"1\"1\n"), {file + ":3:8: ", "text behind the closing quote"});
+  check_words(refused("t,y\n0,\"0\n0.5,1\n1,2\n"), {file + ":2:3: ", "a quote is not closed"});
+  check_words(refused("t,y\n0,0\n0.5,1\"\n1,2\n"), {file + ":3:6: ", "a quote inside an unquoted cell"});
+  check_words(refused("t,\"y\n0,0\n"), {file + ":1:3: ", "a quote is not closed"});
+  check_words(refused("t;y\n0;0\n0,2;\"1\"1\n"), {file + ":3:8: ", "text after the closing quote"});
   check_words(refused("t,y\n0,0\n0.2,0,02\n"),
               {file + ":3:7: has 3 cells, the first line has 2"});  // the first surplus
   check_words(refused("t,y\n0,0\n 0.25 \r\n"), {file + ":3:6: has 1 cells, the first line has 2"});  // the end
@@ -85,7 +85,7 @@ TEST_CASE("csv: a law's table is refused where a quote or the number of its cell
   CHECK(read_columns(file, "t", {"y"}).y(1, 0) == 2);
   CHECK(refused("t,y\n# a \" in a remark\n0,0\n1,1\n") == "no error");
   std::istringstream table("t [s],x [m]\n0,\"1\n");
-  check_words(message_of<FileError>([&] { read_csv(table, "run.csv"); }), {"run.csv:2:3: ", "a quote without"});
+  check_words(message_of<FileError>([&] { read_csv(table, "run.csv"); }), {"run.csv:2:3: ", "a quote is not"});
   std::filesystem::remove(file);
 }
 

@@ -152,13 +152,13 @@ TEST_CASE("A path that cannot be followed is refused in words", "[unit][links]")
   };
   CHECK(wire(helix(), 0) == "no error");
   CHECK(rail(helix(), turning()) == "no error");
-  check_words(wire(laws::constant_translation(Vec3(1, 2, 3)), 0.5), {"link 'wire'", "near s = 0.5", "\"near\""});
-  check_words(wire(nullptr, 0), {"link 'wire'", "no path was given"});
-  check_words(rail(nullptr, turning()), {"link 'rail'", "no path was given"});
-  check_words(rail(helix(), nullptr), {"link 'rail'", "no law for the axes"});
+  check_words(wire(laws::constant_translation(Vec3(1, 2, 3)), 0.5), {"joint 'wire'", "near s = 0.5", "\"near\""});
+  check_words(wire(nullptr, 0), {"joint 'wire'", "no path was given"});
+  check_words(rail(nullptr, turning()), {"joint 'rail'", "no path was given"});
+  check_words(rail(helix(), nullptr), {"joint 'rail'", "no law for the axes"});
   // beyond the end of a spline that is not said to go on: the law itself says so
   const auto splined = laws::path({{0, Vec3(1, 0, 0)}, {1, Vec3(2, 0, 0)}, {2, Vec3(3, 1, 0)}});
-  check_words(wire(splined, 0.5), {"link 'wire'", "path"});
+  check_words(wire(splined, 0.5), {"joint 'wire'", "path"});
 }
 
 }  // namespace curve_test

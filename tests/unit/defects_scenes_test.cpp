@@ -70,9 +70,10 @@ TEST_CASE("a law that jumps in position is told by types of laws that exist", "[
                  "drive": {"axis": "x", "law": {"type": "formula", "y": "=t < 0.1 ? 0 : 0.02"}}}],
       "run": {"until": 0.2}})");
   });
-  const std::size_t begin = message.find("(types ");
-  REQUIRE(begin != std::string::npos);
-  std::istringstream types(message.substr(begin + 7, message.find(')', begin) - begin - 7));
+  const std::string before = "use a continuous law (";
+  const std::size_t found = message.find(before), begin = found + before.size();
+  REQUIRE(found != std::string::npos);
+  std::istringstream types(message.substr(begin, message.find(')', begin) - begin));
   const Registry registry = builtin_registry();
   int n = 0;
   for (std::string type; std::getline(types >> std::ws, type, ','); ++n) {
@@ -141,14 +142,14 @@ TEST_CASE("a tolerance below rounding is refused in C++, of a simulation and of 
     return message_of<ModelError>(
         [&] { Simulation run(system, {.tolerance = tolerance, .absolute_tolerance = absolute}); });
   };
-  check_words(simulation(1e-20), {"1e-20 is less than rounding leaves", "take 1e-13 or more"});
+  check_words(simulation(1e-20), {"1e-20 is below the round-off", "take 1e-13 or more"});
   CHECK(simulation(std::numeric_limits<double>::epsilon()) == "no error");
   check_words(simulation(1e-8, -1), {"absolute tolerance is -1"});
   Dynamics dynamics(system, make_solver(MethodSpec{"schur"}, builtin_registry(), "solver"));
   const auto loop = [&](Tolerance tolerance) {
     return message_of<ModelError>([&] { StepLoop(dynamics, std::make_unique<Dopri5>(), {.tolerance = tolerance}); });
   };
-  check_words(loop({1e-20, 1e-22}), {"1e-20 is less than rounding leaves"});
+  check_words(loop({1e-20, 1e-22}), {"1e-20 is below the round-off"});
   CHECK(loop({0, 1e-12}) == "no error");
 }
 
@@ -159,7 +160,7 @@ TEST_CASE("a quantity that is a moment in other words is suggested as the torque
   system.add<Revolute>("A", rod, system.ground(), pose_at({0, 0, 0}));
   check_words(message_of<ModelError>([&] { make_channel(system, "A.moment_on_p_world_z"); }),
               {"did you mean \"torque_on_p_world_z\"?"});
-  check_words(message_of<ModelError>([&] { make_channel(system, "A.rz"); }), {"did you mean \"angle_z\"?"});
+  CHECK_NOTHROW(make_channel(system, "A.rz"));
 }
 
 namespace {
@@ -232,7 +233,7 @@ TEST_CASE("a lock that holds all its rows catches a body in flight, and momentum
     for (std::size_t k = 1; k < 5; ++k) CHECK(t[kept][k] == Approx(t[kept][0]).margin(1e-9));
 }
 
-TEST_CASE("a run that was saved while a link holds goes on to the last bit", "[unit][events]") {
+TEST_CASE("a run that was saved while a joint holds goes on to the last bit", "[unit][events]") {
   const auto make = [](System& system) {
     Body& rod = system.add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
     system.add<Revolute>("A", rod, system.ground(), pose_at({0, 0, 0}));
@@ -264,7 +265,7 @@ TEST_CASE("a run that was saved while a link holds goes on to the last bit", "[u
   CHECK(first.state().v.cwiseAbs().maxCoeff() > 1);
 }
 
-TEST_CASE("a link that holds and has a law, or none to hold by, is refused", "[unit][scene]") {
+TEST_CASE("a joint that holds and has a law, or none to hold by, is refused", "[unit][scene]") {
   const auto refusal = [](const std::string& link) {
     return message_of<SceneError>([&] {
       build_mechanism(
@@ -278,7 +279,7 @@ TEST_CASE("a link that holds and has a law, or none to hold by, is refused", "[u
   };
   check_words(refusal(R"({"name": "L", "type": "prismatic", "p": "b", "s": "ground", "at": [0, 0, 0], "hold": true,
                          "drive": {"axis": "z", "law": 0}})"),
-              {"hold.json:", "'L'", "holds where its bodies stand", "remove one of the two"});
+              {"hold.json:", "'L'", "\"hold\" excludes laws and one-sided joints", "remove one of the two"});
   check_words(
       refusal(R"({"name": "L", "type": "distance", "p": "b", "s": "ground", "at_p": [1, 0, 0], "at_s": [2, 0, 0],
                          "hold": true})"),
@@ -301,18 +302,19 @@ TEST_CASE("all that is wrong with a scene is said in one round", "[unit][scene]"
   INFO(message);
   const std::vector<std::vector<std::string>> wanted = {
       {":2:", "body 'r'", "the mass is -1"},
-      {":2:", "already taken by a body"},
+      {":2:", "already taken by body 'r'"},
       {":2:", "body 'r'", "inertia"},
       {":2:", "the name is empty"},
       {":2:", "needs an inertia"},
       {":2:", "\"ground\" is reserved"},
-      {":3:", "link 'A'", "\"revolut\"", "did you mean \"revolute\"?"},
-      {":3:", "link 'A'", "unknown key \"driv\"", "did you mean \"drive\"?"},
-      {":4:", "link 'B', p", "\"rr\"", "did you mean \"r\"?"},
-      {":4:", "link 'B', at", "\"Q\""},
-      {":5:", "link 'C', s", "both sides are on body 'r'"},
-      {":5:", "link 'C', mask", "q"},
-      {":6:", "force 'F'", "\"spring\""},
+      {":3:", "joint 'A'", "\"revolut\"", "did you mean \"revolute\"?"},
+      {":3:", "joint 'A'", "unknown key \"driv\"", "did you mean \"drive\"?"},
+      {":4:", "joint 'B', p", "\"rr\"", "did you mean \"r\"?"},
+      {":4:", "joint 'B', at", "\"Q\""},
+      {":5:", "joint 'C', s", "both sides are on body 'r'"},
+      {":5:", "joint 'C', mask", "q"},
+      {":6:", "force 'F'", "\"spring\"", "did you mean \"spring_damper\"?"},
+      {":6:", "force 'F'", "unknown key \"k\"", "did you mean \"stiffness\"?"},
       {":7:", "run.integrator", "did you mean \"rk4\"?"},
       {":7:", "r.anglez", "did you mean \"angle_z\"?"},
       {":7:", "qq.x"},
@@ -335,8 +337,8 @@ TEST_CASE("what may follow from another error is not said beside it", "[unit][sc
              {"name": "bead", "particle": "1 m"}],
   "links": [{"name": "A", "type": "spherical", "p": "bead", "s": "ground"},
             {"name": "B", "type": "revolute", "p": "disc", "s": "ground", "at": [0, 0, 0], "axs": "z"}],
-  "events": [{"name": "e", "when": {"channel": "B.angle_z"}, "stop": true}],
-  "run": {"until": 1, "record": ["A.x", "B.angle_z", "disc.angle_z", "bead.x", "B.x@ground"]}})",
+  "events": [{"name": "e", "when": {"channel": "B.rz"}, "stop": true}],
+  "run": {"until": 1, "record": ["A.x", "B.rz", "disc.angle_z", "bead.x", "B.x@ground"]}})",
                                    "follow.json"),
                    builtin_registry());
   });
@@ -345,7 +347,7 @@ TEST_CASE("what may follow from another error is not said beside it", "[unit][sc
   REQUIRE(lines.size() == 3);
   check_words(lines[0], {"body 'disc'", "mass is 0"});
   check_words(lines[1], {"body 'bead'", "a mass is expected"});
-  check_words(lines[2], {"link 'B'", "\"axs\""});
+  check_words(lines[2], {"joint 'B'", "\"axs\""});
 }
 
 }  // namespace defects_scenes_test

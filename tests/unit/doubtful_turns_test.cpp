@@ -59,8 +59,8 @@ Told turn(double tilt, const std::string& channel) {
 
 TEST_CASE("turns of an angle whose axis is met are in doubt, which is said once and by name", "[unit][record]") {
   const Told met = turn(0, "b.angle_y");  // z of the body passes y of the world
-  CHECK(met.warnings.find("channel \"b.angle_y\": up to t = 0.4 s") != std::string::npos);
-  CHECK(met.warnings.find("full turns are in doubt") != std::string::npos);
+  CHECK(met.warnings.find("channel \"b.angle_y\": until t = 0.4 s") != std::string::npos);
+  CHECK(met.warnings.find("revolutions are uncertain") != std::string::npos);
   CHECK(met.warnings.find("channel", met.warnings.find("channel") + 1) == std::string::npos);
   CHECK(std::abs(met.last) < kTwoPi);
   const Told about = turn(0, "b.angle_x");
@@ -78,7 +78,7 @@ TEST_CASE("an angle whose axis is passed at a distance is counted without a word
   }
 }
 
-TEST_CASE("a link's turn about an axis across its own is zero on both sides of half a turn", "[unit][record]") {
+TEST_CASE("a joint's turn about an axis across its own is zero on both sides of half a turn", "[unit][record]") {
   const Told across = turn(0, "A.angle_y");  // 2 atan2(e2, e0), which is 0/0 at half a turn about z
   CHECK(across.warnings.empty());
   CHECK(across.last == Approx(0).margin(1e-9));
@@ -106,13 +106,13 @@ TEST_CASE("recorded angles of a loop begin in the turn that a drive begins in", 
     s.add<Revolute>("D", rocker, s.ground(), pose_at(D));
     const Heard heard;
     Simulation run(s, {});
-    run.record({"A.angle_z", "B.angle_z", "C.angle_z", "D.angle_z"});
+    run.record({"A.rz", "B.rz", "C.rz", "D.rz"});
     run.run_until(0.01);
     CHECK(heard.words.str().find("warning") == std::string::npos);
-    CHECK(run.table().first("A.angle_z") == Approx(kTwoPi * turns).margin(1e-9));
-    CHECK(run.table().first("B.angle_z") == Approx(-kTwoPi * turns).margin(1e-9));
-    CHECK(run.table().first("C.angle_z") == Approx(0).margin(1e-9));
-    CHECK(run.table().first("D.angle_z") == Approx(0).margin(1e-9));
+    CHECK(run.table().first("A.rz") == Approx(kTwoPi * turns).margin(1e-9));
+    CHECK(run.table().first("B.rz") == Approx(-kTwoPi * turns).margin(1e-9));
+    CHECK(run.table().first("C.rz") == Approx(0).margin(1e-9));
+    CHECK(run.table().first("D.rz") == Approx(0).margin(1e-9));
   }
 }
 

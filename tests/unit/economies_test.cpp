@@ -77,7 +77,7 @@ TEST_CASE("what is left out changes no acceleration", "[unit][economies]") {
   }
 }
 
-TEST_CASE("a link out of force is as if it were not there", "[unit][economies]") {
+TEST_CASE("a joint out of force is as if it were not there", "[unit][economies]") {
   const Size without = size(plain()), inactive = size(stayed(false));
   CHECK(inactive.unknowns == without.unknowns);
   CHECK(inactive.rows == without.rows);

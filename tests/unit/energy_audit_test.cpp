@@ -141,7 +141,7 @@ TEST_CASE("a very small mechanism that leaves its constraints has drifted", "[un
   CHECK(audit.result().drifted);
 }
 
-TEST_CASE("what vanishes where a link comes into force is booked under its cause", "[unit][record]") {
+TEST_CASE("what vanishes where a joint comes into force is booked under its cause", "[unit][record]") {
   System system(System::Options{{0, 0, -10}});
   Body& stone = system.add_body("stone", shapes::sphere(2, 0.1));
   Lock& hook = system.add<Spherical>("hook", stone, system.ground(), pose_at({0, 0, 0}));

@@ -17,7 +17,7 @@ using namespace lockstep::testing;
 
 namespace {
 
-const Thing kOurs{.kind = "link", .name = "A", .type = "revolute", .origin = "built in"};
+const Thing kOurs{.kind = "joint", .name = "A", .type = "revolute", .origin = "built in"};
 const Thing kHosts{.kind = "force", .name = "F", .type = "wind"};
 const Thing kPlugins{.kind = "force", .name = "F", .type = "wind", .origin = "weather"};
 
@@ -102,33 +102,33 @@ TEST_CASE("built-in code without a law at fault passes what is no Error, with on
   CHECK(message_of<UserCodeError>([] {
           throw_in({.thing = kOurs, .t = 1, .fault = "the law of drive rz threw: no more"},
                    std::runtime_error("no more"));
-        }) == "t = 1 s: link 'A' (revolute): the law of drive rz threw: no more");
+        }) == "t = 1 s: joint 'A' (revolute): the law of drive rz threw: no more");
 }
 
-TEST_CASE("what a built-in law refuses stays a ModelError, with link, law and time", "[unit][errors]") {
+TEST_CASE("what a built-in law refuses stays a ModelError, with joint, law and time", "[unit][errors]") {
   const ModelError end("law 'spline': the end", {.thing = {.kind = "law", .type = "spline", .origin = "built in"}});
-  for (const Thing& whose : {kOurs, Thing{.kind = "link", .name = "A", .type = "revolute"}}) {
+  for (const Thing& whose : {kOurs, Thing{.kind = "joint", .name = "A", .type = "revolute"}}) {
     const auto refused = error_of<ModelError>(
         {.thing = whose, .t = 1, .fault = "the law of drive rz threw: law 'spline': the end"}, end);
     CHECK(std::string(refused.what()) ==
-          "t = 1 s: link 'A' (revolute): the law of drive rz threw: law 'spline': the end");
+          "t = 1 s: joint 'A' (revolute): the law of drive rz threw: law 'spline': the end");
     CHECK(refused.thing.name == "A");
     CHECK(refused.t == 1);
     CHECK(refused.kind() == Error::Kind::model);
   }
   // the law is none of those that the link names: a curve asked at another argument than the time
   CHECK(message_of<ModelError>([&] { throw_in({.thing = kOurs, .t = 1}, end); }) ==
-        "t = 1 s: link 'A' (revolute): law 'spline': the end");
+        "t = 1 s: joint 'A' (revolute): law 'spline': the end");
   // what asks on the way to the host adds nothing
   CHECK(message_of<ModelError>([&] {
           in_context([] { return ErrorContext{.thing = {.kind = "observer"}, .t = 2}; },
                      [&] { throw_in({.thing = kOurs, .t = 1}, end); });
-        }) == "t = 1 s: link 'A' (revolute): law 'spline': the end");
+        }) == "t = 1 s: joint 'A' (revolute): law 'spline': the end");
   // of a plugin, and of a law of the host
   CHECK(error_of<UserCodeError>({.thing = kPlugins, .t = 1}, end).thing.origin == "weather");
   CHECK(message_of<UserCodeError>([&] {
           throw_in({.thing = kOurs, .t = 1, .fault = "the law of drive rz threw: the end"}, ModelError("the end"));
-        }) == "t = 1 s: link 'A' (revolute): the law of drive rz threw: the end");
+        }) == "t = 1 s: joint 'A' (revolute): the law of drive rz threw: the end");
 }
 
 TEST_CASE("an Error of a plugin is its own in use and keeps its type where it refuses", "[unit][errors]") {
@@ -145,7 +145,7 @@ TEST_CASE("an Error of the host is named in front of its words, one of the libra
           "[unit][errors]") {
   const auto noted = error_of<ModelError>({.thing = kOurs, .t = 1}, ModelError("no speed"));
   CHECK(std::string(noted.what()) == "no speed");
-  CHECK(noted.thing.words() == "link 'A'");
+  CHECK(noted.thing.words() == "joint 'A'");
   const auto named = error_of<ModelError>({.thing = kHosts, .t = 1}, ModelError("no speed"));
   CHECK(std::string(named.what()) == "t = 1 s: force 'F' (wind): no speed");
   CHECK(named.thing.words() == "force 'F'");

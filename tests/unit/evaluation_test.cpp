@@ -80,14 +80,14 @@ TEST_CASE("A kept factor iterates onto the constraints of a later state", "[unit
   CHECK(dynamics.violation(s) <= 1e-14);
 }
 
-TEST_CASE("A factor without a matrix, or of other links than those in force, is refused in words", "[unit][dynamics]") {
+TEST_CASE("A factor without a matrix, or of other joints than those in force, is refused in words", "[unit][dynamics]") {
   RodPendulum pendulum;
   Dynamics dynamics(pendulum.system, std::make_unique<SchurSolver>());
   State s = pendulum.system.start();
   Evaluation e(pendulum.system, s);
   Factor factor = dynamics.new_factor();
   const auto refused = [&] {
-    testing::check_words(testing::message_of<ModelError>([&] { solve(factor, e); }), {"factor", "compute it anew"});
+    testing::check_words(testing::message_of<ModelError>([&] { solve(factor, e); }), {"factor", "compute it again"});
   };
   refused();
   factor.compute(e);
@@ -131,7 +131,7 @@ TEST_CASE("What a singular pose looks like does not depend on what was asked bef
   Factor factor = fresh.new_factor();
   factor.compute(e);
   factor.forget();
-  testing::check_words(testing::message_of<ModelError>([&] { solve(factor, e); }), {"factor", "compute it anew"});
+  testing::check_words(testing::message_of<ModelError>([&] { solve(factor, e); }), {"factor", "compute it again"});
 }
 
 TEST_CASE("Poses and twists of bodies are set and read alike, parts of a cluster too", "[unit][system]") {
@@ -169,7 +169,7 @@ TEST_CASE("Vectors of another size are refused, not written past", "[unit][dynam
   REQUIRE(C.size() == 5);
   CHECK(Cd.size() == 5);
   const auto refused = [&](auto&& act) {
-    testing::check_words(testing::message_of<ModelError>(act), {"numbers where", "6 per slot"});
+    testing::check_words(testing::message_of<ModelError>(act), {"numbers, but", "6 per rigid group"});
   };
   refused([&] { e.velocity_residual(none, Cd); });
   refused([&] { (void)e.norm(six); });
@@ -181,7 +181,7 @@ TEST_CASE("Vectors of another size are refused, not written past", "[unit][dynam
   refused([&] { factor.solve(e, six, none, a, lambda); });
   NewtonMatrix newton;
   testing::check_words(testing::message_of<ModelError>([&] { newton.gather(e, none); }),
-                       {"lambda has 0 numbers where 5 are needed", "6 per slot"});
+                       {"lambda has 0 numbers, but 5 are needed", "6 per rigid group"});
   newton.gather(e, five);
   newton.factor(1, 0, 0);
   refused([&] { newton.add_M_times(six, none); });

@@ -191,7 +191,7 @@ TEST_CASE("a variable that is a constant as well is refused where it is read", "
   const std::string refused = message_of<ModelError>([&] { FormulaFunction("=2*t", {"t"}, {t}); });
   CAPTURE(refused);
   CHECK(refused.find("\"=2*t\", column 4") != std::string::npos);
-  CHECK(refused.find("\"t\" is a variable") != std::string::npos);
+  CHECK(refused.find("\"t\" is both a variable") != std::string::npos);
   CHECK(refused.find("rename the parameter") != std::string::npos);
   CHECK(FormulaFunction("=2*x", {"x", "t"}, {t}).reads(0));
 }
@@ -210,7 +210,7 @@ TEST_CASE("constants of functions are SI, and unknown names name the nearest", "
   CHECK(refused("=sinn(t)").find("did you mean \"sin\"") != std::string::npos);
   CHECK(refused("=x + Qqq").find("unknown name \"Qqq\"; known: x, t, R, A, pi") != std::string::npos);
   CHECK(refused("=A*t").find("A.x") != std::string::npos);
-  CHECK(refused("=[1, 2, 3]").find("numbers are expected") != std::string::npos);
+  CHECK(refused("=[1, 2, 3]").find("a number is expected") != std::string::npos);
   CHECK(refused("=2 t").find("\"*\"") != std::string::npos);  // not two tonnes
   CHECK(refused("=1/0").find("not finite") != std::string::npos);
 }
@@ -264,8 +264,8 @@ TEST_CASE("formulas with units are held against what they read and drive", "[uni
     std::optional<Dimension> value;
     std::vector<std::string> words;
   };
-  for (const Bad& bad : {Bad{"=3 m", angle, {"\"=3 m\"", "its value is a length", "here an angle is expected"}},
-                         {"=3 kg*t", angle, {"kg s", "here an angle is expected", "t is a time"}},
+  for (const Bad& bad : {Bad{"=3 m", angle, {"\"=3 m\"", "its value is a length", "an angle is expected"}},
+                         {"=3 kg*t", angle, {"kg s", "an angle is expected", "t is a time"}},
                          {"=1 m + t", angle, {"a length and a time are added"}},
                          {"=t*1 s", angle, {"s^2", "an angle"}},
                          {"=3 kg", torque, {"a mass", "a torque"}},
@@ -273,7 +273,7 @@ TEST_CASE("formulas with units are held against what they read and drive", "[uni
                          {"=-3 m/s*q", force, {"m^2/s", "a force", "q is a length"}},
                          {"=L*t", angle, {"m s", "an angle"}},
                          {"=A.x*t", length, {"m s", "a length"}},
-                         {"=L*sin(1 s*t)", length, {"sin of", "s^2", "a unit stands in this formula"}},
+                         {"=L*sin(1 s*t)", length, {"sin of", "s^2", "this formula has a unit"}},
                          {"=L + 0.1", length, {"a length and a pure number are added", "give the number a unit"}},
                          {"=t > 1 s ? L : t", length, {"a length and a time are the two sides of one choice"}},
                          {"=t < 1 s ? L : (1 m > t ? L : 0)", length, {"a length and a time are compared"}},

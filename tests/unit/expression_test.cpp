@@ -228,7 +228,7 @@ TEST_CASE("a refusal says the column, what is wrong and what was expected", "[un
       {"=mod(1, 0)", {"mod by zero"}},
       {"=0^(-1)", {"a negative power of 0"}},
       {"=1 # 2", {"column 4"}},
-      {"=9.81 m/s ^2", {"column 11", "directly behind it"}},
+      {"=9.81 m/s ^2", {"column 11", "follows it directly"}},
       {"=2 mm^ratio", {"column 6", "bracket"}},
       {"=\u03b1 + nix", {"column 2", "unknown name"}}};
   for (const Bad& bad : all) {
@@ -288,12 +288,12 @@ TEST_CASE("a function of variables refuses what is no number by its cause", "[un
     const char* text;
     std::vector<std::string> words;
   };
-  for (const Bad& bad : {Bad{"=2*t.x", {"only a point has components", "leave the component out"}},
-                         {"=pi.y", {"only a point has components"}},
-                         {"=(1 + t).z", {"only a point has components"}},
+  for (const Bad& bad : {Bad{"=2*t.x", {"a number has no components", "remove the component"}},
+                         {"=pi.y", {"only a point has"}},
+                         {"=(1 + t).z", {"only a point has"}},
                          {"=u.x", {"column 2", "unknown name \"u\""}},
-                         {"=norm(t)", {"column 2", "norm is of vectors", "numbers are expected"}},
-                         {"=[t, 1, 2]", {"numbers are expected", "a vector stands in geometry only"}}}) {
+                         {"=norm(t)", {"column 2", "norm takes vectors", "a number is expected"}},
+                         {"=[t, 1, 2]", {"a number is expected", "vectors are for geometry only"}}}) {
     const std::string message = message_of<ModelError>([&] { FormulaFunction(bad.text, {"t"}); });
     for (const std::string& word : bad.words) {
       CAPTURE(bad.text, message, word);

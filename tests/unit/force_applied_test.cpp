@@ -100,7 +100,7 @@ TEST_CASE("applied_force, applied_torque: wrong input is refused by name", "[uni
   bench.a.freedoms = Freedoms::particle;
   AppliedTorque torque("twist", bench.p, {.torque = kF});
   const auto refusal = [](Force& applied) { return testing::message_of<ModelError>([&] { applied.setup(); }); };
-  testing::check_words(refusal(torque), {"force 'twist' (applied_torque) turns body 'a'", "is a particle"});
+  testing::check_words(refusal(torque), {"force 'twist' (applied_torque) rotates body 'a'", "is a particle"});
   AppliedForce force("push", bench.p, {.force = kF}), reacting("push", bench.s, bench.p, {.force = kF});
   CHECK(refusal(force) == "no error");
   testing::check_words(refusal(reacting), {"force 'push' (applied_force)", "body 'a'", "is a particle"});

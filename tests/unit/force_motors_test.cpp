@@ -57,12 +57,12 @@ TEST_CASE("motors: no law and particles are refused by name", "[unit][force]") {
   ForceMotor force("M", bench.p, bench.s, {value_law([](double) { return 1.0; })});
   const auto refusal = [](Force& motor) { return testing::message_of<ModelError>([&] { motor.setup(); }); };
   bench.a.freedoms = Freedoms::particle;
-  testing::check_words(refusal(torque), {"force 'M' (torque_motor) turns body 'a'", "is a particle and cannot turn"});
+  testing::check_words(refusal(torque), {"force 'M' (torque_motor) rotates body 'a'", "is a particle and cannot rotate"});
   CHECK(refusal(force) == "no error");
   bench.a.freedoms = Freedoms::spatial, bench.b.freedoms = Freedoms::particle;
-  testing::check_words(refusal(torque), {"force 'M' (torque_motor) turns body 'b'", "is a particle and cannot turn"});
+  testing::check_words(refusal(torque), {"force 'M' (torque_motor) rotates body 'b'", "is a particle and cannot rotate"});
   testing::check_words(refusal(force),
-                       {"force 'M' (force_motor) puts a force with a lever arm on body 'b'", "is a particle"});
+                       {"force 'M' (force_motor) has a lever arm on body 'b'", "is a particle"});
 }
 
 }  // namespace force_motors_test

@@ -144,14 +144,14 @@ TEST_CASE("torsion_spring_damper: wrong input is refused by name", "[unit][force
   TorsionSpringDamper spring("coil", bench.p, bench.s, torsion_options());
   bench.b.freedoms = Freedoms::particle;
   CHECK_THROWS_WITH(spring.setup(),
-                    "force 'coil' (torsion_spring_damper) turns body 'b' at marker 's', but 'b' is a particle "
-                    "and cannot turn; give it an inertia (add_body), or use another body");
+                    "force 'coil' (torsion_spring_damper) rotates body 'b' at marker 's', but 'b' is a particle "
+                    "and cannot rotate; give it an inertia (add_body), or use another body");
   bench.b.freedoms = Freedoms::spatial;
 
   const Quat q = (bench.b.home * bench.s.local).q;  // z against z
   bench.p.local = inverse(bench.a.home) * Pose{Vec3::Zero(), q * axis_angle(Vec3::UnitX(), kPi)};
   testing::check_words(testing::message_of<ModelError>([&] { spring.setup(); }),
-                       {"force 'coil'", "opposed at the start", "turn one marker"});
+                       {"force 'coil'", "opposed at the start", "rotate one marker"});
 }
 
 TEST_CASE("torsion_spring_damper: several turns in a step are counted by the rates", "[unit][force]") {

@@ -155,7 +155,7 @@ TEST_CASE("a torque by formula is the torsion spring of the same numbers", "[uni
                  "start": {"velocity": {"rz": 12}}}],
       "forces": [{"name": "F", )" +
            force + R"(}], "run": {"integrator": "dop853", "tolerance": 1e-11, "until": 2, "output": 0.05,
-      "record": ["A.angle_z", {"T": "F.torque"}]})";
+      "record": ["A.rz", {"T": "F.torque"}]})";
   };
   const Table ours = run(scene(R"("type": "function_force", "link": "A", "torque": "=-0.4*(q - 0.3) - 0.02*qd")")),
               spring = run(scene(
@@ -163,8 +163,8 @@ TEST_CASE("a torque by formula is the torsion spring of the same numbers", "[uni
                      "damping": 0.02, "free_angle": 0.3)"));
   double most = 0, largest = 0;
   for (std::size_t i = 0; i < ours["t"].size(); ++i) {
-    keep_worst(most, std::abs(ours["A.angle_z"][i] - spring["A.angle_z"][i]));
-    keep_worst(largest, std::abs(spring["A.angle_z"][i]));
+    keep_worst(most, std::abs(ours["A.rz"][i] - spring["A.rz"][i]));
+    keep_worst(largest, std::abs(spring["A.rz"][i]));
   }
   CHECK(most < 1e-8);
   CHECK(largest > 7);  // more than a turn: it is counted
@@ -174,8 +174,8 @@ TEST_CASE("a torque by formula counts the turns of long steps", "[unit][force]")
   const Table table = run(R"("bodies": [{"name": "wheel", "mass": 1, "inertia": [1, 1, 1]}],
     "links": [{"name": "A", "type": "revolute", "p": "wheel", "s": "ground", "at": [0, 0, 0]}],
     "forces": [{"name": "F", "type": "function_force", "link": "A", "torque": "=0.5 + 0*q"}],
-    "run": {"integrator": "dop853", "tolerance": 1e-6, "until": 40, "output": 4, "record": ["F.coordinate", "A.angle_z_d"]})");
-  CHECK(worst(table, "A.angle_z_d", [](double t) { return 0.5 * t; }) < 1e-9);
+    "run": {"integrator": "dop853", "tolerance": 1e-6, "until": 40, "output": 4, "record": ["F.coordinate", "A.rz_d"]})");
+  CHECK(worst(table, "A.rz_d", [](double t) { return 0.5 * t; }) < 1e-9);
   CHECK(worst(table, "F.coordinate", [](double t) { return 0.25 * t * t; }) < 1e-6);
 }
 
@@ -192,14 +192,14 @@ TEST_CASE("formulas of types are refused in words", "[unit][scene]") {
     return refused(R"("links": [{"name": "A", "type": "function", "p": "b", "s": "ground", "at_s": [0, 0, 0], )" +
                    keys + "}]");
   };
-  check_words(link(R"("phi": "=z - x^")"), {"s.json:1:", "link 'A', phi", "column 8"});
+  check_words(link(R"("phi": "=z - x^")"), {"s.json:1:", "joint 'A', phi", "column 8"});
   check_words(link(R"("phi": "=z - www")"), {"unknown name \"www\"", "known: x, y, z, t"});
-  check_words(link(R"("phi": "=t")"), {"reads no coordinate"});
-  check_words(link(R"("phi": 3)"), {"link 'A', phi", "expected a text"});
+  check_words(link(R"("phi": "=t")"), {"uses no coordinate"});
+  check_words(link(R"("phi": 3)"), {"joint 'A', phi", "expected a text"});
   check_words(link(R"("phi": [])"), {"0 formulas", "give 1, 2 or 3"});
   check_words(link(R"("phi": ["=x", "=y", "=q"])"), {"phi[2]", "unknown name \"q\""});
   check_words(link(R"("phi": "=e1*e2")"), {"particle"});
-  check_words(link(R"("phi": "=x", "parameters": {"x y": 1})"), {"parameters.x y", "is no name"});
+  check_words(link(R"("phi": "=x", "parameters": {"x y": 1})"), {"parameters.x y", "is not a valid name"});
   const auto force = [&](const std::string& keys) {
     return refused(R"("forces": [{"name": "F", "type": "function_force", "p": "b", "s": "ground", "at": [0, 0, 0], )" +
                    keys + "}]");
@@ -208,10 +208,10 @@ TEST_CASE("formulas of types are refused in words", "[unit][scene]") {
   check_words(force(R"("coordinate": "x")"), {"give \"force\" or \"torque\""});
   check_words(force(R"("force": "=q", "coordinate": "rx")"), {"a force is along x, y or z"});
   check_words(force(R"("force": "=qdd")"), {"force 'F', force", "unknown name \"qdd\"", "did you mean \"qd\""});
-  check_words(force(R"("force": "=q", "link": "A")"), {"unknown link"});
+  check_words(force(R"("force": "=q", "link": "A")"), {"unknown joint"});
   check_words(force(R"("force": "=-3 m/s*q")"), {"force 'F', force", "m^2/s", "a force is expected", "q is a length"});
   check_words(force(R"("force": "=-k*q", "parameters": {"k": "3 N m"})"), {"force 'F', force", "a force is expected"});
-  check_words(link(R"("phi": ["=x", "=z - 2 kg*y"])"), {"link 'A', phi[1]", "a length", "subtracted"});
+  check_words(link(R"("phi": ["=x", "=z - 2 kg*y"])"), {"joint 'A', phi[1]", "a length", "subtracted"});
 }
 
 }  // namespace formula_types_test

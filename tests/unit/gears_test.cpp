@@ -188,21 +188,21 @@ TEST_CASE("A gear, belt, differential or rack that cannot be is refused in words
     return s;
   };
   CHECK(error([](const CoupledPairs& s) { Differential{s}; }) == "no error");
-  check_words(error([](const CoupledPairs& s) { Differential(s, 0); }), {"link 'link'", "ratio is 0", "above zero"});
+  check_words(error([](const CoupledPairs& s) { Differential(s, 0); }), {"joint 'link'", "ratio is 0", "above zero"});
   check_words(error([&](const CoupledPairs& s) { Differential(of_two(s), 1); }), {"'link'", "pair 3", "add it"});
   check_words(error([&](const CoupledPairs& s) {
                 Belt(of_two(s), {0, 0.1});
               }),
-              {"link 'link'", "radius_1 is 0", "above zero"});
+              {"joint 'link'", "radius_1 is 0", "above zero"});
   check_words(error([&](const CoupledPairs& s) {
                 Belt(of_two(s), {0.1, -2});
               }),
-              {"link 'link'", "radius_2 is -2", "above zero"});
+              {"joint 'link'", "radius_2 is -2", "above zero"});
   check_words(error([&](const CoupledPairs& s) { RackAndPinion(of_two(s), 0); }),
-              {"link 'link'", "radius is 0 m", "must not be zero"});
+              {"joint 'link'", "radius is 0 m", "must not be zero"});
   LinkBench bench;
   check_words(message_of<ModelError>([&] { RollingRack("link", bench.p(), bench.s(), 0); }),
-              {"link 'link'", "radius is 0 m", "must not be zero"});
+              {"joint 'link'", "radius is 0 m", "must not be zero"});
 }
 
 }  // namespace gears_test

@@ -43,7 +43,7 @@ TEST_CASE("the shards of a grid have each run once, however many they are", "[un
 }
 
 TEST_CASE("a grid without runs or with too many is refused", "[unit][analysis]") {
-  CHECK(says(message_of<ModelError>([] { Grid({3, 0}); }), {"without values"}));
+  CHECK(says(message_of<ModelError>([] { Grid({3, 0}); }), {"has no values"}));
   CHECK(says(message_of<ModelError>([] { Grid({100'000, 100'000}); }), {"more than 1000000000 runs"}));
   const std::size_t huge = ~std::size_t{0};
   CHECK(says(message_of<ModelError>([&] { Grid({huge, huge}); }), {"more than 1000000000 runs"}));

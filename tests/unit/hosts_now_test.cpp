@@ -155,7 +155,7 @@ TEST_CASE("a force is switched by a call", "[unit][dynamics]") {
 }
 
 // Momentum about the end that is caught: m v c = (J + m c^2) w, c from there to the mass centre.
-TEST_CASE("a link that a call brings into force stops what it holds, as an event's does", "[unit][dynamics]") {
+TEST_CASE("a joint that a call brings into force stops what it holds, as an event's does", "[unit][dynamics]") {
   const bool by_event = GENERATE(false, true);
   CAPTURE(by_event);
   constexpr double kSpeed = 1.5, kLength = 0.5;
@@ -395,7 +395,7 @@ TEST_CASE("advance ends at exactly t + h, in the steps that it needs", "[unit][d
   CHECK(run.loop().report().steps <= 1000 + 12);
   CHECK(rows == run.loop().report().steps + 1);
   for (const double odd : {-1e-3, std::nan(""), std::numeric_limits<double>::infinity(), 1e-17})
-    check_words(message_of<ModelError>([&] { run.advance(odd); }), {"an advance of", "must be > 0", "lost"});
+    check_words(message_of<ModelError>([&] { run.advance(odd); }), {"an advance of", "must be greater than 0", "round-off"});
   run.advance(0);
   CHECK(run.state().t == t + 1000);
 }

@@ -168,7 +168,7 @@ TEST_CASE("an event is turned on and off by a call", "[unit][events]") {
   CHECK(run.run_until(2).stopped_by == "halt");
   CHECK(run.state().t == 1);
   check_words(message_of<ModelError>([&] { run.activate("hald"); }),
-              {"a call", "unknown link, force or event \"hald\"", "did you mean \"halt\"?"});
+              {"a call", "unknown joint, force or event \"hald\"", "did you mean \"halt\"?"});
 }
 
 TEST_CASE("a call that switches does not use up a stop", "[unit][events]") {
@@ -200,8 +200,8 @@ TEST_CASE("an input that a drive reads may not move it at once", "[unit][dynamic
   driven.u.set(0.25);
   for (int k = 0; k < 2; ++k)
     check_words(message_of<AssemblyError>([&] { run.run_until(2); }),
-                {"input 'u' was set from 0 to 0.25", "jumps in position at t = 1 s", "hinge", "no motion follows",
-                 "set the input back"});
+                {"input 'u' was changed from 0 to 0.25", "jumps in position at t = 1 s", "hinge", "use a continuous law",
+                 "reset the input"});
   CHECK(run.state().t == 1);
   driven.u.set(0);
   run.run_until(2);
@@ -310,7 +310,7 @@ TEST_CASE("a call that switches what was decided at the start is refused by the 
     run.deactivate("high");
     FAIL("not refused");
   } catch (const ModelError& error) {
-    CHECK(error.thing.kind == "link");
+    CHECK(error.thing.kind == "joint");
     CHECK(error.thing.name == "high");
   }
 }
@@ -360,7 +360,7 @@ TEST_CASE("an event whose condition throws when it joins is not in the run", "[u
 }
 
 // sqrt of a height that falls below zero between two steps.
-TEST_CASE("a one-sided link whose gap has no value is named", "[unit][dynamics]") {
+TEST_CASE("a one-sided joint whose gap has no value is named", "[unit][dynamics]") {
   const std::string text = R"({"lockstep": 1, "gravity": [0, 0, -9.81],
     "bodies": [{"name": "b", "sphere": {"mass": 1, "radius": 0.1}, "position": [0, 0, 1]}],
     "links": [{"name": "floor", "type": "function", "p": "b", "s": "ground", "at_p": [0, 0, 1], "at_s": [0, 0, 0],
@@ -371,7 +371,7 @@ TEST_CASE("a one-sided link whose gap has no value is named", "[unit][dynamics]"
     run.run();
     CHECK(run.state().q[2] > 0.25);  // steps that are short enough meet the floor
   } catch (const NonFiniteError& e) {
-    check_words(e.what(), {"one-sided link 'floor'"});
+    check_words(e.what(), {"one-sided joint 'floor'"});
   }
 }
 

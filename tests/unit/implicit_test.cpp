@@ -77,9 +77,9 @@ void check_sizes(NewtonMatrix& N, const V& f, const V& r) {
     V x, l;
     return lockstep::testing::message_of<ModelError>([&] { N.solve(of_slots, of_rows, x, l); });
   };
-  const std::string m = "where " + std::to_string(r.size()) + " are", n = "where " + std::to_string(f.size()) + " are";
-  CHECK(lockstep::testing::says(said(f, V::Zero(1)), {"a vector of the rows has 1 numbers", m.c_str()}));
-  CHECK(lockstep::testing::says(said(V::Zero(5), r), {"a vector of the slots has 5 numbers", n.c_str()}));
+  const std::string m = "but " + std::to_string(r.size()) + " are", n = "but " + std::to_string(f.size()) + " are";
+  CHECK(lockstep::testing::says(said(f, V::Zero(1)), {"a vector of the constraints has 1 numbers", m.c_str()}));
+  CHECK(lockstep::testing::says(said(V::Zero(5), r), {"a vector of the bodies has 5 numbers", n.c_str()}));
 }
 
 }  // namespace
@@ -217,7 +217,7 @@ TEST_CASE("NewtonMatrix names a row that contradicts another", "[unit][dynamics]
   CHECK(report.worst_row == 2);
 }
 
-TEST_CASE("NewtonMatrix follows a switch from a link to another of as many rows", "[unit][dynamics]") {
+TEST_CASE("NewtonMatrix follows a switch from a joint to another of as many rows", "[unit][dynamics]") {
   Loop loop;
   const auto without = [&](std::size_t link, NewtonMatrix& N) {
     State state = loop.state;

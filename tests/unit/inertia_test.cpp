@@ -181,9 +181,9 @@ TEST_CASE("the triangle rule holds with equality", "[unit][model]") {
   CHECK(problem_of(with_J(1e-6, 1, 1 + 1e-6)) == "no error");  // a thin one
   CHECK(problem_of(shapes::moved(with_J(1, 2, 3), {Vec3::Zero(), some_turn()})) == "no error");
   const std::string problem = problem_of(with_J(1, 2, 3.001));
-  check_words(problem, {"body 'crank': ", "triangle rule", "1, 2, 3.001 kg m^2", "matrix entries"});
-  check_words(problem_of(with_J(1, 1, 2.0000001)), {"triangle rule", "1, 1, 2.0000001 kg m^2"});
-  check_words(problem_of(with_J(1, 1, 5)), {"triangle rule", "(principal moments 1, 1, 5 kg m^2)"});
+  check_words(problem, {"body 'crank': ", "triangle inequality", "1, 2, 3.001 kg m^2", "matrix entries"});
+  check_words(problem_of(with_J(1, 1, 2.0000001)), {"triangle inequality", "1, 1, 2.0000001 kg m^2"});
+  check_words(problem_of(with_J(1, 1, 5)), {"triangle inequality", "(principal moments 1, 1, 5 kg m^2)"});
   CHECK(problem_of(with_J(1, 2, 3 * (1 + 1e-9))) != "no error");
 }
 
@@ -198,7 +198,7 @@ TEST_CASE("mass properties that cannot be are refused with name and value", "[un
   check_words(problem_of(p), {"mass is nan"});
   p = with_J(1, 1, 1);
   p.center[1] = nan;
-  check_words(problem_of(p), {"mass centre is not finite"});
+  check_words(problem_of(p), {"centre of mass is not finite"});
   check_words(problem_of(with_J(1, nan, 1)), {"inertia is not finite"});
   check_words(problem_of(with_J(0, 1, 1)), {"not positive definite", "0, 1, 1", "particle"});
   check_words(problem_of(with_J(-1, 1, 1)), {"not positive definite"});

@@ -387,14 +387,14 @@ TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit
 // -----------------------------------------------------------------------------------------------------------------
 // refusals
 
-TEST_CASE("what a link cannot be is refused by name, value and next move", "[unit][links]") {
+TEST_CASE("what a joint cannot be is refused by name, value and next move", "[unit][links]") {
   Pair pair;
   System& system = pair.system;
   const auto law = std::make_shared<Number>(LawValue{0, 0, 0});
 
   Revolute& hinge = system.add<Revolute>("hinge", *pair.p, *pair.s, kJoint);
   CHECK(says(model_error([&] { hinge.drive(Axis::x, law); }),
-             {"'hinge'", "drive on x", "row x", "x y z e1 e2", "drive a free axis"}));
+             {"'hinge'", "drive on x", "constraint x", "x y z e1 e2", "drive a free axis"}));
   CHECK(says(model_error([&] { hinge.drive(Axis::rz, nullptr); }), {"'hinge'", "rz", "no law", "give it one"}));
   hinge.drive(Axis::rz, law);
   CHECK(says(model_error([&] { hinge.drive(Axis::rz, law); }), {"'hinge'", "rz", "driven already", "one law"}));
@@ -445,10 +445,10 @@ TEST_CASE("links that hold nothing, or hold only what cannot move, are refused",
 
   Pair pair;
   pair.system.add<GenericLock>("nothing", *pair.p, *pair.s, kJoint, Mask::none);
-  CHECK(says(model_error([&] { pair.system.setup(); }), {"'nothing'", "0 rows", "mask"}));
+  CHECK(says(model_error([&] { pair.system.setup(); }), {"'nothing'", "0 constraints", "mask"}));
 }
 
-TEST_CASE("a link names which of its laws is not finite", "[unit][links]") {
+TEST_CASE("a joint names which of its laws is not finite", "[unit][links]") {
   const double nan = std::nan("");
   const auto bad = std::make_shared<Number>(LawValue{1, nan, 0}), good = std::make_shared<Number>(LawValue{1, 0, 0});
   Pair pair;

@@ -52,7 +52,7 @@ Accelerations accelerations(System& system) {
 
 }  // namespace
 
-TEST_CASE("bolted bodies move as one slot, as the link would have moved them", "[unit][system]") {
+TEST_CASE("bolted bodies move as one slot, as the joint would have moved them", "[unit][system]") {
   Bent linked, merged;
   merged.system.set_merge(true);
   const Accelerations truth = accelerations(linked.system), found = accelerations(merged.system);
@@ -96,7 +96,7 @@ TEST_CASE("a bolt to the ground makes ground of the body", "[unit][system]") {
   CHECK((body_pose(foot, system.start()).x - Vec3(1, 0, 0)).norm() == 0);
 }
 
-TEST_CASE("what must stay a link stays one", "[unit][system]") {
+TEST_CASE("what must stay a joint stays one", "[unit][system]") {
   {
     Bent m;  // its reaction is wanted
     m.system.set_merge(true, {&m.bolt});
@@ -126,7 +126,7 @@ TEST_CASE("what must stay a link stays one", "[unit][system]") {
   }
 }
 
-TEST_CASE("bodies bolted to the ground and held there by another link stay links", "[unit][system]") {
+TEST_CASE("bodies bolted to the ground and held there by another joint stay links", "[unit][system]") {
   System system;
   Body& foot = system.add_body("foot", {1.0, Vec3::Zero(), Mat3(Mat3::Identity())}, {Vec3(1, 0, 0), {}});
   Body& base = system.add_fixed("base");

@@ -118,12 +118,12 @@ TEST_CASE("damaged meshes are refused with file and line", "[unit][scene]") {
     return message_of<FileError>([&] { read_mesh(file); });
   };
   const std::string text = contents(kCorpus + "cube_text.stl"), binary = contents(kCorpus + "cube_binary.stl");
-  check_words(said("cut.stl", text.substr(0, text.find("endloop"))), {"cut.stl:7", "ends where \"endloop\" should"});
-  check_words(said("end.stl", replaced(text, "endsolid cube\n", "")), {"end.stl:85", "endsolid", "cut off"});
+  check_words(said("cut.stl", text.substr(0, text.find("endloop"))), {"cut.stl:7", "the file ends, but \"endloop\""});
+  check_words(said("end.stl", replaced(text, "endsolid cube\n", "")), {"end.stl:85", "endsolid", "incomplete"});
   check_words(said("first.stl", "solid a\nvertex 1 2 3\n"),
-              {"first.stl:2", "\"vertex\" should be \"facet\" or \"endsolid\""});
+              {"first.stl:2", "found \"vertex\", expected \"facet\" or \"endsolid\""});
   check_words(said("word.stl", replaced(text, "outer loop", "outer lop")), {"word.stl:3", "outer loop"});
-  check_words(said("nan.stl", replaced(text, "vertex 0", "vertex nan")), {"nan.stl:4", "\"nan\"", "no number"});
+  check_words(said("nan.stl", replaced(text, "vertex 0", "vertex nan")), {"nan.stl:4", "\"nan\"", "not a number"});
   check_words(said("huge.stl", replaced(text, "vertex 0", "vertex 1e99")), {"huge.stl:4", "1e99"});
   check_words(said("two.stl", replaced(text, "vertex 0 0 0e0", "vertex 0 0")), {"two.stl:4", "three numbers"});
   check_words(said("short.stl", binary.substr(0, binary.size() - 1)), {"short.stl", "12 triangles", "684", "683"});
@@ -144,7 +144,7 @@ TEST_CASE("damaged meshes are refused with file and line", "[unit][scene]") {
   check_words(message_of<FileError>([&] { read_mesh((folder.path / "none.obj").string()); }),
               {"there is no such file"});
   fs::create_directories(folder.path / "folder.stl");
-  check_words(message_of<FileError>([&] { read_mesh((folder.path / "folder.stl").string()); }), {"no file"});
+  check_words(message_of<FileError>([&] { read_mesh((folder.path / "folder.stl").string()); }), {"it is not a file"});
 }
 
 TEST_CASE("meshes that are too large are refused before they are read", "[unit][scene]") {
@@ -200,12 +200,12 @@ TEST_CASE("shapes that are only drawn stand where the scene says", "[unit][scene
     check_words(said, {"scene.json:2", "body 'ball', visual.shapes[0]"});
     for (const char* word : words) CHECK(said.find(word) != std::string::npos);
   };
-  refused("{}", {"it is no shape", "\"mesh\""});
+  refused("{}", {"it has no shape", "\"mesh\""});
   refused(R"({"mesh": "cube.stl", "box": {"size": [1, 1, 1]}})", {"two shapes"});
   refused(R"({"mesh": "none.stl"})", {"none.stl", "no such file"});
   refused(R"({"mesh": "cube.stl", "scale": 0})", {"scale", "0.001"});
   refused(R"({"sphere": {"radius": 1}, "scale": 2})", {"scale", "remove"});
-  refused(R"({"sphere": {"radius": 1, "mass": 2}})", {"weighs nothing", "mass"});
+  refused(R"({"sphere": {"radius": 1, "mass": 2}})", {"has no mass", "mass"});
   refused(R"({"sphere": {"radius": 0}})", {"radius", "greater than 0"});
   refused(R"({"box": {"size": [1, 0, 1]}})", {"size", "greater than 0"});
   refused(R"({"rod": {"from": [1, 0, 0], "to": [1, 0, 0]}})", {"same point"});

@@ -97,7 +97,7 @@ TEST_CASE("two hinges nearly on one axis: what is nearly redundant is told with 
   CHECK(door(1e-2).freedoms == 0);
 }
 
-TEST_CASE("dependencies do not know the order of the links or the world's axes", "[unit][analysis]") {
+TEST_CASE("dependencies do not know the order of the joints or the world's axes", "[unit][analysis]") {
   System first = ladder(3, Quat{}, false);
   const MobilityReport r = report_of(first);
   CHECK(r.freedoms == 1);

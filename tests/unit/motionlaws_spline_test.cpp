@@ -207,7 +207,7 @@ TEST_CASE("spline refuses what cannot be", "[unit][motionlaws]") {
   CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}}, {.degree = 5}), says("at least 3"));
   CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}}, {.degree = 4}), says("degree is 4; must be 3 or 5"));
   CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}, {0.5, 2}}), says("number 3 of points is at 0.5 s, the one before at 1 s"));
-  CHECK_THROWS_WITH(laws::spline({{0, 1}, {0, 2}}), says("rising"));
+  CHECK_THROWS_WITH(laws::spline({{0, 1}, {0, 2}}), says("increasing"));
   CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, std::nan("")}}), says("not finite") && says("number 2"));
   CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}, {2, 3}}, {.ends = SplineEnds::periodic}), says("end 2 away"));
   CHECK_THROWS_WITH(laws::spline(kRough, {.outside = SplineOutside::repeat}), says("outside is \"repeat\""));
@@ -250,24 +250,24 @@ TEST_CASE("columns of a CSV file, and errors with file and line", "[unit][motion
   CHECK(read_columns(path, "t", {"y"}).y(0, 0) == 1.5);
   write("t;y\n0;0\n1;1.234\n2;1,5\n");
   testing::check_words(testing::message_of<FileError>([&] { read_columns(path, "t", {"y"}); }),
-                       {path + ":4: column 'y' holds 1,5, with a decimal comma", "line 3", "one decimal sign"});
+                       {path + ":4: column 'y' has 1,5, with a decimal comma", "line 3", "one decimal sign"});
   write("0,5;1\n1.5;2\n");
-  CHECK_THROWS_WITH(read_columns(path, "1", {"2"}), says(path + ":2: column 1 holds 1.5, with a decimal point"));
+  CHECK_THROWS_WITH(read_columns(path, "1", {"2"}), says(path + ":2: column 1 has 1.5, with a decimal point"));
   // Of columns that are read: notes and numbers of others may be written otherwise.
   write("t;y;note;other\n0;0,5;1.2;1.5\n1;1,5;v 2.0;1,5\n2;0;3,4;1.234,5\n");
   CHECK(read_columns(path, "t", {"y"}).y(1, 0) == 1.5);
   testing::check_words(testing::message_of<FileError>([&] {
                          read_columns(path, "t", {"y", "other"});
                        }),
-                       {path + ":2: column 'other' holds 1.5, with a decimal point", "line 2"});
+                       {path + ":2: column 'other' has 1.5, with a decimal point", "line 2"});
   write("t;y;z\n0;0;1.5\n1;0,5;1\n");  // in two columns that are read
-  CHECK_THROWS_WITH(read_columns(path, "t", {"y", "z"}), says(path + ":3: column 'y' holds 0,5") && says("line 2"));
+  CHECK_THROWS_WITH(read_columns(path, "t", {"y", "z"}), says(path + ":3: column 'y' has 0,5") && says("line 2"));
   CHECK(read_columns(path, "t", {"z"}).y(0, 0) == 1.5);
   write("t;y\n0;1,234.5\n");
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":2: column 2, '1,234.5'"));
   write("t,y\n0,1\n0.2,0,02\n");
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}),
-                    says(path + ":3:7: has 3 cells, the first line has 2; if a comma is a decimal"));
+                    says(path + ":3:7: has 3 cells, the first line has 2; if its commas are decimal"));
   write("t,y\n0,\"1,5\"\n");
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":2") && says("'1,5'") && says("by semicolons"));
 

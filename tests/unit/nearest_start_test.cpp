@@ -152,7 +152,7 @@ TEST_CASE("a coordinate that is missed is told by name", "[unit][assembly]") {
   REQUIRE(found.report.findings.size() == (missed ? 1 : 0));
   if (missed)
     testing::check_words(found.report.findings[0].text(),
-                         {"link 'G'", "z begins at 0.15 m", "near 0.3 m", "\"position\""});
+                         {"joint 'G'", "z begins at 0.15 m", "instead of near 0.3 m", "\"position\""});
 }
 
 // A whole turn off is no miss.
@@ -163,7 +163,8 @@ TEST_CASE("an angle that is missed is told in degrees", "[unit][assembly]") {
                                "start": {"near": {"rz": "420 deg"}}}])");
   CAPTURE(free);
   REQUIRE(found.report.findings.size() == (missed ? 1 : 0));
-  if (missed) testing::check_words(found.report.findings[0].text(), {"link 'A'", "rz begins at", "near 420 deg"});
+  if (missed)
+    testing::check_words(found.report.findings[0].text(), {"joint 'A'", "rz begins at", "instead of near 420 deg"});
 }
 
 TEST_CASE("what cannot hold together is refused by name", "[unit][assembly]") {
@@ -253,7 +254,7 @@ TEST_CASE("targets of a start that mean nothing are refused by name", "[unit][as
       CAPTURE(value, weight, refusal);
       CHECK(has(refusal, "J.rz: the value"));
     }
-  CHECK(has(refusal_of({.coordinates = {{"X", Axis::x, 0}}}), "link 'X' has no pair of markers"));
+  CHECK(has(refusal_of({.coordinates = {{"X", Axis::x, 0}}}), "joint 'X' has no pair of markers"));
 }
 
 TEST_CASE("links that contradict each other are said to where nothing is asked for exactly", "[unit][assembly]") {
@@ -265,7 +266,7 @@ TEST_CASE("links that contradict each other are said to where nothing is asked f
   } catch (const AssemblyError& error) {
     const std::string words = error.what();
     CAPTURE(words);
-    CHECK(has(words, "the links cannot be met together"));
+    CHECK(has(words, "the joints are still open by"));
     CHECK_FALSE(has(words, "asked for"));
   }
 }

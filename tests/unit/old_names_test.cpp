@@ -68,7 +68,7 @@ TEST_CASE("scene: the old and the new name of a key together are refused", "[uni
   std::string both = bounce("slide", "spin", "one_sided");
   both.insert(both.find("\"slide\""), "\"translation\": [0, 0, 2], ");
   check_words(message_of<SceneError>([&] { scene_from_text(both, "ball.json"); }),
-              {"ball.json:4:", "\"slide\" is the old name of \"translation\"", "remove one"});
+              {"ball.json:4:", "\"slide\" is the old name of \"translation\"", "remove \"slide\""});
 }
 
 TEST_CASE("vary: a path may have the old name of a key", "[unit][scene]") {

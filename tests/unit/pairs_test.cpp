@@ -35,51 +35,51 @@ struct Bad {
 const std::vector<Bad> kBad = {
     // pairs
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", ~"C"]})",
-     {"link 'G', pairs[1]", "unknown link \"C\"", "a coupling comes after its joints"}},
+     {"joint 'G', pairs[1]", "unknown joint \"C\"", "a coupling comes after its joints"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": [~"G", "A"]})",
-     {"link 'G', pairs[0]", "unknown link \"G\""}},
-    {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ~"A"})", {"link 'G'", "pairs", "a list of link names"}},
-    {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ~[]})", {"link 'G'", "pairs", "a list of link names"}},
-    {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", ~3]})", {"link 'G', pairs[1]", "number"}},
+     {"joint 'G', pairs[0]", "unknown joint \"G\""}},
+    {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ~"A"})", {"joint 'G'", "pairs", "a list of joint names"}},
+    {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ~[]})", {"joint 'G'", "pairs", "a list of joint names"}},
+    {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", ~3]})", {"joint 'G', pairs[1]", "number"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", "B"], "p": ~"one"})",
-     {"link 'G', p", "\"pairs\" places the link", "remove one"}},
+     {"joint 'G', p", "\"pairs\" is given as well", "remove one"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", "B"], "at": ~[0, 0, 0]})",
-     {"link 'G', at", "inside the pairs", "move it there"}},
+     {"joint 'G', at", "inside the pairs", "move it there"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", ~{"p": "two", "at": [0, 0, 0]}]})",
-     {"link 'G', pairs[1]", "missing key \"s\"", "both sides"}},
+     {"joint 'G', pairs[1]", "missing key \"s\"", "both sides"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", {"p": "two", "s": "ground", "at": [0, 0, 0], ~"angle": 3}]})",
-     {"link 'G', pairs[1]", "unknown key \"angle\""}},
+     {"joint 'G', pairs[1]", "unknown key \"angle\""}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", {"p": ~"tow", "s": "ground", "at": [0, 0, 0]}]})",
-     {"link 'G', pairs[1].p", "did you mean \"two\""}},
+     {"joint 'G', pairs[1].p", "did you mean \"two\""}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", {"p": "two", "s": ~"two", "at": [0, 0, 0]}]})",
-     {"link 'G', pairs[1].s", "'two'", "itself"}},
+     {"joint 'G', pairs[1].s", "'two'", "both sides are on body"}},
     {R"(~{"name": "G", "type": "gear", "ratio": 2, "pairs": ["A"]})", {"'G'", "pair 2", "add it"}},
     {R"(~{"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", "B", "A"]})",
-     {"link 'G'", "takes 2 pairs", "3 are given"}},
+     {"joint 'G'", "takes 2 pairs", "3 are given"}},
     {R"(~{"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", "A"]})",
-     {"link 'G'", "pairs 1 and 2", "the same two markers"}},
-    {R"({"name": "G", "type": "revolute", "pairs": ~["A", "B"]})", {"link 'G', pairs", "2 are given", "takes 1"}},
-    {R"(~{"name": "G", "type": "gear", "ratio": 2})", {"link 'G'", "missing key \"pairs\" of a coupling"}},
+     {"joint 'G'", "pairs 1 and 2", "the same two markers"}},
+    {R"({"name": "G", "type": "revolute", "pairs": ~["A", "B"]})", {"joint 'G', pairs", "2 pairs are given", "has 1"}},
+    {R"(~{"name": "G", "type": "gear", "ratio": 2})", {"joint 'G'", "\"pairs\" of a coupling"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", "B"], "drive": ~{"axis": "rz", "law": 1}})",
-     {"link 'G', drive", "type \"gear\" takes no drive"}},
+     {"joint 'G', drive", "type \"gear\" cannot have a drive"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", "B"], "start": {"velocity": {"rz": ~1}}})",
-     {"link 'G'", "type \"gear\" has no such coordinate"}},
+     {"joint 'G'", "type \"gear\" has no such coordinate"}},
     // keys of the types
-    {R"({"name": "G", "type": "gear", "pairs": ["A", "B"], "ratio": ~0})", {"link 'G', ratio", "is 0", "above zero"}},
+    {R"({"name": "G", "type": "gear", "pairs": ["A", "B"], "ratio": ~0})", {"joint 'G', ratio", "is 0", "above zero"}},
     {R"({"name": "G", "type": "gear", "pairs": ["A", "B"], "ratio": ~2, "teeth_1": 20, "teeth_2": 40})",
-     {"link 'G', ratio", "the teeth are given", "remove"}},
+     {"joint 'G', ratio", "the teeth are given", "remove"}},
     {R"({"name": "G", "type": "gear", "pairs": ["A", "B"], "teeth_1": ~0, "teeth_2": 40})",
-     {"link 'G', teeth_1", "is 0", "at least one"}},
+     {"joint 'G', teeth_1", "is 0", "at least one"}},
     {R"({"name": "G", "type": "gear", "pairs": ["A", "B"], "ratio": 2, "mesh": ~"hypoid"})",
-     {"link 'G', mesh", "hypoid", "bevel"}},
+     {"joint 'G', mesh", "hypoid", "bevel"}},
     {R"({"name": "G", "type": "belt", "pairs": ["A", "B"], "radius_1": 1, "radius_2": ~-1})",
-     {"link 'G', radius_2", "is -1", "above zero"}},
+     {"joint 'G', radius_2", "is -1", "above zero"}},
     {R"({"name": "G", "type": "rack_and_pinion", "pairs": ["A", "B"], "radius": ~0})",
-     {"link 'G', radius", "is 0 m", "the radius of a pinion must not be zero"}},
-    {R"({"name": "G", "type": "screw", "p": "m1", "s": "m2", "lead": ~"2 kg"})", {"link 'G', lead", "a mass"}},
+     {"joint 'G', radius", "is 0 m", "the radius of a pinion must not be zero"}},
+    {R"({"name": "G", "type": "screw", "p": "m1", "s": "m2", "lead": ~"2 kg"})", {"joint 'G', lead", "a mass"}},
     {R"({"name": "G", "type": "cam_roller", "p": "m1", "s": "m2", "radius": 0.2, "roller": ~-0.1})",
-     {"link 'G', roller", "-0.1", "must not be negative"}},
-    {R"({"name": "G", "type": "point_on_curve", "p": "bead", "s": "ground", "path": ~3})", {"link 'G', path"}},
+     {"joint 'G', roller", "-0.1", "must not be negative"}},
+    {R"({"name": "G", "type": "point_on_curve", "p": "bead", "s": "ground", "path": ~3})", {"joint 'G', path"}},
     {R"({"name": "G", "type": "universal", "p": "m1", "s": "m2", ~"axis_2": "x"})", {"unknown key \"axis_2\""}},
 };
 
@@ -137,7 +137,7 @@ TEST_CASE("a coupling that cannot be is refused at its place", "[unit][scene]") 
   }
 }
 
-TEST_CASE("a coupling takes links by name, markers and bodies", "[unit][scene]") {
+TEST_CASE("a coupling takes joints by name, markers and bodies", "[unit][scene]") {
   const char* const pairs[] = {R"(["A", "B"])", R"([{"p": "m1", "s": "g"}, "B"])",
                                R"([{"p": "one", "s": "ground", "at": [0, 0, 0]}, {"p": "m2", "s": "g"}])"};
   for (const char* const text : pairs) {
@@ -161,13 +161,13 @@ TEST_CASE("a coupling takes links by name, markers and bodies", "[unit][scene]")
 
 TEST_CASE("what only shows in the mechanism names the link", "[unit][scene]") {
   check_words(refusal_of(R"({"name": "G", "type": "universal", "p": "bead", "s": "ground"})"),
-              {"link 'G'", "'bead'", "particle"});
+              {"joint 'G'", "'bead'", "particle"});
   check_words(refusal_of(R"({"name": "G", "type": "gear", "ratio": 2, "pairs": [{"p": "base", "s": "ground",
                              "at": [0, 0, 0]}, {"p": "base", "s": "ground", "at": [0, 0, 0]}]})"),
-              {"link 'G'", "none of the bodies", "can move"});
+              {"joint 'G'", "none of the bodies", "can move"});
   check_words(refusal_of(R"({"name": "G", "type": "cam_roller", "p": "one", "s": "two", "at_p": [0.5, 0, 0],
                              "at_s": [0, 0, 0], "radius": {"type": "ramp", "y0": 0.2, "slope": 0.01}})"),
-              {"link 'G'", "does not close"});
+              {"joint 'G'", "does not close"});
 }
 
 }  // namespace pairs_test

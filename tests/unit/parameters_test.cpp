@@ -94,7 +94,7 @@ TEST_CASE("parameters hang on one another in any order", "[unit][scene]") {
 
 TEST_CASE("a circle of parameters is named", "[unit][scene]") {
   check_words(refusal(R"("parameters": {"a": "=b + 1", "b": "=2*c", "c": "=a", "d": 1})"),
-              {"s.json:1:37", "scene.parameters.a", "hangs on itself: a -> b -> c -> a"});
+              {"s.json:1:37", "scene.parameters.a", "depends on itself: a -> b -> c -> a"});
   check_words(refusal(R"("parameters": {"a": "=P.x"}, "points": {"P": "=[a, 0, 0]"})"), {"a -> P -> a"});
   check_words(refusal(R"("parameters": {"a": "=a"})"), {"a -> a"});
   std::string chain = R"("parameters": {"p0": 1)";
@@ -102,7 +102,7 @@ TEST_CASE("a circle of parameters is named", "[unit][scene]") {
   CHECK(*scene_of(chain + "}").parameters.back().value.number() == 150);
   std::string deep = R"("parameters": {"p300": 1)";
   for (int k = 0; k < 300; ++k) deep += ", \"p" + std::to_string(k) + "\": \"=p" + std::to_string(k + 1) + "\"";
-  check_words(refusal(deep + "}"), {"more than 200 parameters hang on one another"});
+  check_words(refusal(deep + "}"), {"more than 200 parameters depend on one another"});
 }
 
 TEST_CASE("a faulty formula is refused with its key, formula and column", "[unit][scene]") {
@@ -123,7 +123,7 @@ TEST_CASE("a faulty formula is refused with its key, formula and column", "[unit
   check_words(refusal(with("1", "[1, 0, 0]", R"(, "run": {"until": "=crank"})")), {"run", "is a length", "a time"});
   check_words(refusal(with("1", "[1, 0, 0]", R"(, "gravity": [0, "=-n*9.81 m/s", 0])")), {"gravity", "a speed"});
   check_words(refusal(R"("parameters": {"sin": 1})"), {"\"sin\" cannot name a parameter", "function"});
-  check_words(refusal(R"("parameters": {"2x": 1})"), {"\"2x\" cannot name", "begins with no digit"});
+  check_words(refusal(R"("parameters": {"2x": 1})"), {"\"2x\" cannot name", "does not begin with a digit"});
   check_words(refusal(R"("parameters": {"x": true})"), {"parameters.x", "expected a number"});
   check_words(refusal(R"("parameters": {"x": "5 mmm"})"), {"parameters.x", "unknown unit \"mmm\""});
   check_words(refusal(R"("parameters": [1])"), {"parameters", "expected an object"});
@@ -225,7 +225,7 @@ TEST_CASE("laws by formula read the scene's parameters in SI", "[unit][scene]") 
 }
 }
 }])~"),
-              {"link 'A', drive.law.y", "column 4", "did you mean \"sin\""});
+              {"joint 'A', drive.law.y", "column 4", "did you mean \"sin\""});
   check_words(refusal(scene + R"("=a*x"}}}])"), {"unknown name \"x\""});
   check_words(refusal(scene + R"("=a*P"}}}])"), {"P.x"});
 }
@@ -262,7 +262,7 @@ TEST_CASE("repeated parts have an index in names, points and formulas", "[unit][
   check_words(refusal(R"("repeat": [{"times": 1, "body": []}])"), {"repeat[0]", "unknown key \"body\"", "bodies"});
   check_words(refusal(R"("parameters": {"i": 1}, "repeat": [{"times": 1}])"), {"\"i\" is a parameter"});
   check_words(refusal(R"("repeat": [{"times": 1, "bodies": [{"name": "b{i/2+0.1}", "particle": 1}]}])"),
-              {"repeat[0].bodies", "b{i/2+0.1}", "whole number"});
+              {"repeat[0].bodies", "b{i/2+0.1}", "an integer is expected"});
   check_words(refusal(R"("repeat": [{"times": 1, "bodies": [{"name": "b{i", "particle": 1}]}])"), {"without \"}\""});
   check_words(refusal(R"("repeat": [{"times": 1, "bodies": {"name": "b"}}])"),
               {"repeat[0].bodies", "a list of objects"});
@@ -295,20 +295,20 @@ TEST_CASE("a parameter called like a variable is refused where a formula reads i
            y + "}}}]";
   };
   check_words(refusal(law(R"("t": 3)", R"("=2*t")")),
-              {"link 'A', drive.law.y", "\"=2*t\"", "\"t\" is a variable", "rename the parameter"});
-  check_words(refusal(law(R"("w": 3)", R"("=2*t", "parameters": {"t": 1})")), {"\"t\" is a variable"});
+              {"joint 'A', drive.law.y", "\"=2*t\"", "\"t\" is both a variable", "rename the parameter"});
+  check_words(refusal(law(R"("w": 3)", R"("=2*t", "parameters": {"t": 1})")), {"\"t\" is both a variable"});
   CHECK_NOTHROW(built(law(R"("q": 3)", R"("=q*t")")));  // a law knows no q
   const auto force = [&](const std::string& parameters) {
     return "\"parameters\": {" + parameters + "}, " + particle +
            R"("forces": [{"name": "F", "type": "function_force", "p": "b", "s": "ground", "at": [0, 0, 0],
                           "force": "=-3*q"}])";
   };
-  check_words(refusal(force(R"("q": 3)")), {"force 'F', force", "\"q\" is a variable"});
+  check_words(refusal(force(R"("q": 3)")), {"force 'F', force", "\"q\" is both a variable"});
   CHECK_NOTHROW(built(force(R"("qd": 3)")));  // not read
   check_words(refusal("\"parameters\": {\"z\": 2}, " + particle +
                       R"("links": [{"name": "A", "type": "function", "p": "b", "s": "ground", "at_s": [0, 0, 0],
                                     "phi": ["=x", "=z - y"]}])"),
-              {"link 'A', phi[1]", "\"z\" is a variable"});
+              {"joint 'A', phi[1]", "\"z\" is both a variable"});
 }
 
 TEST_CASE("a scene is a part of another, with a prefix and parameters", "[unit][scene]") {

@@ -80,7 +80,7 @@ struct Laws {
   std::vector<std::string> places;
 };
 
-Params ramp(const std::string& json) { return {read_json(json, "four_bar.json"), kRamp, "link 'A', drive.law"}; }
+Params ramp(const std::string& json) { return {read_json(json, "four_bar.json"), kRamp, "joint 'A', drive.law"}; }
 
 std::string ramp_problem(const std::string& json) {
   return message_of<SceneError>([&] { ramp(json); });
@@ -113,7 +113,7 @@ TEST_CASE("given and defaulted numbers are handed out in SI", "[unit][model]") {
   CHECK_FALSE(p.has("limit"));
   CHECK(p.value("limit").is_null());
   CHECK(*p.value("slope").text() == "20 mm/s");
-  CHECK(p.owner() == "link 'A', drive.law");
+  CHECK(p.owner() == "joint 'A', drive.law");
   CHECK(p.where().text() == "four_bar.json:1:1");
 }
 
@@ -184,7 +184,7 @@ TEST_CASE("parameters given in C++ are checked by the same table", "[unit][model
 
 TEST_CASE("an unknown key is refused with its place and the closest one", "[unit][model]") {
   CHECK(ramp_problem("{\"start\": 1,\n  \"slop\": 2}") ==
-        "four_bar.json:2:3: link 'A', drive.law: unknown key \"slop\"; did you mean \"slope\"?");
+        "four_bar.json:2:3: joint 'A', drive.law: unknown key \"slop\"; did you mean \"slope\"?");
   check_words(ramp_problem(R"({"radius": 2})"), {"unknown key \"radius\"", "known: slope, start, limit"});
   check_words(message_of<SceneError>([] {
                 Params(read_json(R"({"a": 1})", "a.json"), {"gravity", "", {}}, "force 'g'");
@@ -193,7 +193,7 @@ TEST_CASE("an unknown key is refused with its place and the closest one", "[unit
 }
 
 TEST_CASE("a missing key is refused with what it would hold", "[unit][model]") {
-  check_words(ramp_problem("{}"), {"four_bar.json:1:1: link 'A', drive.law: missing key \"slope\"", "a speed in m/s",
+  check_words(ramp_problem("{}"), {"four_bar.json:1:1: joint 'A', drive.law: missing key \"slope\"", "a speed in m/s",
                                    "rise a second", "add it"});
   const Params p = ramp(R"({"slope": 1})");
   check_words(message_of<SceneError>([&] { p.number("limit"); }), {"missing key \"limit\"", "a length in m"});
@@ -206,7 +206,7 @@ static_assert([]<std::size_t... k>(std::index_sequence<k...>) {
 
 TEST_CASE("a parameter in a unit of another dimension is refused by both names", "[unit][model]") {
   check_words(ramp_problem(R"({"slope": "30 deg"})"),
-              {"four_bar.json:1:11: link 'A', drive.law.slope: \"30 deg\" is an angle", "a speed is expected"});
+              {"four_bar.json:1:11: joint 'A', drive.law.slope: \"30 deg\" is an angle", "a speed is expected"});
 }
 
 TEST_CASE("a wrong form is refused with what was expected and what was given", "[unit][model]") {
@@ -243,8 +243,8 @@ TEST_CASE("a wrong form is refused with what was expected and what was given", "
 }
 
 TEST_CASE("what is no object is refused", "[unit][model]") {
-  check_words(message_of<SceneError>([] { Params(read_json("[1]", "a.json"), kRamp, "link 'A'"); }),
-              {"a.json:1:1: link 'A': expected an object", "'ramp'", "a list of 1"});
+  check_words(message_of<SceneError>([] { Params(read_json("[1]", "a.json"), kRamp, "joint 'A'"); }),
+              {"a.json:1:1: joint 'A': expected an object", "'ramp'", "a list of 1"});
 }
 
 TEST_CASE("a law where nothing makes laws is refused", "[unit][model]") {
@@ -261,7 +261,7 @@ TEST_CASE("a maker refuses a value with its place, owner and key", "[unit][model
     FAIL("no error");
   } catch (const SceneError& error) {
     CHECK(std::string(error.what()) ==
-          "four_bar.json:2:10: link 'A', drive.law.slope: the slope is -1, it must be greater than zero");
+          "four_bar.json:2:10: joint 'A', drive.law.slope: the slope is -1, it must be greater than zero");
     CHECK(error.file == "four_bar.json");
     CHECK(error.line == 2);
     CHECK(error.column == 10);
@@ -272,8 +272,8 @@ TEST_CASE("a maker refuses a value with its place, owner and key", "[unit][model
 }
 
 TEST_CASE("parts are named within their owner", "[unit][model]") {
-  CHECK(part_of("link 'A'", "law") == "link 'A', law");
-  CHECK(part_of("link 'A', law", "slope") == "link 'A', law.slope");
+  CHECK(part_of("joint 'A'", "law") == "joint 'A', law");
+  CHECK(part_of("joint 'A', law", "slope") == "joint 'A', law.slope");
   CHECK(part_of("", "law") == "law");
 }
 
@@ -325,7 +325,7 @@ TEST_CASE("orientations that cannot be are refused", "[unit][model]") {
   check_words(problem_of("turn", R"({"matrix": [1, 0, 0]})"), {"3 numbers"});
   check_words(problem_of("turn", R"({"x": "y"})"), {"two of"});
   check_words(problem_of("turn", R"({"x": "y", "z": "-y"})"), {"parallel"});
-  check_words(problem_of("turn", R"({"x": [0, 2, 0], "z": [0, 1, 1]})"), {"\"x\" and \"z\"", "45 deg", "right angles"});
+  check_words(problem_of("turn", R"({"x": [0, 2, 0], "z": [0, 1, 1]})"), {"\"x\" and \"z\"", "45 deg", "perpendicular"});
   check_words(problem_of("turn", R"({"x": "x", "y": [-0.0011, 1, 0]})"), {"90.1 deg"});
   check_words(problem_of("turn", R"({"x": "y", "y": "z", "z": "x"})"), {"two of"});
 }

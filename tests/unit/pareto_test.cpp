@@ -13,7 +13,7 @@ WorkPrecisionRun run_of(const std::string& integrator, double setting, double er
   run.integrator = integrator, run.solver = "sparse", run.setting = setting;
   run.error = {error, 10 * error, 100 * error, 1000 * error};
   run.cpu = cpu, run.evaluations = static_cast<long>(1e6 * cpu), run.failure = failure;
-  run.given_up = failure.starts_with("given up");
+  run.given_up = failure.starts_with("stopped after");
   return run;
 }
 
@@ -63,7 +63,7 @@ TEST_CASE("a finer run that fails takes the coarser ones' credit, one that ran o
           "[unit][pareto]") {
   WorkPrecision result;
   result.runs = {run_of("a", 2, 1e-3, 1), run_of("a", 1, 0, 5, "singular"), run_of("b", 2, 1e-3, 1),
-                 run_of("b", 1, 0, 5, "given up after 5 s of computing")};
+                 run_of("b", 1, 0, 5, "stopped after 5 s of CPU time")};
   CHECK_FALSE(counts(result, result.runs[0]));
   CHECK_FALSE(counts(result, result.runs[1]));
   CHECK(counts(result, result.runs[2]));

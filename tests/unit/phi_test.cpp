@@ -212,7 +212,7 @@ TEST_CASE("Functions of several pairs and several rows pass the check of links",
   }
 }
 
-TEST_CASE("The tangent of a function link is that of its rows", "[unit][phi]") {
+TEST_CASE("The tangent of a function joint is that of its rows", "[unit][phi]") {
   std::vector<Add> links;
   for (const Twin& twin : twins()) links.push_back(twin.phi);
   links.push_back([](Bodies& b) -> Lock& {
@@ -394,12 +394,12 @@ TEST_CASE("What a function cannot be made of is refused in words", "[unit][phi]"
                 const auto [p, s] = opposed(b);
                 b.system.add<Screw>("spindle", *p, *s, 0.1);
               }),
-              {"link 'spindle'", "'down'", "'up'", "point against one another", "turn one marker by half a turn"});
+              {"joint 'spindle'", "'down'", "'up'", "opposed at the start", "rotate one marker by 180 deg"});
   check_words(error([&](Bodies& b) {
                 const auto pair = opposed(b);
                 b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{b.m[2], b.m[1]}, pair}}, 2.0));
               }),
-              {"link 'mesh'", "'down'", "'up'", "point against one another"});
+              {"joint 'mesh'", "'down'", "'up'", "opposed at the start"});
   check_words(error([](Bodies& b) {
                 b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{b.m[0], b.m[1]}}}, 2.0));
               }),
@@ -412,37 +412,37 @@ TEST_CASE("What a function cannot be made of is refused in words", "[unit][phi]"
                 b.system.add(std::make_unique<Gear>(
                     Attachment{"mesh", {{b.m[0], b.m[1]}, {b.m[2], b.n[1]}, {b.m[3], b.n[1]}}}, 2.0));
               }),
-              {"link 'mesh'", "takes 2 pairs", "3 are given", "remove"});
+              {"joint 'mesh'", "takes 2 pairs", "3 are given", "remove"});
   check_words(error([](Bodies& b) {
                 b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{b.m[0], b.m[1]}, {b.m[2], b.n[2]}}}, 2.0));
               }),
-              {"link 'mesh'", "pair 2", "on body 'c'", "name two bodies"});
+              {"joint 'mesh'", "pair 2", "on body 'c'", "use two bodies"});
   check_words(error([](Bodies& b) {
                 Body& e = b.system.add_body("e", kMass);
                 Marker& far = b.system.add_marker("far", e);
                 b.system.add(std::make_unique<Differential>(
                     Attachment{"split", {{b.m[0], b.m[1]}, {b.m[2], b.m[3]}, {&far, b.n[3]}}}));
               }),
-              {"link 'split'", "couples 5 bodies", "4 at most", "common body"});
+              {"joint 'split'", "couples 5 bodies", "the limit is 4", "common body"});
   check_words(error([](Bodies& b) {
                 Body& p = b.system.add_particle("bead", 1.0, Vec3(1, 0, 0));
                 b.system.add<Universal>("cross", b.system.add_marker("eye", p), *b.m[1]);
               }),
-              {"link 'cross'", "'bead'", "particle", "inertia"});
+              {"joint 'cross'", "'bead'", "particle", "inertia"});
   check_words(error([](Bodies& b) {
                 Body &f = b.system.add_fixed("f"), &g = b.system.add_fixed("g");
                 Marker &p = b.system.add_marker("fp", f), &s = b.system.add_marker("gs", g);
                 Marker &q = b.system.add_marker("fq", f), &r = b.system.add_marker("gr", g);
                 b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{&p, &s}, {&q, &r}}}, 2.0));
               }),
-              {"link 'mesh'", "none of the bodies", "can move"});
+              {"joint 'mesh'", "none of the bodies", "can move"});
   for (const double ratio : {0.0, -1.0, HUGE_VAL, std::nan("")})
     check_words(error([&](Bodies& b) {
                   b.system.add(std::make_unique<Gear>(Attachment{"mesh", {{b.m[0], b.m[1]}, {b.m[2], b.n[1]}}}, ratio));
                 }),
-                {"link 'mesh'", "ratio", "above zero"});
+                {"joint 'mesh'", "ratio", "above zero"});
   check_words(error([](Bodies& b) { b.system.add<Screw>("spindle", *b.m[0], *b.m[1], std::nan("")); }),
-              {"link 'spindle'", "lead", "finite"});
+              {"joint 'spindle'", "lead", "finite"});
 }
 
 }  // namespace phi_test

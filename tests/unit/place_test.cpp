@@ -78,12 +78,12 @@ TEST_CASE("a wrong path is refused with the nearest right one", "[unit][scene]")
               {"\"links.A.drive\" has no \"slope\"", "\"links.A.drive.law.slope\"?"});
   check_words(find.refusal("gravity.3"), {"\"gravity\" has no \"3\"", "\"gravity."});
   check_words(find.refusal("gravity.w"), {"\"gravity\" has no \"w\""});
-  check_words(find.refusal("gravity.1.2"), {"\"gravity.1\" is one value and has no parts", "\"gravity.1\"?"});
+  check_words(find.refusal("gravity.1.2"), {"\"gravity.1\" is a single value without parts", "\"gravity.1\"?"});
   check_words(find.refusal("run.tolerence"), {"did you mean \"run.tolerance\"?"});
   check_words(find.refusal(""), {"the scene has no \"\""});
-  check_words(find.refusal("links"), {"\"links\" holds several values", "known: A, L"});
-  check_words(find.refusal("gravity"), {"holds several values"});
-  check_words(find.refusal("bodies.bob.omega_body"), {"is not in the scene and holds several values"});
+  check_words(find.refusal("links"), {"\"links\" has several values", "known: A, L"});
+  check_words(find.refusal("gravity"), {"has several values"});
+  check_words(find.refusal("bodies.bob.omega_body"), {"is not in the scene and has several values"});
   check_words(find.refusal("bodies..mass"), {"\"bodies\" has no \"\""});
 }
 

@@ -52,7 +52,7 @@ TEST_CASE("what others evaluate between two steps of rattle changes nothing", "[
 }
 
 // Two equal rotors on one axis, one of them at rest: J w = 2 J w'.
-TEST_CASE("rattle takes a link that holds its bodies where they stand", "[unit][integrators]") {
+TEST_CASE("rattle takes a joint that holds its bodies where they stand", "[unit][integrators]") {
   const int order = GENERATE(2, 4);
   System system;
   const MassProperties wheel{1.0, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()};
@@ -100,7 +100,7 @@ TEST_CASE("rattle refuses a joint that is driven by its speed", "[unit][integrat
       .drive_speed(Axis::rz, laws::constant(2.0));
   Dynamics dynamics = dynamics_of(pendulum.system);
   testing::check_words(testing::message_of<ModelError>([&] { Rattle(2).begin(dynamics, pendulum.system.start()); }),
-                       {"rattle2", "link 'motor'", "dopri5"});
+                       {"rattle2", "joint 'motor'", "dopri5"});
 }
 
 }  // namespace rattle_test

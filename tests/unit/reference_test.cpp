@@ -52,8 +52,8 @@ TEST_CASE("the reference of scenes has every object, every type and each of thei
   for (const char* shelf : {"links", "forces", "laws", "integrators", "solvers"})
     for (const Description& d : shelf_contents(registry, shelf)) {
       ++n_types;
-      covers(d.info.name + (d.shelf == "translation_laws" ? " (law of a translation)"
-                            : d.shelf == "rotation_laws"  ? " (law of a rotation)"
+      covers(d.info.name + (d.shelf == "translation_laws" ? " (translation law)"
+                            : d.shelf == "rotation_laws"  ? " (rotation law)"
                                                           : ""),
              d.info);
     }

@@ -67,12 +67,12 @@ TEST_CASE("a mechanism refuses what is not there", "[unit][refusals]") {
   Body& body = system.add_body("body", shapes::box(1, {1, 1, 1}));
   Revolute& hinge = system.add<Revolute>("hinge", body, system.ground(), Pose{});
   check_refusals({
-      {"no link", [&] { system.add(std::unique_ptr<Lock>()); }, {"no link was given", "make one first"}},
+      {"no link", [&] { system.add(std::unique_ptr<Lock>()); }, {"no joint was given", "make one first"}},
       {"no force", [&] { system.add(std::unique_ptr<Force>()); }, {"no force was given", "make one first"}},
       {"no state", [&] { system.add(std::unique_ptr<Auxiliary>()); }, {"no auxiliary was given", "make one first"}},
-      {"no solver", [&] { Dynamics(system, nullptr); }, {"dynamics: no solver was given", "SparseSolver"}},
-      {"no law", [&] { hinge.drive(Axis::rz, nullptr); }, {"link 'hinge'", "drive on rz", "has no law", "give it one"}},
-      {"a row twice", [] { mask_from("x y x"); }, {"mask", "names row \"x\" twice", "name each row once"}},
+      {"no solver", [&] { Dynamics(system, nullptr); }, {"dynamics: no solver is given", "SparseSolver"}},
+      {"no law", [&] { hinge.drive(Axis::rz, nullptr); }, {"joint 'hinge'", "drive on rz", "has no law", "give it one"}},
+      {"a row twice", [] { mask_from("x y x"); }, {"mask", "has the word \"x\" twice", "give it once"}},
   });
 }
 
@@ -101,7 +101,7 @@ TEST_CASE("laws by points refuse what does not close", "[unit][refusals]") {
        [&] {
          laws::spline({{0, 1}, {1, 2}, {2, 1.5}}, closed);
        },
-       {"spline", "points end 0.5 away from where they start", "the last must equal the first"}},
+       {"spline", "points end 0.5 away from the first", "the last must equal the first"}},
       {"repeat",
        [] {
          laws::spline({{0, 1}, {1, 2}}, {.outside = SplineOutside::repeat});
@@ -111,7 +111,7 @@ TEST_CASE("laws by points refuse what does not close", "[unit][refusals]") {
        [&] {
          laws::spline_rotation({{0, {}}, {1, {1, 1, 0, 0}}, {2, {1, 0.1, 0, 0}}}, closed);
        },
-       {"points end", "rad away from where they start", "the last must equal the first"}},
+       {"points end", "rad away from the first", "the last must equal the first"}},
   });
 }
 
@@ -119,27 +119,27 @@ TEST_CASE("copies refuse options that cannot be", "[unit][refusals]") {
   check_refusals({
       {"a step below zero",
        [] { make_copies([](CopiesOptions& o) { o.step = -1; }); },
-       {"copies: step -1 s", "none is negative"}},
+       {"batch: step -1 s", "they must be 0 or more"}},
       {"no step",
        [] { make_copies([](CopiesOptions& o) { o.integrator = "rk4"; }); },
-       {"copies: step 0 s", "rk4 needs a step above zero"}},
+       {"batch: step 0 s", "rk4 needs a step above 0"}},
       {"tolerances",
        [] { make_copies([](CopiesOptions& o) {
               o.tolerance = {0, 0};
             }); },
-       {"copies: tolerances 0 and 0", "one of them above zero"}},
+       {"batch: tolerances 0 and 0", "one of them above 0"}},
       {"Baumgarte",
        [] { make_copies([](CopiesOptions& o) { o.stabilization.kind = Stabilization::Kind::baumgarte; }); },
-       {"no lanes for Baumgarte's stabilisation", "take project or none"}},
+       {"Baumgarte stabilisation is not vectorised", "use project or none"}},
       {"tolerance of the constraints",
        [] { make_copies([](CopiesOptions& o) { o.stabilization.tolerance = 0; }); },
-       {"copies: tolerance of the constraints 0 m", "above zero"}},
+       {"batch: tolerance of the constraints 0 m", "it must be above 0"}},
       {"no mechanism",
        [] {
          const auto one = test::chain(1, 0);
          const Copies copies({one.get(), nullptr});
        },
-       {"copy 1 is null", "give a mechanism"}},
+       {"batch: instance 1 is null", "give a mechanism"}},
   });
 }
 
@@ -152,7 +152,7 @@ TEST_CASE("pictures refuse what cannot be drawn", "[unit][refusals]") {
        [] { draw([](MapSpec& m) {
               m.cells = {1, 2, 3};
             }); },
-       {"3 cells for 2 x 2 centres", "give one a centre"}},
+       {"3 cells for 2 x 2 centres", "give one per centre"}},
       {"falling", [] { draw([](MapSpec& m) {
                          m.y = {2, 1};
                        }); }, {"the centres along y must rise"}},
@@ -220,14 +220,14 @@ void set_up_careless(bool touches) {
 
 }  // namespace
 
-TEST_CASE("a link of the user's own that forgets a number or its bodies is refused by name", "[unit][refusals]") {
+TEST_CASE("a joint of the user's own that forgets a number or its bodies is refused by name", "[unit][refusals]") {
   check_refusals({
       {"a start",
        [] { set_up_careless(true); },
-       {"link 'careless'", "leaves some of its 1 numbers unwritten in start_states()"}},
+       {"joint 'careless'", "leaves some of its 1 numbers unwritten in start_states()"}},
       {"no body",
        [] { set_up_careless(false); },
-       {"link 'careless'", "touches 0 moving bodies", "add their slots in setup()"}},
+       {"joint 'careless'", "connects 0 moving bodies", "add their slots in setup()"}},
   });
 }
 
@@ -241,11 +241,11 @@ TEST_CASE("links, bodies and laws refuse numbers that cannot be", "[unit][refusa
   check_refusals({
       {"no law",
        [&] { Distance("rope", p, s, LawPtr<MotionLaw>()); },
-       {"link 'rope'", "no law for its length", "give one, or a number"}},
-      {"a stop", [&] { TurnStop("stop", p, s, {.limit = inf}); }, {"link 'stop'", "the limit inf of a stop", "finite"}},
+       {"joint 'rope'", "no law for its length", "give one, or a number"}},
+      {"a stop", [&] { TurnStop("stop", p, s, {.limit = inf}); }, {"joint 'stop'", "the limit inf of a stop", "finite"}},
       {"a speed of rest",
        [&] { Distance("rope", p, s, 1.0).set_unilateral({.rest_speed = 0}); },
-       {"link 'rope' is one-sided with rest_speed 0", "above zero"}},
+       {"joint 'rope' is one-sided with rest_speed 0", "above zero"}},
       {"a rod",
        [] {
          shapes::rod(0, {0, 0, 0}, {1, 0, 0});
@@ -267,12 +267,12 @@ TEST_CASE("links, bodies and laws refuse numbers that cannot be", "[unit][refusa
          check_type_info({"a\nb", "", {}});
        },
        {"its name is not a plain line of text", "rewrite it"}},
-      {"a link of another system",
+      {"a joint of another system",
        [&] {
          system.add(std::make_unique<testing::LoadCell>("reader", elsewhere));
          system.setup();
        },
-       {"reader", "link 'elsewhere', whose reactions it reads, is of another System"}},
+       {"reader", "joint 'elsewhere', whose reactions it reads, belongs to another System"}},
   });
 }
 
@@ -282,10 +282,10 @@ TEST_CASE("checks, tables and pictures refuse what has nothing in it", "[unit][r
   check_refusals({
       {"no integrator",
        [] { check_integrator(IntegratorMaker{}); },
-       {"its maker gives no integrator", "give one that does"}},
+       {"the maker returns no integrator", "return one"}},
       {"no time",
        [] { check_law(*laws::ramp(1), {.from = 2, .to = 1}); },
-       {"check_law: from 2 s to 1 s", "a later end"}},
+       {"check_law: the end 1 s must be after the start 2 s", "a later end"}},
       {"bars",
        [] {
          write_bars("nothing", {"bars", "y", {"a"}, {{"one", {kNaN}}}});
@@ -299,7 +299,7 @@ TEST_CASE("checks, tables and pictures refuse what has nothing in it", "[unit][r
          along.to_formulation(states[0]);
          Copies(family.pointers()).run(states, std::vector<double>{1}, {});
        },
-       {"the state of copy 0 is in joint coordinates", "Dynamics::to_slots"}},
+       {"the state of instance 0 is in joint coordinates", "Dynamics::to_slots"}},
       {"copies that start late",
        [] {
          test::Family family(1, [](int k) { return test::chain(1, k); });
@@ -307,7 +307,7 @@ TEST_CASE("checks, tables and pictures refuse what has nothing in it", "[unit][r
          states[0].t = 0.5;
          Copies(family.pointers()).run(states, std::vector<double>{0.1}, {});
        },
-       {"a start at 0.5 s lies behind the first wanted time, 0.1 s", "leave out the times"}},
+       {"a start at 0.5 s is after the first output time, 0.1 s", "remove the times"}},
       {"copies with other links",
        [] {
          test::Family family(1, [](int k) { return test::chain(1, k); });
@@ -315,11 +315,11 @@ TEST_CASE("checks, tables and pictures refuse what has nothing in it", "[unit][r
          states[0].modes[0] = false;
          Copies(family.pointers()).run(states, std::vector<double>{1}, {});
        },
-       {"link 'hinge 0' is not in the state that it has at the start", "one set of links"}},
-      {"near rows", [] { nearly_redundant_from("maybe"); }, {"auto, told, free or held", "not 'maybe'"}},
+       {"joint 'hinge 0' is switched in a state", "active joints of System::start"}},
+      {"near rows", [] { nearly_redundant_from("maybe"); }, {"auto, told, free or held", "is 'maybe'"}},
       {"no methods",
        [] { work_precision({.make = {}, .length = 1.0}, {}); },
-       {"a chart needs an integrator", "take them from the registry"}},
+       {"a chart needs an integrator", "give one of each"}},
       {"a column",
        [&] {
          Recorder recorder(system);

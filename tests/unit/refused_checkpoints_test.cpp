@@ -71,13 +71,13 @@ TEST_CASE("a number of a checkpoint that no run has is refused by what it is", "
   const auto each = GENERATE(values<Case>(
       {{"dop853",
         {"the saved state is not finite: the checkpoint is damaged",
-         "the saved number of outputs is below zero: the checkpoint is damaged",
-         "the saved outputs do not belong to the time of the saved state: the checkpoint is damaged",
-         "the saved state does not fit the system", "dop853: the saved history is that of another mechanism",
-         "the run was saved with 0 events and has 1; add the same before it is loaded",
-         "the run was saved with the event 'kate' where it has 'late' now"}},
-       {"radau5", {"radau5: the saved history is that of another mechanism"}},
-       {"generalized_alpha", {"generalized_alpha: the saved history is that of another mechanism"}}}));
+         "the saved number of outputs is negative: the checkpoint is damaged",
+         "the saved outputs do not fit the time of the saved state: the checkpoint is damaged",
+         "the saved state does not fit the system", "dop853: the saved history belongs to another mechanism",
+         "the run was saved with 0 events and has 1; add the same events before load()",
+         "the run was saved with event 'kate' and has 'late' in its place"}},
+       {"radau5", {"radau5: the saved history belongs to another mechanism"}},
+       {"generalized_alpha", {"generalized_alpha: the saved history belongs to another mechanism"}}}));
   CAPTURE(each.integrator);
   const Snapshot saved = saved_at(0.123, each.integrator);
   Swing on(each.integrator), whole(each.integrator);
@@ -98,10 +98,10 @@ TEST_CASE("a checkpoint with an event of another name is refused by both names",
   const Snapshot saved = saved_at(0.05, "dop853");
   Swing other("dop853", "early");
   check_words(message_of<ModelError>([&] { other.run.loop().load(saved); }),
-              {"saved with the event 'late'", "it has 'early' now", "in the same order"});
+              {"saved with event 'late'", "has 'early' in its place", "in the same order"});
 }
 
-TEST_CASE("a saved state with flags of another number of links is refused", "[unit][refusals]") {
+TEST_CASE("a saved state with flags of another number of joints is refused", "[unit][refusals]") {
   Swing swing("dop853");
   Dynamics dynamics(swing.system, std::make_unique<SchurSolver>());
   for (std::vector<bool> State::*flags : {&State::modes, &State::watched}) {
@@ -124,7 +124,7 @@ TEST_CASE("a run whose system was changed since its last step is not saved", "[u
   swing.system.add_body("more", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
   swing.system.setup();
   check_words(message_of<ModelError>([&] { swing.run.loop().save(out); }),
-              {"the run cannot be saved", "the system was changed since its last step", "run on first"});
+              {"the run cannot be saved", "the system has changed since its last step", "continue the run first"});
 }
 
 }  // namespace refused_checkpoints_test

@@ -88,7 +88,7 @@ TEST_CASE("an integrated state whose rate is no number is told by name", "[unit]
     Dynamics dynamics(*system, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = {}});
     StepLoop loop(dynamics, std::make_unique<Dopri5>());
     check_words(message_of<Error>([&] { loop.run_until(1); }),
-                {"the integrated state 'charge' has a rate that is not finite", "look at what feeds it"});
+                {"the integrated state 'charge' has a rate that is not finite", "check its inputs"});
     CHECK(loop.state().t <= 0.2);
   }
 }
@@ -101,7 +101,7 @@ TEST_CASE("a motion that laws are to determine has no integrated states besides"
   State start = system->start();
   assemble(dynamics, start);
   check_words(message_of<ModelError>([&] { DrivenMotion(dynamics, start); }),
-              {"not determined by laws", "'charge' is integrated over time", "needs a run; leave it out"});
+              {"not fully prescribed", "'charge' is integrated over time", "use a run, or leave it out"});
 }
 
 TEST_CASE("a pose is not set in a state in joint coordinates", "[unit][refusals]") {
@@ -126,7 +126,7 @@ TEST_CASE("weighted starts of very many bodies are refused by the number of unkn
   State start = system->start();
   check_words(
       message_of<ModelError>([&] { assemble(dynamics, start, {}, {.poses = {{.body = "rod 0", .weight = 2}}}); }),
-      {"1506 unknowns are more than 1500", "leave them out and give poses that fit"});
+      {"at most 1500 unknowns, this mechanism has 1506", "remove them and give poses that fit"});
 }
 
 // 2.8 rad in 0.07 s after slow ones: before them the curve of the quaternions swings through zero.
@@ -136,7 +136,7 @@ TEST_CASE("a spline of orientations that turn too far is refused with both insta
        {std::pair(0.0, 0.0), std::pair(1.83, 2.28), std::pair(3.4, 3.71), std::pair(3.47, 6.51)})
     points.emplace_back(t, axis_angle(Vec3(1, 0, 0), angle));
   check_words(message_of<ParameterError>([&] { laws::spline_rotation(points); }),
-              {"spline_rotation", "points", "turn too far between 0 s and 1.83 s", "give orientations between them"});
+              {"spline_rotation", "points", "rotate too far between 0 s and 1.83 s", "give orientations between them"});
   points.back().first = 5;
   CHECK(message_of<ParameterError>([&] { laws::spline_rotation(points); }) == "no error");
 }

@@ -51,20 +51,20 @@ void run_with(Event event) {
 
 }  // namespace
 
-TEST_CASE("an event refuses links that are merged, and changes that it may not make", "[unit][refusals]") {
+TEST_CASE("an event refuses joints that are merged, and changes that it may not make", "[unit][refusals]") {
   check_refusals({
       {"a merged link",
        [] { run_with({.name = "e", .deactivate = {"bolt"}}); },
-       {"event 'e'", "link 'bolt' is merged into one slot and cannot be switched", "set_merge(true, {&link})"}},
+       {"event 'e'", "joint 'bolt' is merged into one rigid group and cannot be switched", "set_merge(true, {&joint})"}},
       {"the time",
        [] { run_with({.name = "e", .change = [](State& state) { state.t = 0.25; }}); },
-       {"event 'e'", "set the time from 0.5 s to 0.25 s", "it may change coordinates"}},
+       {"event 'e'", "set the time from 0.5 s to 0.25 s", "only coordinates"}},
       {"what is in force",
        [] { run_with({.name = "e", .change = [](State& state) { state.modes[0] = false; }}); },
-       {"event 'e'", "switched link 'hinge' at t = 0.5 s", "deactivate"}},
+       {"event 'e'", "switched joint 'hinge' at t = 0.5 s", "deactivate"}},
       {"sizes",
        [] { run_with({.name = "e", .change = [](State& state) { state.v.resize(3); }}); },
-       {"event 'e'", "at t = 0.5 s left 3 velocities where there were 6"}},
+       {"event 'e'", "at t = 0.5 s left 3 velocities instead of 6"}},
   });
 }
 
@@ -75,12 +75,12 @@ TEST_CASE("a grid and a recorded run refuse what comes too late or is too much",
   run.record({"door.x"});
   run.run_until(0.1);
   check_refusals({
-      {"columns", [&] { run.record({"door.y"}); }, {"record() after the run began", "before run_until()"}},
+      {"columns", [&] { run.record({"door.y"}); }, {"record() after the start of the run", "before run_until()"}},
       {"runs",
        [] {
          Grid({100'000, 100'000});
        },
-       {"the grid has more than 1000000000 runs", "take fewer values"}},
+       {"the grid has more than 1000000000 runs", "use fewer values"}},
   });
 }
 
@@ -162,7 +162,7 @@ TEST_CASE("passes over a system and poses of bodies refuse vectors and states of
   State no_memory = right;
   no_memory.z = VecX::Zero(right.z.size() + 1);
   const Solution& solution = dynamics.evaluate(right);
-  const std::vector<std::string> counted{"numbers where", "are needed", "System::start()"},
+  const std::vector<std::string> counted{"numbers, but", "are needed", "System::start()"},
       holds{"does not hold body 'door'", "System::start()"};
   check_refusals({
       {"motions, q", [&] { passes::motions(driven.system, short_q, motions); }, counted},
@@ -194,8 +194,8 @@ TEST_CASE("a run refuses settings and states that cannot be", "[unit][refusals]"
   State no_number = driven.system.start();
   no_number.s[0] = kNaN;
   check_refusals({
-      {"a step", [] { loop_with({.step = -1}); }, {"the step of -1 s", "> 0"}},
-      {"an output", [] { loop_with({.output = -1}); }, {"the output interval of -1 s", "> 0"}},
+      {"a step", [] { loop_with({.step = -1}); }, {"the step of -1 s", "greater than 0"}},
+      {"an output", [] { loop_with({.output = -1}); }, {"the output interval of -1 s", "greater than 0"}},
       {"a tolerance",
        [] {
          loop_with({.tolerance = {-1, 0}});
@@ -205,12 +205,12 @@ TEST_CASE("a run refuses settings and states that cannot be", "[unit][refusals]"
        [] {
          loop_with({.output_times = {1, 0.5}});
        },
-       {"the output times must be finite and rising", "sort them"}},
-      {"one step", [&] { loop.step(-1); }, {"a step of -1 s must be > 0"}},
+       {"the output times must be finite and ascending", "sort them"}},
+      {"one step", [&] { loop.step(-1); }, {"a step of -1 s must be greater than 0"}},
       {"a state", [&] { loop.set_state(no_number); }, {"StepLoop::set_state", "an integrated state", "is not finite"}},
       {"a tolerance of an event",
        [&] { loop.add_event({.name = "e", .at = 1, .tolerance = 0, .stop = true}); },
-       {"event 'e': its tolerance of 0 s must be > 0"}},
+       {"event 'e': its tolerance of 0 s must be greater than 0"}},
       {"a change",
        [] { run_with({.name = "e", .change = [](State& state) { state.q[0] = kNaN; }}); },
        {"event 'e' made the state not finite at t = 0.5 s"}},
@@ -226,8 +226,8 @@ TEST_CASE("a run refuses settings and states that cannot be", "[unit][refusals]"
        {"the condition of event 'e' is nan", "must be a finite number"}},
       {"rates",
        [&] { Driven().dynamics(Formulation::omega, {.kind = Stabilization::Kind::baumgarte, .alpha = -1}); },
-       {"stabilisation: alpha -1", "must not be negative"}},
-      {"a formulation", [] { formulation_from("omegas"); }, {"there is no formulation 'omegas'", "omega"}},
+       {"stabilisation: alpha -1", "alpha and beta must be 0 or more"}},
+      {"a formulation", [] { formulation_from("omegas"); }, {"unknown formulation 'omegas'", "omega"}},
       {"coordinates",
        [] {
          test::Family family(1, [](int k) { return test::chain(1, k); });
@@ -237,7 +237,7 @@ TEST_CASE("a run refuses settings and states that cannot be", "[unit][refusals]"
          StateRate rate;
          along.rate(state, rate);
        },
-       {"Dynamics::rate", "slots' own coordinates", "call rates()"}},
+       {"Dynamics::rate", "body coordinates", "call rates()"}},
   });
 }
 

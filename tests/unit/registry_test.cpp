@@ -72,7 +72,7 @@ Registry some_registry() {
 std::unique_ptr<Force> no_force(const Attachment&, const Params&) { return nullptr; }
 
 std::string law_problem(const std::string& json) {
-  return message_of<SceneError>([&] { some_registry().scalar_law(read_json(json, "a.json"), "link 'A', drive.law"); });
+  return message_of<SceneError>([&] { some_registry().scalar_law(read_json(json, "a.json"), "joint 'A', drive.law"); });
 }
 
 }  // namespace
@@ -89,13 +89,13 @@ TEST_CASE("a law is made by its name", "[unit][plugin]") {
 TEST_CASE("an unknown name is refused with the closest one", "[unit][plugin]") {
   const Registry registry = some_registry();
   const auto problem = [&](const std::string& name) {
-    return message_of<SceneError>([&] { registry.laws.make(name, Params{}, &registry, "link 'A'"); });
+    return message_of<SceneError>([&] { registry.laws.make(name, Params{}, &registry, "joint 'A'"); });
   };
-  CHECK(problem("scal") == "link 'A': unknown law \"scal\"; did you mean \"scale\"?");
-  CHECK(problem("polynomial") == "link 'A': unknown law \"polynomial\"; known: constant, scale");
+  CHECK(problem("scal") == "joint 'A': unknown law \"scal\"; did you mean \"scale\"?");
+  CHECK(problem("polynomial") == "joint 'A': unknown law \"polynomial\"; known: constant, scale");
   check_words(
-      message_of<SceneError>([&] { registry.links.make("gear", Attachment{}, Params{}, &registry, "link 'A'"); }),
-      {"unknown link \"gear\""});
+      message_of<SceneError>([&] { registry.links.make("gear", Attachment{}, Params{}, &registry, "joint 'A'"); }),
+      {"unknown joint \"gear\""});
 }
 
 TEST_CASE("laws inside laws are made, bare values are constants", "[unit][plugin]") {
@@ -113,21 +113,21 @@ TEST_CASE("laws inside laws are made, bare values are constants", "[unit][plugin
 
 TEST_CASE("a fault inside a law names the whole way to it", "[unit][plugin]") {
   CHECK(law_problem(R"({"type": "scale", "base": {"type": "constant", "valeu": 1}})") ==
-        "a.json:1:48: link 'A', drive.law.base: unknown key \"valeu\"; did you mean \"value\"?");
+        "a.json:1:48: joint 'A', drive.law.base: unknown key \"valeu\"; did you mean \"value\"?");
   check_words(law_problem(R"({"type": "scale", "base": {"type": "constant", "value": []}})"),
-              {"a.json:1:57: link 'A', drive.law.base.value: expected", "an empty list"});
+              {"a.json:1:57: joint 'A', drive.law.base.value: expected", "an empty list"});
   CHECK(law_problem(R"({"type": "scal", "base": 1})") ==
-        "a.json:1:10: link 'A', drive.law: unknown law \"scal\"; did you mean \"scale\"?");
+        "a.json:1:10: joint 'A', drive.law: unknown law \"scal\"; did you mean \"scale\"?");
   check_words(law_problem(R"({"base": 1})"),
-              {"a.json:1:1: link 'A', drive.law: missing key \"type\"", "constant or scale"});
+              {"a.json:1:1: joint 'A', drive.law: missing key \"type\"", "constant or scale"});
   check_words(law_problem(R"({"type": 3})"),
-              {"a.json:1:10: link 'A', drive.law.type: expected a text", "a number (3)"});
+              {"a.json:1:10: joint 'A', drive.law.type: expected a text", "a number (3)"});
   check_words(law_problem("true"), {"expected an object", "got true"});
   check_words(law_problem("null"), {"expected an object", "got null"});
   check_words(law_problem("[1, 2]"), {"expected a quantity", "a list of 2"});
   check_words(law_problem(R"({"type": "scale", "factor": 2})"), {"missing key \"base\"", "scaled"});
-  check_words(message_of<SceneError>([] { Registry{}.scalar_law(Value(3), "link 'A', law"); }),
-              {"link 'A', law: expected an object", "a number (3)"});
+  check_words(message_of<SceneError>([] { Registry{}.scalar_law(Value(3), "joint 'A', law"); }),
+              {"joint 'A', law: expected an object", "a number (3)"});
 }
 
 TEST_CASE("what cannot stand on a shelf is refused", "[unit][plugin]") {
@@ -151,7 +151,7 @@ TEST_CASE("a maker that returns nothing is refused", "[unit][plugin]") {
   registry.forces.set_origin("storm");
   check_words(
       message_of<PluginError>([&] { registry.forces.make("wind", Attachment{}, Params{}, nullptr, "force 'w'"); }),
-      {"force 'w'", "'wind' (plugin storm)", "returned nothing"});
+      {"force 'w'", "'wind' (plugin storm)", "returned null"});
 }
 
 TEST_CASE("entries keep their origin", "[unit][plugin]") {

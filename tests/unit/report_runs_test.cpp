@@ -103,7 +103,7 @@ TEST_CASE("of very many runs a page keeps some, and of these some rows", "[repor
   const auto stride = data["runs"][0]["table"]["stride"].get<std::size_t>();
   const auto said = kept.left_out();
   CAPTURE(said, rows, frames);
-  CHECK(said.starts_with("1 run in 50, 1 row in " + std::to_string(stride) + ", 1 instant in "));
+  CHECK(said.starts_with("1 run in 50, 1 row in " + std::to_string(stride) + ", 1 frame in "));
   // Of 4001 instants about every so many are there: frames are also added where bodies moved far.
   const auto instants = std::stoul(said.substr(said.rfind(' ') + 1));
   CHECK(instants > 1);

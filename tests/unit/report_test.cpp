@@ -207,7 +207,7 @@ TEST_CASE("a report needs a run and a file that can be written", "[report]") {
   Simulation run(p.system, {.output = 0.1});
   run.record({"rod.x"});
   Report report(run.recorder());
-  check_words(message_of<ModelError>([&] { report.write("/nowhere.html"); }), {"before the run", "add_observer"});
+  check_words(message_of<ModelError>([&] { report.write("/nowhere.html"); }), {"the run has not begun", "add_observer", "after the run"});
   run.add_observer(report);
   run.run_until(0.1);
   check_words(message_of<FileError>([&] { report.write("/nowhere/at/all/x.html"); }), {"/nowhere/at/all/x.html"});

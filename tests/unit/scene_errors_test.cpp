@@ -88,9 +88,9 @@ const std::vector<Bad> kBodies = {
      {"\"compound\" defines mass and inertia", "remove \"center\""}},
     {R"("bodies": [{"name": "a", "compound": ~[]}])", {"body 'a', compound", "the list is empty", "at least one part"}},
     {R"("bodies": [{"name": "a", "compound": [{"rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}, "position": ~[0,0,0]}]}])",
-     {"\"rod\" itself places the part", "remove \"position\""}},
+     {"\"rod\" defines the pose of the part", "remove \"position\""}},
     {R"("bodies": [{"name": "a", "fixed": true, "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}, "position": ~[0,0,0]}])",
-     {"\"rod\" itself places the body", "remove \"position\""}},
+     {"\"rod\" defines the pose of the body", "remove \"position\""}},
     {R"("bodies": [{"name": "a", "fixed": true, "velocity": ~[1,0,0]}])",
      {"a fixed body never moves", "remove \"velocity\""}},
     {R"("bodies": [{"name": "a", "particle": 1, "omega_body": ~[1,0,0]}])",
@@ -99,55 +99,55 @@ const std::vector<Bad> kBodies = {
      {"body 'a', omega_world", "\"omega_body\" is given as well", "remove one"}},
     {R"("bodies": [{"name": ~"", "particle": 1}])", {"the name is empty", "give it one"}},
     {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "visual": {"color": ~"red"}}])",
-     {"body 'a', visual.color", "\"red\" is no color", "#0072b2"}},
+     {"body 'a', visual.color", "\"red\" is not a colour", "#0072b2"}},
     {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "visual": {"opacity": ~2}}])",
      {"body 'a', visual.opacity", "it is 2", "from 0 to 1"}},
-    {R"("parameters": {"a": 1}, "points": {"P": [1, ~"2 kg", 3]})", {"of different dimensions", "the same unit"}},
+    {R"("parameters": {"a": 1}, "points": {"P": [1, ~"2 kg", 3]})", {"different dimensions", "the same unit"}},
     {R"("points": {"P": "=m.from"}, "bodies": [{"name": "a", "particle": 1}], "markers": [~{"name": "m", "body": "a", "at": [0,0,0]}])",
      {"marker 'm'", "it has no \".from\"", "\".at\""}},
 };
 
 const std::vector<Bad> kLinks = {
     {TWO_BODIES R"("links": [{"name": "A", "type": ~"revolut", "p": "arm", "s": "ground", "at": [0,0,0]}])",
-     {"link 'A'", "did you mean \"revolute\""}},
+     {"joint 'A'", "did you mean \"revolute\""}},
     {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": ~"amr", "s": "ground", "at": [0,0,0]}])",
-     {"link 'A', p", "did you mean \"arm\""}},
+     {"joint 'A', p", "did you mean \"arm\""}},
     {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": ~"arm", "at": [0,0,0]}])",
-     {"link 'A', s", "'arm'", "itself"}},
+     {"joint 'A', s", "'arm'", "both sides are on body"}},
     {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": ~"arm", "s": "ground"}])",
-     {"link 'A', p", "add \"at\""}},
+     {"joint 'A', p", "add \"at\""}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "axis": ~[0,0,0]}])",
-     {"link 'A', axis", "direction"}},
+     {"joint 'A', axis", "direction"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], ~"mask": "x"}])",
-     {"link 'A'", "unknown key \"mask\""}},
+     {"joint 'A'", "unknown key \"mask\""}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": "rz", "law": {"type": "ramp", ~"slop": 2}}}])",
-     {"link 'A', drive.law", "did you mean \"slope\""}},
+     {"joint 'A', drive.law", "did you mean \"slope\""}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": "rz", "law": {"type": ~"rampe"}}}])",
-     {"link 'A', drive.law", "did you mean \"ramp\""}},
+     {"joint 'A', drive.law", "did you mean \"ramp\""}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": ~"x", "law": 1}}])",
      {"'A'", "x"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": ~"rw", "law": 1}}])",
-     {"link 'A', drive.axis", "rw"}},
+     {"joint 'A', drive.axis", "rw"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": ~"rz"}}])",
-     {"nothing drives it"}},
+     {"the drive has no motion"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "start": {"velocity": {"x": ~1}}}])",
-     {"free one"}},
+     {"name a free one"}},
     {TWO_BODIES R"("links": [{"name": ~"A", "type": "revolute", "p": "bob", "s": "ground"}])",
-     {"link 'A'", "'bob'", "particle"}},
+     {"joint 'A'", "'bob'", "particle"}},
     {TWO_BODIES R"("links": [{"name": "A", "type": "lock", "mask": ~"x q", "p": "arm", "s": "ground", "at": [0,0,0]}])",
      {"q"}},
     {TWO_BODIES ONE_LINK R"("markers": [{"name": "m", "body": ~"arn"}])", {"marker 'm', body", "did you mean \"arm\""}},
     {TWO_BODIES R"("markers": [{"name": "m", "body": "arm", "at": ~[0,0,0], "world_at": [1,0,0]}])",
      {"marker 'm', at", "remove"}},
-    {TWO_BODIES R"("markers": [{"name": ~"arm", "body": "arm"}])", {"marker 'arm'", "taken by a body"}},
+    {TWO_BODIES R"("markers": [{"name": ~"arm", "body": "arm"}])", {"marker 'arm'", "taken by body 'arm'"}},
     {TWO_BODIES R"("forces": [{"name": "f", "type": ~"spring_dumper", "p": "arm", "s": "ground"}])",
      {"force 'f'", "did you mean \"spring_damper\""}},
     {TWO_BODIES R"("forces": [~{"name": "f", "type": "spring_damper", "stiffness": 1}])", {"force 'f', ", "missing"}},
@@ -155,22 +155,22 @@ const std::vector<Bad> kLinks = {
      {"force 'f', at", "neither \"p\" nor \"s\" names a body"}},
     {TWO_BODIES
      R"("markers": [{"name": "m", "body": "arm"}, {"name": "n", "body": "ground"}], "links": [{"name": "A", "type": "revolute", "p": "m", "s": "n", "at": ~[0,0,0]}])",
-     {"link 'A', at", "have their places already"}},
+     {"joint 'A', at", "have a pose already"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}, {"name": "G", "type": "revolute", "pairs": ~["A", "A"]}])",
-     {"link 'G', pairs", "2 are given, and a revolute takes 1"}},
+     {"joint 'G', pairs", "2 pairs are given, a revolute has 1"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}, ~{"name": "G", "type": "gear", "pairs": ["A", "A"], "teeth_1": 3}])",
-     {"link 'G', teeth_2", "needs the teeth of both"}},
+     {"joint 'G', teeth_2", "needs the teeth of both"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "stops": [{"axis": ~"rz"}]}])",
-     {"link 'A', stops[0].axis", "add \"low\" or \"high\""}},
+     {"joint 'A', stops[0].axis", "add \"low\" or \"high\""}},
     {TWO_BODIES
      R"("links": [{"name": "S", "type": "stop", "p": "arm", "s": "ground", "at": [0,0,0], "coordinate": "rz", "low": 0, "unilateral": {"side": ~"below"}}])",
-     {"link 'S', unilateral.side", "has its side already"}},
+     {"joint 'S', unilateral.side", "defines its own side"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "friction": ~{"mu": 0.1}}])",
-     {"radius", "only turns"}},
+     {"radius", "only rotates"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "friction": {"mu": 0.1, "radius": 1, "mu_static": ~-1}}])",
      {"mu_static", "mu or more"}},
@@ -182,10 +182,10 @@ const std::vector<Bad> kLinks = {
      {"force 'f'", "body 'bob'", "particle"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "at_p": ~[0,0,0]}])",
-     {"link 'A', at_p", "\"at\" places both markers", "remove one"}},
+     {"joint 'A', at_p", "\"at\" places both markers", "remove one"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "axis": "z", "orientation": ~[1,0,0,0]}])",
-     {"link 'A', orientation", "\"axis\" is given as well"}},
+     {"joint 'A', orientation", "\"axis\" is given as well"}},
     {TWO_BODIES R"("forces": [{"name": "f", "type": "applied_force", "s": ~"arm", "at": [0,0,0], "force": [0,0,1]}])",
      {"force 'f', s", "\"s\" is given without \"p\""}},
     {TWO_BODIES R"("forces": [~{"name": "f", "type": "applied_force", "force": [0,0,1]}])",
@@ -198,39 +198,40 @@ const std::vector<Bad> kLinks = {
      {"rest_speed", "it is 0", "above zero"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "stops": [{"axis": "rz", "low": 0, "restitution": ~2}]}])",
-     {"restitution", "it is 2", "between 0 (no bounce) and 1"}},
+     {"restitution", "it is 2", "between 0 (no rebound) and 1"}},
     {TWO_BODIES
      R"("markers": [{"name": "m", "body": "arm", "rotation": {"type": "axis_rotation", "axis": "x", "law": {"type": "ramp", "slope": 1}}}, {"name": "n", "body": "ground"}], "links": [{"name": "S", "type": "spherical", "p": "m", "s": "n", "stops": [{"axis": ~"rx", "low": 0}]}])",
-     {"marker 'm' moves by a law", "link of type \"stop\""}},
+     {"marker 'm' moves by a law", "joint of type \"stop\""}},
     {TWO_BODIES
      R"("links": [{"name": "S", "type": "stop", "p": "arm", "s": "ground", "at": [0,0,0], "coordinate": "rz", "low": 0, "high": ~1}])",
-     {"link 'S'", "\"low\" is given as well", "one stop has one end"}},
+     {"joint 'S'", "\"low\" is given as well", "a stop has one limit"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "distance", "p": "arm", "s": "ground", "at_p": [1,0,0], "at_s": [0,0,0], "unilateral": {"restitution": ~2}}])",
      {"restitution", "it is 2"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "lock", "mask": ~"x y x", "p": "arm", "s": "ground", "at": [0,0,0]}])",
-     {"row \"x\" twice", "name each row once"}},
+     {"has the word \"x\" twice", "give it once"}},
     {COUPLED R"(, "move": ~{"type": "constant", "value": [0,0,0]}}])",
-     {"link 'G', move", "takes no imposed motion", "remove it"}},
-    {COUPLED R"(, "drive": ~{"axis": "rz", "law": 1}}])", {"link 'G', drive", "takes no drive", "remove it"}},
+     {"joint 'G', move", "cannot have a prescribed pose", "remove it"}},
+    {COUPLED R"(, "drive": ~{"axis": "rz", "law": 1}}])", {"joint 'G', drive", "cannot have a drive", "remove it"}},
     {COUPLED R"(}], "forces": [~{"name": "f", "type": "joint_friction", "link": "G", "mu": 0.1, "radius": 1}])",
-     {"force 'f'", "link 'G' (gear) is not a joint of two markers", "revolute, prismatic"}},
+     {"force 'f'", "joint 'G' (gear) is not a joint of two markers", "revolute, prismatic"}},
     {TWO_BODIES ONE_LINK
      R"("forces": [{"name": "f", "type": "function_force", "link": ~"A", "p": "arm", "s": "ground", "at": [0,0,0], "coordinate": "rz", "torque": "=1"}])",
-     {"force 'f', link", "\"p\" and \"s\" are given as well", "either a link or two markers"}},
+     {"force 'f', link", "\"p\" and \"s\" are given as well", "either a joint or two markers"}},
     {TWO_BODIES ONE_LINK
      R"("forces": [{"name": "f", "type": "function_force", "link": "A", "coordinate": ~"x", "torque": "=1"}])",
      {"force 'f', coordinate", "a torque is about rx, ry or rz"}},
     {TWO_BODIES ONE_LINK
      R"("forces": [{"name": "f", "type": "function_force", "link": "A", "coordinate": ~"rz", "force": "=1"}])",
      {"force 'f', coordinate", "a force is along x, y or z"}},
+    {TWO_BODIES R"("gravity": [0, 0, -9.81], "planar": ~"z")", {"planar with normal z", "-9.81 m/s^2"}},
     {TWO_BODIES
      R"("planar": "z", "links": [{"name": ~"A", "type": "lock", "mask": "x", "p": "arm", "s": "ground", "at": [0,0,0], "axis": [1,1,1]}])",
-     {"link 'A', row x", "neither in the plane nor normal to it", "set \"planar\" to \"off\""}},
+     {"joint 'A', constraint x", "neither in the plane nor normal to it", "set \"planar\" to \"off\""}},
     {TWO_BODIES
      R"("planar": "z", "links": [{"name": ~"A", "type": "cylindrical", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": "z", "law": {"type": "ramp", "slope": 1}}}])",
-     {"link 'A', row z", "asks for a motion out of the plane", "set \"planar\" to \"off\""}},
+     {"joint 'A', constraint z", "prescribes a motion out of the plane", "set \"planar\" to \"off\""}},
     {TWO_BODIES ONE_LINK
      R"("forces": [{"name": "f", "type": "joint_friction", "link": ~"A", "p": "arm", "s": "ground", "at": [0,0,0], "mu": 0.1, "radius": 1}])",
      {"force 'f', link", "\"p\" and \"s\" are given as well", "remove them"}},
@@ -248,6 +249,7 @@ const std::vector<Bad> kRuns = {
     {R"("run": {"formulation": ~"omegas"})", {"did you mean \"omega\""}},
     {R"("run": {"stabilization": ~"projekt"})", {"did you mean \"project\""}},
     {R"("run": {"stabilization": {"kind": "baumgarte", "alpha": ~-1}})", {"alpha", ">= 0"}},
+    {R"("run": {"stabilization": {"kind": "baumgarte", "alpha": ~"5 m"}})", {"alpha", "is a length"}},
     {R"("run": {"times": ~[0, 2, 1]})", {"rise", "1 s follows 2 s"}},
     {R"("run": {"output": 1, "times": ~[0]})", {"remove one"}},
     {R"("run": {"record": ["a.x", ~"a.x"]})", {"requested twice"}},
@@ -255,7 +257,7 @@ const std::vector<Bad> kRuns = {
     {TWO_BODIES R"("run": {"record": [~"arm.w"]})", {"arm"}},
     {TWO_BODIES R"("run": {"record": [{"a": ~"amr.x"}]})", {"arm"}},
     {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "at": 1, "deactivate": [~"B"]}])",
-     {"event 'e', deactivate", "unknown link or force \"B\""}},
+     {"event 'e', deactivate", "unknown joint or force \"B\""}},
     {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "at": ~-1, "stop": true}])",
      {"event 'e', at", "before the start"}},
     {TWO_BODIES ONE_LINK R"("events": [{"name": ~"e", "stop": true}])", {"\"at\" or \"when\""}},
@@ -265,12 +267,12 @@ const std::vector<Bad> kRuns = {
     {R"(~"gravitiy": [0,0,0])", {"scene", "did you mean \"gravity\""}},
     {R"("gravity": ~[0, "9,81 m/s^2", 0])", {}},
     {R"("run": {"step": 1 ~"until": 2})", {"comma"}},
-    {R"("run": {"times": ~[-1, 2]})", {"instant -1 s lies before the start"}},
-    {R"("run": {"record": [~"a\nb"]})", {"line end or another control character", "leave it out"}},
+    {R"("run": {"times": ~[-1, 2]})", {"time -1 s is before the start"}},
+    {R"("run": {"record": [~"a\nb"]})", {"line end or another control character", "remove it"}},
     {R"("run": {"draw": ~3})", {"run.draw", "expected a list of panels", "a number (3)"}},
     {R"("run": {"nearly_redundant": ~"maybe"})", {"nearly_redundant", "maybe"}},
     {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "at": 1, "activate": ["A"], "deactivate": ~["A"]}])",
-     {"event 'e', deactivate", "'A' is activated and deactivated at the same instant"}},
+     {"event 'e', deactivate", "'A' is activated and deactivated at the same time"}},
     {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "at": 1, "activate": ~"A"}])",
      {"event 'e', activate", "expected a list of texts"}},
     {R"("requires": ~"drag")", {"requires", "expected a list of texts"}},
@@ -290,9 +292,9 @@ std::string sliding(const std::string& things) {
 }
 
 const std::vector<Bad> kUnits = {
-    {turning(R"({"type": "ramp", "slope": ~"3 m/s"})"), {"link 'A', drive.law.slope", "a speed", "an angular speed"}},
+    {turning(R"({"type": "ramp", "slope": ~"3 m/s"})"), {"joint 'A', drive.law.slope", "a speed", "an angular speed"}},
     {turning(R"({"type": "ramp", "slope": 1, "y0": ~"5 kg"})"), {"drive.law.y0", "a mass", "an angle"}},
-    {turning(R"(~"5 mm")"), {"link 'A', drive.law: ", "a length", "an angle"}},
+    {turning(R"(~"5 mm")"), {"joint 'A', drive.law: ", "a length", "an angle"}},
     {turning(R"({"type": "polynomial", "coefficients": ["1 deg", "2 rpm", ~"3 m/s^2"]})"),
      {"drive.law.coefficients[2]", "an angular acceleration"}},
     {turning(R"({"type": "sum", "laws": [1, {"type": "sine", "omega": 1, "amplitude": ~"5 mm"}]})"),
@@ -304,18 +306,18 @@ const std::vector<Bad> kUnits = {
     {turning(R"({"type": "trapezoid", "distance": 1, "speed": "30 rpm", "acceleration": ~"3 m/s^2"})"),
      {"drive.law.acceleration", "an angular acceleration"}},
     {sliding(R"(, "drive": {"axis": "z", "speed": {"type": "ramp", "slope": ~"3 m/s"}}}])"),
-     {"link 'B', drive.speed.slope", "a speed", "an acceleration"}},
-    {sliding(R"(, "stops": [{"axis": "z", "low": ~"5 deg"}]}])"), {"link 'B', stops[0].low", "an angle", "a length"}},
+     {"joint 'B', drive.speed.slope", "a speed", "an acceleration"}},
+    {sliding(R"(, "stops": [{"axis": "z", "low": ~"5 deg"}]}])"), {"joint 'B', stops[0].low", "an angle", "a length"}},
     {sliding(
          R"(}, {"name": "C", "type": "stop", "p": "b", "s": "ground", "at": [0,0,0], "coordinate": "z", "low": ~"5 deg"}])"),
-     {"link 'C', low", "an angle", "a length"}},
+     {"joint 'C', low", "an angle", "a length"}},
     {sliding(R"(}], "events": [{"name": "e", "stop": true, "when": {"channel": "b.z", "crosses": ~"5 kg"}}])"),
      {"event 'e', when.crosses", "\"5 kg\"", "in m is expected"}},
     {sliding(R"(}], "events": [{"name": "e", "stop": true, "when": {"channel": "energy.total", "crosses": ~"5 kg"}}])"),
      {"when.crosses", "in J is expected"}},
     {sliding(R"(, "stops": [{"axis": "z", "low": 0, "rest_speed": ~"5 kg"}]}])"), {"rest_speed", "neither a speed"}},
     {turning(R"({"type": "shift", "delay": 1, "law": ~"5 mm"})"), {"drive.law.law", "an angle"}},
-    {turning(R"({"type": "formula", "y": ~"=3 m"})"), {"link 'A', drive.law.y", "a length", "an angle"}},
+    {turning(R"({"type": "formula", "y": ~"=3 m"})"), {"joint 'A', drive.law.y", "a length", "an angle"}},
     {turning(R"({"type": "formula", "y": ~"=3 kg*t"})"), {"drive.law.y", "kg s", "an angle", "t is a time"}},
     {turning(R"({"type": "formula", "y": ~"=1 m + t"})"), {"drive.law.y", "a length and a time are added"}},
     {turning(R"({"type": "formula", "y": ~"=L*t", "parameters": {"L": "100 mm"}})"),
@@ -325,7 +327,7 @@ const std::vector<Bad> kUnits = {
     {turning(R"({"type": "sum", "laws": [1, {"type": "formula", "y": ~"=t*1 s"}]})"),
      {"drive.law.laws[1].y", "s^2", "an angle"}},
     {sliding(R"(, "drive": {"axis": "z", "speed": {"type": "formula", "y": ~"=3 m"}}}])"),
-     {"link 'B', drive.speed.y", "a length", "a speed"}},
+     {"joint 'B', drive.speed.y", "a length", "a speed"}},
     {R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}], )" ONE_LINK
      R"("forces": [{"name": "f", "type": "torque_motor", "p": "arm", "s": "ground", "at": [0,0,0], "torque": {"type": "formula", "y": ~"=3 mm"}}])",
      {"force 'f', torque.y", "a length", "a torque"}},
@@ -366,7 +368,7 @@ void check_all(const std::vector<Bad>& all) {
 }  // namespace
 
 TEST_CASE("a body that cannot be is refused at its place", "[unit][scene]") { check_all(kBodies); }
-TEST_CASE("a link, marker or force that cannot be is refused at its place", "[unit][scene]") { check_all(kLinks); }
+TEST_CASE("a joint, marker or force that cannot be is refused at its place", "[unit][scene]") { check_all(kLinks); }
 TEST_CASE("a run that cannot be is refused at its place", "[unit][scene]") { check_all(kRuns); }
 
 TEST_CASE("a law that cannot be is refused at its place", "[unit][scene]") { check_all(kLaws); }
@@ -411,9 +413,9 @@ TEST_CASE("a column in a unit that does not fit what it drives is refused with f
   };
   using lockstep::testing::check_words;
   check_words(refusal(turning(spline("lift"))),
-              {"bad.json:2:", "link 'A', drive.law.y_column: column 'lift' of " + file, "in [mm]",
+              {"bad.json:2:", "joint 'A', drive.law.y_column: column 'lift' of " + file, "in [mm]",
                "a length; here an angle is expected"});
-  check_words(along(spline("turn")), {"link 'B', drive.law.y_column: column 'turn'", "[deg]", "an angle", "a length"});
+  check_words(along(spline("turn")), {"joint 'B', drive.law.y_column: column 'turn'", "[deg]", "an angle", "a length"});
   check_words(along(spline("lift"), "speed"),
               {"drive.speed.y_column: column 'lift'", "a length", "a speed is expected"});
   check_words(along(spline("lift", "late")), {"drive.law.t_column: column 'late'", "an angle", "a time is expected"});
@@ -441,10 +443,10 @@ TEST_CASE("a scene that is none says so", "[unit][scene]") {
                        {"cannot read 'no_such_scene.json'", "check the path"});
 }
 
-TEST_CASE("a link between bodies that stand still has nothing to hold", "[unit][scene]") {
+TEST_CASE("a joint between bodies that stand still has nothing to hold", "[unit][scene]") {
   const std::string message = refusal_of(R"({"lockstep": 1, "bodies": [{"name": "base", "fixed": true}],
     "links": [{"name": "A", "type": "fixed", "p": "base", "s": "ground", "at": [0,0,0]}]})");
-  CHECK(message.find("link 'A', s: bodies 'base' and 'ground' are both fixed") != std::string::npos);
+  CHECK(message.find("joint 'A', s: bodies 'base' and 'ground' are both fixed") != std::string::npos);
 }
 
 }  // namespace scene_errors_test

@@ -25,7 +25,7 @@ TEST_CASE("what is wrong with the things of a list is said of all of them at onc
   for (int i = 0; i < 30; ++i) scene += "{\"name\": \"x" + std::to_string(i) + "\"},\n";
   const std::string many = refusal_of(scene + "{\"name\": \"last\"}]}");
   CHECK(std::count(many.begin(), many.end(), '\n') == 20);
-  CHECK(many.find("perhaps more") != std::string::npos);
+  CHECK(many.find("more errors may follow") != std::string::npos);
 }
 
 TEST_CASE("what is wrong with things of several lists is said at once, but for what hangs on another error",
@@ -47,7 +47,7 @@ TEST_CASE("what is wrong with things of several lists is said at once, but for w
   const std::vector<std::vector<std::string>> wanted = {
       {"body 'a'", "mass is 0"}, {"body 'b'", "\"velocit\""}, {"body 'b'", "\"positoin\""},
       {"body 'c', position"},    {"body 'c', velocity"},      {"marker 'on_d'", "\"att\""},
-      {"link 'M', p", "\"x\""},  {"force 'f'", "\"forc\""},   {"force 'g'", "\"coefficient\""},
+      {"joint 'M', p", "\"x\""},  {"force 'f'", "\"forc\""},   {"force 'g'", "\"coefficient\""},
       {"event 'e', at", "-1"},   {"event 'h', at"},           {"run.integrator", "rk5"}};
   REQUIRE(lines.size() == wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i)
@@ -93,7 +93,7 @@ TEST_CASE("what is wrong with the settings of a run is said at once", "[unit][sc
                {"run.energy_limit", "is -1"},
                {"run.violation_limit", "is 0"},
                {"run.record", "expected a channel's name"},
-               {"run.record", "\"\" is not one"},
+               {"run.record", "the name of a channel is empty"},
                {"run.record.u", "number"},
                {"run.record", "\"a.x\" is requested twice"}});
   // A key that is unknown or of a wrong form keeps the others from nothing; a name is looked for where all are known.
@@ -104,7 +104,7 @@ TEST_CASE("what is wrong with the settings of a run is said at once", "[unit][sc
                {"run.step", "the step is 0"},
                {"run.tolerance", "-1"},
                {"run.draw", "\"v\" is not recorded"},
-               {"run.draw", "names nothing"},
+               {"run.draw", "this panel is empty"},
                {"run.draw", "expected a panel"},
                {"run.pictures[0].y", "\"w\" is not recorded"},
                {"run.pictures[1].x", "\"z\" is not recorded"}});
@@ -128,7 +128,7 @@ TEST_CASE("formulas that cannot be computed are refused at once, each reason onc
     "points": {"P": ["=e*nothing", 0, 0], "Q": [1, 2, 3]},
     "bodies": [{"name": "x", "particle": "=d"}, {"name": "y", "particle": "=e*f", "position": "R"},
                {"name": "z", "particle": "=sqrt(", "position": "P"}]})"),
-              {{"parameters.a", "hangs on itself: a -> b -> a"},
+              {{"parameters.a", "depends on itself: a -> b -> a"},
                {"parameters.c", "=1 +"},
                {"points.P[0]", "nothing"},
                {"body 'y'", "position", "unknown point \"R\""},
@@ -140,14 +140,14 @@ TEST_CASE("each of several errors tells the formula that it is of", "[unit][scen
   check_lines(
       refusal_of(
           R"({"lockstep": 1, "parameters": {"n": 2}, "run": {"step": "=n - 2", "tolerance": 0, "until": "=-n"}})"),
-      {{"run.step", "is 0", "the value of the formula \"=n - 2\""},
-       {"run.until", "-2", "the value of the formula \"=-n\""},
+      {{"run.step", "is 0", "the value is from the formula \"=n - 2\""},
+       {"run.until", "-2", "the value is from the formula \"=-n\""},
        {"run.tolerance", "is 0; it must be greater than 0"}});
 }
 
 TEST_CASE("a scene of a newer format is refused for that alone", "[unit][scene]") {
   check_lines(refusal_of(R"({"lockstep": 2, "of_then": 3, "bodies": 4, "run": {"step": 0}})"),
-              {{"lockstep", "version 2 of the format is unknown here", "reads version 1"}});
+              {{"lockstep", "version 2 of the format is unknown", "reads version 1"}});
 }
 
 TEST_CASE("of a thing whose type is missing its own keys are not called unknown", "[unit][scene]") {

@@ -36,7 +36,7 @@ const Place kPlaces[] = {
      R"("bodies": [{"name": "a", "compound": [{"sphere": {"mass": 1, "radius": 1}, "orientation": ~}]}])"},
     {"marker 'm', orientation", R"("markers": [{"name": "m", "body": "ground", "at": [0, 0, 0], "orientation": ~}])"},
     {"marker 'm', world_orientation", R"("markers": [{"name": "m", "body": "ground", "world_orientation": ~}])"},
-    {"link 'A', orientation",
+    {"joint 'A', orientation",
      R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}}],
         "links": [{"name": "A", "type": "revolute", "p": "a", "s": "ground", "at": [0, 0, 0], "orientation": ~}])"},
     {"rotation", R"("markers": [{"name": "m", "body": "ground", "rotation": {"type": "constant", "orientation": ~}}])"},
@@ -109,7 +109,7 @@ TEST_CASE("directions of axes that are not at right angles are refused with thei
     CAPTURE(place.owner);
     // acos(0.5 / sqrt(1.25)) = 63.4 deg
     check_words(answer(place, R"({"x": [1, 0, 0], "y": [0.5, 1, 0]})").refused,
-                {"turned.json:", place.owner, "\"x\" and \"y\" are 63.4 deg apart", "turn one of them"});
+                {"turned.json:", place.owner, "\"x\" and \"y\" are 63.4 deg apart", "change one of them"});
     check_words(answer(place, R"({"x": [1, 0, 0], "z": [-2, 0, 0]})").refused, {place.owner, "are parallel"});
     check_words(answer(place, R"({"matrix": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]})").refused,
                 {"turned.json:", "the columns are not orthonormal"});

@@ -174,7 +174,7 @@ TEST_CASE("a formula that fails inside an included scene is named with its file"
   folder.write("leg.json", R"~("parameters": {"L": "1 m", "m": "1 kg"}, "points": {"foot": "=[L, 0, 0]"},
     "bodies": [{"name": "leg", "rod": {"mass": "=m - 2 kg", "from": [0, 0, 0], "to": "=foot*2"}}])~");
   check_words(folder.refusal(R"("include": [{"scene": "leg.json"}])"),
-              {"leg.json:", "body 'leg', rod", "must be greater than 0", "the value of the formula \"=m - 2 kg\""});
+              {"leg.json:", "body 'leg', rod", "must be greater than 0", "the value is from the formula \"=m - 2 kg\""});
   check_words(folder.refusal(R"("include": [{"scene": "leg.json", "parameters": {"m": "3 kg", "L": "1 s"}}])"),
               {"leg.json:", "points"});
   check_words(
@@ -224,7 +224,7 @@ TEST_CASE("what parts bring is varied by path", "[unit][scene]") {
   check_words(refused("bodies.left_leg.rod.mass=-2"), {"body 'left_leg', rod", "must be greater than 0"});
   check_words(folder.refusal(whole + R"(, "set": {"bodies.leg.rod.mass": 2})"),
               {"scene.set", "\"bodies\" has no \"leg\""});
-  check_words(folder.refusal(whole + R"(, "set": {"bodies.left_leg.rod.mass": [2]})"), {"scene.set", "one value"});
+  check_words(folder.refusal(whole + R"(, "set": {"bodies.left_leg.rod.mass": [2]})"), {"scene.set", "set a single value"});
   check_words(folder.refusal(whole + R"(, "set": [1])"), {"scene.set", "an object of values by path"});
 }
 
@@ -278,7 +278,7 @@ TEST_CASE("keys of plugins' types are set in parts before the plugins are known"
   check_words(build("forces.left_d.speed=3 km/h"), {"no air at left_d"});
   CHECK(speed == Approx(3 / 3.6).epsilon(1e-15));
   check_words(build("forces.left_d.sped=3"), {"sped", "did you mean \"forces.left_d.speed\""});
-  check_words(build("forces.left_d.toward.x=3"), {"plugin", "\"toward\"", "where the object is defined"});
+  check_words(build("forces.left_d.toward.x=3"), {"plugin", "\"toward\"", "in its definition"});
   check_words(message_of<Error>([&] {
                 build_mechanism(folder.read(R"("include": [{"scene": "part.json"}], "set": {"forces.d.sped": 3})"),
                                 with_gust);
@@ -320,7 +320,7 @@ TEST_CASE("a turned rod stays a rod", "[unit][scene]") {
   check_words(folder.refusal(with("\"1 m\"", "")), {"body 'r', rod", "roll", "angle"});
   check_words(folder.refusal(
                   with("0", R"(, "visual": {"shapes": [{"rod": {"from": [0, 0, 0], "to": [1, 0, 0], "roll": 1}}]})")),
-              {"visual", "roll", "from all sides"});
+              {"visual", "roll", "a drawn rod is round"});
 }
 
 TEST_CASE("what an included scene brings is not lost beside keys of another form", "[unit][scene]") {
@@ -407,9 +407,9 @@ TEST_CASE("formulas read places of bodies and markers", "[unit][scene]") {
     return folder.refusal(R"("bodies": [{"name": "box", "box": {"mass": 1, "size": [1, 1, 1]}, "position": ")" +
                           position + R"("}, {"name": "ball", "particle": 1, "position": "=box.at"}])");
   };
-  check_words(refused("=ball.at"), {"hangs on itself", "ball.at -> box.at -> ball.at"});
+  check_words(refused("=ball.at"), {"depends on itself", "ball.at -> box.at -> ball.at"});
   check_words(refused("=bal.at"), {"unknown name \"bal.at\"", "did you mean \"ball.at\""});
-  check_words(refused("=ball.from"), {"body 'ball'", "no rod", ".at"});
+  check_words(refused("=ball.from"), {"body 'ball'", "not a rod", ".at"});
   check_words(refused("=box.mass"), {"column", "expected \".x\"", "\".from\""});
 }
 

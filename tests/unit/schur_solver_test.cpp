@@ -94,7 +94,7 @@ TEST_CASE("a tree makes no fill, its work and memory grow with the bodies", "[un
   }
 }
 
-TEST_CASE("a hub with fifty links does not couple them", "[unit][kkt]") {
+TEST_CASE("a hub with fifty joints does not couple them", "[unit][kkt]") {
   std::vector<std::vector<int>> star{{0}};
   for (int i = 1; i <= 50; ++i) star.push_back({i, 0});
   const schur::Plan plan = schur::make_plan(table_of(star), 51, false);
@@ -102,7 +102,7 @@ TEST_CASE("a hub with fifty links does not couple them", "[unit][kkt]") {
   CHECK(products(plan) <= 51);  // 51 links below one hub; as a clique there would be 51 * 52 / 2 * 17
 }
 
-TEST_CASE("a link between hubs alone waits for one of them", "[unit][kkt]") {
+TEST_CASE("a joint between hubs alone waits for one of them", "[unit][kkt]") {
   std::vector<std::vector<int>> links{{0, 1}, {0}};
   for (int i = 2; i < 9; ++i) links.push_back({i, 0}), links.push_back({i + 7, 1});
   const schur::Plan plan = schur::make_plan(table_of(links), 16, false);

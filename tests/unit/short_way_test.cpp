@@ -85,7 +85,7 @@ TEST_CASE("A simulation refuses what it cannot make, with the next move", "[simu
   CHECK(says(message_of<Error>([&] { Simulation bad(system, {.integrator = "dopri"}); }), {"did you mean \"dopri5\""}));
   CHECK(says(message_of<Error>([&] { Simulation bad(system, {.integrator = "dop853:stage=auto"}); }), {"did you mean \"stages\""}));
   CHECK(says(message_of<Error>([&] { Simulation bad(system, {.solver = "shur"}); }), {"did you mean \"schur\""}));
-  CHECK(says(message_of<Error>([&] { Simulation bad(system, {.integrator = "rk4"}); }), {"no step is given"}));
+  CHECK(says(message_of<Error>([&] { Simulation bad(system, {.integrator = "rk4"}); }), {"none is given; set .step"}));
   CHECK(says(message_of<Error>([&] { Simulation bad(system, {.tolerance = 0}); }), {"it must be greater than 0"}));
   Simulation run(system, {.integrator = "rk4", .step = 1e-3});
   run.run_until(0.01);

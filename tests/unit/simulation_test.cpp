@@ -211,7 +211,7 @@ TEST_CASE("an event that undoes itself does not loop for ever", "[unit][dynamics
   CHECK(run.state().t == 1.5);
 }
 
-TEST_CASE("an event at an instant switches a link off, the body flies on freely", "[unit][dynamics]") {
+TEST_CASE("an event at an instant switches a joint off, the body flies on freely", "[unit][dynamics]") {
   const std::string name = GENERATE("rk4", "dopri5", "dop853");
   CAPTURE(name);
   RodPendulum pendulum;
@@ -236,7 +236,7 @@ TEST_CASE("an event at an instant switches a link off, the body flies on freely"
   CHECK_FALSE(run.state().modes[0]);
 }
 
-TEST_CASE("a link that is put in force takes up the velocity, far from its place it is refused by name",
+TEST_CASE("a joint that is put in force takes up the velocity, far from its place it is refused by name",
           "[unit][dynamics]") {
   Stone stone;
   Lock& hook = stone.system.add<Spherical>("hook", stone.system.body("stone"), stone.system.ground(), pose_at({0, 0, 2}));
@@ -334,7 +334,7 @@ TEST_CASE("a start off the constraints and settings that cannot be are refused",
   testing::check_words(message_of<AssemblyError>([&] { run.set_state(off); }), {"hinge", "m/s"});
   testing::check_words(message_of<ModelError>([&] { run.set_state(State{}); }), {"a state of 0 coordinates"});
   testing::check_words(message_of<ModelError>([&] { run.add_event(Event{}); }),
-                       {"neither an instant", "nor a condition"});
+                       {"neither a time", "nor a condition"});
   CHECK(says(message_of<ModelError>([&] { StepLoop(dynamics, method_of("rk4")); }), {"rk4", "--step"}));
   testing::check_words(message_of<ModelError>([&] { StepLoop(dynamics, nullptr); }), {"needs an integrator"});
 }

@@ -84,7 +84,7 @@ TEST_CASE("the clock outputs its interval, the start and the end", "[unit][dynam
   CHECK_FALSE(clock.end_due(1.7));
 }
 
-TEST_CASE("the last steps have their mean length and the links that were touched at their ends", "[unit][dynamics]") {
+TEST_CASE("the last steps have their mean length and the joints that were touched at their ends", "[unit][dynamics]") {
   LastSteps last;
   last.begin(2);
   CHECK(last.n() == 0);
@@ -118,7 +118,7 @@ TEST_CASE("a run may have a thousand million steps left by the mean of its last,
   CHECK(refusal(1e6, LastSteps::kKept, 1.1e-3) == "no error");
   CHECK(refusal(1e6, LastSteps::kKept - 1, 1e-9) == "no error");  // too few to say
   CHECK(refusal(HUGE_VAL, LastSteps::kKept, 1e-9) == "no error");
-  CHECK(refusal(1, 10, 0.01, 10).find("has made its 10 steps") != std::string::npos);
+  CHECK(refusal(1, 10, 0.01, 10).find("has used its 10 steps") != std::string::npos);
   CHECK(refusal(1, 10, 0.01, 11) == "no error");
   CHECK(refusal(0.1, 10, 0.01, 10) == "no error");  // it is there
 }

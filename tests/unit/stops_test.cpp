@@ -38,7 +38,7 @@ std::string refusal(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("scene: stops of every coordinate are links of their own", "[unit][scene]") {
+TEST_CASE("scene: stops of every coordinate are joints of their own", "[unit][scene]") {
   const Mechanism m = made(arm(R"("stops": [{"axis": "rz", "low": "-60 deg", "high": 1, "restitution": 0.8},
                                             {"axis": "x", "high": "20 mm"}, {"axis": "rx", "low": -0.5},
                                             {"axis": "ry", "low": -0.5}])",
@@ -82,7 +82,7 @@ TEST_CASE("scene: a stop about x, y or z stops the same swing at the same angle"
   }
 }
 
-TEST_CASE("scene: one-sided links and their side", "[unit][scene]") {
+TEST_CASE("scene: one-sided joints and their side", "[unit][scene]") {
   const Mechanism m = made(R"({"lockstep": 1, "bodies": [{"name": "bob", "particle": 1, "position": [0, 0, -0.5]}],
       "links": [{"name": "rope", "type": "distance", "p": "bob", "s": "ground", "at_s": [0, 0, 0], "length": 1,
                  "unilateral": {"restitution": 0.5, "rest_speed": "2 mm/s", "side": "below"}}]})");
@@ -92,7 +92,7 @@ TEST_CASE("scene: one-sided links and their side", "[unit][scene]") {
   CHECK(o.below);
 }
 
-TEST_CASE("scene: friction of a link, by its own key and by a force that names it", "[unit][scene]") {
+TEST_CASE("scene: friction of a joint, by its own key and by a force that names it", "[unit][scene]") {
   const Mechanism own = made(arm(R"("friction": {"mu": 0.1, "radius": "20 mm"})"));
   CHECK(own.system.force("A.friction").type() == "joint_friction");
   CHECK(own.system.force("A.friction").reacting()->reads().front() == &own.system.link("A"));
@@ -102,28 +102,28 @@ TEST_CASE("scene: friction of a link, by its own key and by a force that names i
 }
 
 TEST_CASE("scene: what cannot be is refused at its place", "[unit][scene]") {
-  check_words(refusal(arm(R"("unilateral": {})")), {"arm.json", "link 'A'", "5 rows", "exactly one"});
-  check_words(refusal(arm(R"("unilateral": {"restitution": 2})")), {"link 'A', unilateral", "restitution", "0", "1"});
-  check_words(refusal(arm(R"("stops": [{"axis": "rz"}])")), {"link 'A', stops[0]", "low", "high"});
+  check_words(refusal(arm(R"("unilateral": {})")), {"arm.json", "joint 'A'", "5 constraints", "exactly one"});
+  check_words(refusal(arm(R"("unilateral": {"restitution": 2})")), {"joint 'A', unilateral", "restitution", "0", "1"});
+  check_words(refusal(arm(R"("stops": [{"axis": "rz"}])")), {"joint 'A', stops[0]", "low", "high"});
   check_words(refusal(arm(R"("stops": [{"axis": "rz", "low": 1, "high": 0}])")), {"stops[0]", "high", "above"});
   check_words(refusal(arm(R"("stops": [{"axis": "rw", "low": 1}])")), {"stops[0]", "axis"});
   check_words(refusal(arm(R"("stops": [{"axis": "rz", "low": 1, "restitution": -1}])")), {"restitution"});
-  check_words(refusal(arm(R"("friction": {"radius": 1})")), {"link 'A', friction", "mu"});
-  check_words(refusal(arm(R"("friction": {"mu": 0.1})")), {"link 'A', friction.radius", "missing"});
-  check_words(refusal(arm(R"("friction": {"mu": 0.1, "raduis": 1})")), {"link 'A', friction", "raduis", "radius"});
+  check_words(refusal(arm(R"("friction": {"radius": 1})")), {"joint 'A', friction", "mu"});
+  check_words(refusal(arm(R"("friction": {"mu": 0.1})")), {"joint 'A', friction.radius", "missing"});
+  check_words(refusal(arm(R"("friction": {"mu": 0.1, "raduis": 1})")), {"joint 'A', friction", "raduis", "radius"});
   check_words(refusal(arm(R"("friction": {"mu": 0.1})", "", "z", "spherical")), {"A.friction", "spherical"});
   check_words(refusal(arm("", R"("forces": [{"name": "rub", "type": "joint_friction", "mu": 0.1}])")), {"rub", "link"});
   check_words(refusal(arm("", R"("forces": [{"name": "rub", "type": "joint_friction", "link": "B", "mu": 0.1}])")),
-              {"rub", "unknown link \"B\""});
+              {"rub", "unknown joint \"B\""});
 }
 
 TEST_CASE("scene: what would do nothing is refused", "[unit][scene]") {
   check_words(refusal(arm(R"("stops": [{"axis": "x", "high": 1}])")),
-              {"link 'A', stops[0].axis", "holds x already", "free"});
-  check_words(refusal(arm(R"("stops": [{"axis": "rx", "high": 1}])")), {"stops[0].axis", "holds rx already"});
+              {"joint 'A', stops[0].axis", "constrains x", "free"});
+  check_words(refusal(arm(R"("stops": [{"axis": "rx", "high": 1}])")), {"stops[0].axis", "constrains rx"});
   check_words(refusal(arm("", R"("forces": [{"name": "F", "type": "spring_damper", "p": "arm", "s": "ground",
                                              "at_p": [1, 0, 0], "at_s": [2, 0, 0], "stiffness": 1, "link": "A"}])")),
-              {"force 'F', link", "does not act in a link"});
+              {"force 'F', link", "does not act in a joint"});
 }
 
 TEST_CASE("scene: friction is refused where a law turns the axis away", "[unit][scene]") {
@@ -200,8 +200,8 @@ TEST_CASE("scene: a law that drives a joint on against its stop ends the run by 
   SimulationReport report;
   const std::string said = ending(m, method, step, 1, report);
   check_words(said, {"t = 0.5", "the rest of the run would take",
-                     "one-sided link 'A.stop_rz_high' was touched or let go", "a law may drive bodies on against it"});
-  CHECK_FALSE(testing::says(said, {"look at its laws"}));
+                     "one-sided joint 'A.stop_rz_high' made or lost contact", "a law may drive bodies against it"});
+  CHECK_FALSE(testing::says(said, {"check its laws"}));
   CHECK_FALSE(testing::says(said, {"A.stop_rz_low"}));
   CHECK(report.steps < 30000);
 }
@@ -218,8 +218,8 @@ TEST_CASE("scene: a ball in a gap that closes ends the run by counts, and what c
                "at_s": [0, 1, 0], "axis": "-y", "unilateral": {"restitution": 0.5}}]})");
   SimulationReport report;
   const std::string said = ending(m, "dopri5", 0, 3, report);
-  check_words(said, {"the rest of the run would take", "one-sided links 'below', 'above' were touched",
-                     "they have no way left"});
+  check_words(said, {"the rest of the run would take", "one-sided joints 'below', 'above' made or lost contact",
+                     "they are clamped"});
   CHECK(report.steps < 100000);
 }
 
@@ -232,8 +232,8 @@ TEST_CASE("scene: a law that begins against a stop is refused with both names", 
   StepLoop run(dynamics, std::make_unique<Dopri5>());
   run.set_state(start);
   check_words(testing::message_of<Error>([&] { run.run_until(1); }),
-              {"two laws may drive one coordinate, or a law of link 'A' drives on against the one-sided link "
-               "'A.stop_rz_low' that is touched"});
+              {"two laws may drive one coordinate, or a law of joint 'A' drives against the closed one-sided joint "
+               "'A.stop_rz_low'"});
 }
 
 }  // namespace stops_test

@@ -118,7 +118,7 @@ const std::string kFreeWheels = R"("links": [
 TEST_CASE("angles count their turns in lanes", "[unit][scene]") {
   const std::string pushed = kFreeWheels + R"("forces": [{"name": "push", "type": "applied_torque", "p": "rim",
     "at": [0,0,0], "direction": "z", "law": {"type": "sine", "amplitude": 0.9, "omega": 2}}],)";  // 20 rad/s^2 sin(2 t)
-  Runs group(wheels_text(pushed, R"("record": ["A.angle_z", "B.angle_z", "hub.angle_z"])"), "parameters.speed=10:45:8");
+  Runs group(wheels_text(pushed, R"("record": ["A.rz", "B.rz", "hub.angle_z"])"), "parameters.speed=10:45:8");
   INFO(group.unsuited());
   std::vector<Table> histories(8);
   const std::vector<SweepRun> lanes = group.lanes(&histories);
@@ -130,15 +130,15 @@ TEST_CASE("angles count their turns in lanes", "[unit][scene]") {
     for (std::size_t i = 0; i < 7; ++i) {
       const double t = histories[k]["t"][i];
       const double pushed_by = 10 * t - 5 * std::sin(2 * t);  // more than the mean of two rates tells, by turns
-      CHECK(std::abs(histories[k]["A.angle_z"][i] - speed * t - pushed_by) < 1e-7);
-      CHECK(std::abs(histories[k]["B.angle_z"][i] + 2 * speed * t + pushed_by) < 1e-7);
+      CHECK(std::abs(histories[k]["A.rz"][i] - speed * t - pushed_by) < 1e-7);
+      CHECK(std::abs(histories[k]["B.rz"][i] + 2 * speed * t + pushed_by) < 1e-7);
       CHECK(std::abs(histories[k]["hub.angle_z"][i] + speed * t) < 1e-7);
     }
   }
 }
 
 TEST_CASE("runs in lanes have verdicts on their energy where no law does work", "[unit][scene]") {
-  const std::string record = R"("record": ["A.angle_z", "energy.dissipated", "energy.balance"])";
+  const std::string record = R"("record": ["A.rz", "energy.dissipated", "energy.balance"])";
   const std::string damped = kFreeWheels + R"("forces": [{"name": "brake", "type": "torsion_spring_damper", "p": "hub",
     "s": "rim", "at": [0,0,0], "stiffness": 3, "damping": 0.05}],)";
   Runs group(wheels_text(damped, record), "parameters.speed=10:24:8");
@@ -158,7 +158,7 @@ TEST_CASE("runs in lanes have verdicts on their energy where no law does work", 
   Runs coarse(R"({"lockstep": 1, "gravity": [0, -9.81, 0],
     "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
     "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0]}],
-    "run": {"until": 20, "output": 5, "integrator": "dopri5", "tolerance": 0.1, "record": ["A.angle_z"]}})",
+    "run": {"until": 20, "output": 5, "integrator": "dopri5", "tolerance": 0.1, "record": ["A.rz"]}})",
               "bodies.arm.rod.mass=1,2,3");
   const std::vector<SweepRun> lost = coarse.lanes();
   REQUIRE(lost.size() == 3);
@@ -173,7 +173,7 @@ TEST_CASE("runs in lanes have verdicts on their energy where no law does work", 
     {"name": "A", "type": "revolute", "p": "rim", "s": "ground", "at": [0,0,0],
      "drive": {"axis": "rz", "law": {"type": "ramp", "slope": "=speed"}}},
     {"name": "B", "type": "revolute", "p": "hub", "s": "rim", "at": [0.1,0,0]}],)",
-                          R"("record": ["A.angle_z"])"),
+                          R"("record": ["A.rz"])"),
               "parameters.speed=10:24:8");
   const std::vector<SweepRun> lanes = driven.lanes();
   REQUIRE(lanes.size() == 8);

@@ -130,7 +130,7 @@ TEST_CASE("a run that fails on its way keeps its steps and its history", "[unit]
   const SweepRun broken = sweep.run(2, &history);
   CHECK(broken.failed);
   INFO(broken.status);
-  CHECK(broken.status.find("link 'A'") != std::string::npos);
+  CHECK(broken.status.find("joint 'A'") != std::string::npos);
   CHECK(broken.steps >= 4);
   CHECK(broken.columns.empty());
   CHECK(history.n_rows() == static_cast<std::size_t>(broken.steps) + 1);
@@ -148,7 +148,7 @@ TEST_CASE("other columns, no end and no rows are failures or gaps, not numbers",
   CHECK(columns.names() == std::vector<std::string>{"t", "bob.x", "bob.y", "bob.z"});
   CHECK(sweep_run(places, registry, columns).status == "ok");
   CHECK(sweep_run(scene(R"("until": 1, "record": ["bob.x"])"), registry, columns).failed);
-  check_words(sweep_run(scene(""), registry, columns).status, {"how long"});
+  check_words(sweep_run(scene(""), registry, columns).status, {"no end time", "add \"until\" to \"run\""});
   const SweepRun none = sweep_run(scene(R"("until": 1, "times": [2])"), registry, columns);
   CHECK_FALSE(none.failed);
   CHECK(sweep_row(1, {}, {}, columns, none).rfind("1,,,,,,,,,,,", 0) == 0);

@@ -83,7 +83,7 @@ TEST_CASE("a name is given once, whatever it names", "[unit][system]") {
   CHECK(says(refused([&] { system.add_marker("crank", b); }), {"marker 'crank'", "taken by a body"}));
   system.add<Revolute>("hinge", b, system.ground(), pose_at(Vec3::Zero()));
   CHECK(says(refused([&] { system.add_marker("hinge.P", b); }), {"marker 'hinge.P'", "taken by a marker"}));
-  CHECK(says(refused([&] { system.add_body("hinge", kMass); }), {"body 'hinge'", "taken by a link"}));
+  CHECK(says(refused([&] { system.add_body("hinge", kMass); }), {"body 'hinge'", "taken by a joint"}));
   CHECK(says(refused([&] { system.add_body("", kMass); }), {"without a name", "give it one"}));
   CHECK(system.bodies().size() == 2);  // nothing that was refused stayed
   CHECK(system.markers().size() == 2);
@@ -119,7 +119,7 @@ TEST_CASE("a body that was named anew is found by its name, and its old one is f
   CHECK(&system.body("crank") == &other);
 }
 
-TEST_CASE("rows of like links are stored once, those of others are their own", "[unit][system]") {
+TEST_CASE("rows of like joints are stored once, those of others are their own", "[unit][system]") {
   System system;
   Body &a = system.add_body("a", kMass), &b = system.add_body("b", kMass);
   Lock& first = system.add<Revolute>("first", a, system.ground(), pose_at(Vec3::Zero()));
@@ -139,7 +139,7 @@ TEST_CASE("names that are none are refused with the nearest", "[unit][system]") 
   Body& b = system.add_body("crank", kMass);
   system.add<Revolute>("hinge", b, system.ground(), pose_at(Vec3::Zero()));
   CHECK(says(message_of<ModelError>([&] { system.body("crnk"); }), {"unknown body \"crnk\"", "\"crank\""}));
-  CHECK(says(message_of<ModelError>([&] { system.link("hing"); }), {"unknown link \"hing\"", "\"hinge\""}));
+  CHECK(says(message_of<ModelError>([&] { system.link("hing"); }), {"unknown joint \"hing\"", "\"hinge\""}));
   CHECK(says(message_of<ModelError>([&] { system.marker("hinge.Q"); }), {"unknown marker", "hinge."}));
   CHECK(says(message_of<ModelError>([&] { system.force("wind"); }), {"unknown force \"wind\""}));
   CHECK(&system.body("crank") == &b);
@@ -263,7 +263,7 @@ TEST_CASE("links of one kind are gathered by one call", "[unit][system]") {
     const RowEntry& e = table.entries[table.entry_of_link[k]];
     CHECK(e.link == k);
     CHECK(table.block(e).C(0) == k);
-    CHECK(passes::row_name(system, table, e.first_row) == "row row of link 'l" + std::to_string(k) + "'");
+    CHECK(passes::row_name(system, table, e.first_row) == "constraint row of joint 'l" + std::to_string(k) + "'");
   }
 
   // the middle one of a group out of force: its row goes, and the group is gathered in two pieces
@@ -280,7 +280,7 @@ TEST_CASE("links of one kind are gathered by one call", "[unit][system]") {
   CHECK(Counting::n_calls == 0);
 }
 
-TEST_CASE("a link that starts out of force has no rows", "[unit][system]") {
+TEST_CASE("a joint that starts out of force has no rows", "[unit][system]") {
   System system;
   Body& a = system.add_body("a", kMass);
   system.add<Revolute>("hinge", a, system.ground(), pose_at(Vec3::Zero())).set_active_at_start(false);
@@ -325,7 +325,7 @@ TEST_CASE("a second gather asks for no memory", "[unit][system]") {
   CHECK(table.n_rows == 13);
 }
 
-TEST_CASE("markers and links of another system are refused by name", "[unit][system]") {
+TEST_CASE("markers and joints of another system are refused by name", "[unit][system]") {
   System other;
   Body& stranger = other.add_body("stranger", kMass);
   Marker& theirs = other.add_marker("theirs", stranger);
@@ -335,7 +335,7 @@ TEST_CASE("markers and links of another system are refused by name", "[unit][sys
     system.add_body("own", kMass);
     system.add<Spherical>("ball", theirs, system.add_marker("s", system.ground()));
     const std::string said = message_of<ModelError>([&] { system.setup(); });
-    CHECK(says(said, {"link 'ball'", "marker 'theirs'", "body 'stranger' of another System", "add_marker"}));
+    CHECK(says(said, {"joint 'ball'", "marker 'theirs'", "body 'stranger' of another System", "add_marker"}));
   }
   SECTION("in a force") {
     System system;
@@ -387,7 +387,7 @@ TEST_CASE("a row without a gradient at the start is named", "[unit][system]") {
   Dynamics dynamics(system, std::make_unique<DenseSolver>());
   State state = system.start();
   const std::string assembled = message_of<AssemblyError>([&] { assemble(dynamics, state); });
-  CHECK(says(assembled, {"row row of link 'flat' has no gradient at the start", "start them elsewhere"}));
+  CHECK(says(assembled, {"constraint row of joint 'flat' has no gradient at the start", "start its bodies elsewhere"}));
   StepLoop run(dynamics, std::make_unique<Dopri5>());
   CHECK(message_of<AssemblyError>([&] { run.run_until(1); }) == assembled);
 }

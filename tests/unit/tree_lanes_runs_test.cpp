@@ -191,7 +191,7 @@ TEST_CASE("what the caller's functions throw leaves a run of copies as it is, in
       CHECK_FALSE(r.finished);
       CHECK(r.t >= 0.2);
       CHECK(r.t < 0.8);
-      CHECK(r.error == "broken off");
+      CHECK(r.error == "stopped by the caller");
     }
   }
 }

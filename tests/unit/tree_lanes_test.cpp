@@ -252,7 +252,7 @@ TEST_CASE("trees by plain x86-64, FMA and AVX-512 agree", "[unit][copies]") {
       CHECK(off < 1e-12);
       ++compared;
     } catch (const ModelError& absent) {
-      check_words(absent.what(), {"this machine has no"});
+      check_words(absent.what(), {"this processor has no"});
     }
   CHECK(compared >= 1);
 }
@@ -260,7 +260,7 @@ TEST_CASE("trees by plain x86-64, FMA and AVX-512 agree", "[unit][copies]") {
 TEST_CASE("lanes have joint coordinates alone, but for bodies that lose digits there", "[unit][copies]") {
   const Family family(1, [](int k) { return chain(2, k); });
   for (const Formulation other : {Formulation::omega, Formulation::quaternion})
-    check_words(Copies::unsuited(*family.systems[0], other), {"lanes run in joint coordinates"});
+    check_words(Copies::unsuited(*family.systems[0], other), {"a batch needs joint coordinates"});
   System slender;
   Body& bar = slender.add_body("bar", MassProperties{1, Vec3::Zero(), Vec3(1e-9, 1, 1).asDiagonal()});
   slender.add<Spherical>("ball", slender.add_marker("p", bar, {Vec3(1, 0, 0), {}}),

@@ -71,9 +71,9 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 TEST_CASE("a robot in URDF moves as the same robot in C++", "[unit][scene]") {
   const ImportedRobot robot = read_urdf(kArms, "arms.urdf", false);
-  CHECK(robot.left_out == std::vector<std::string>{"limits of effort: of 'elbow'", "limits of velocity: of 'elbow'"});
+  CHECK(robot.left_out == std::vector<std::string>{"limits of effort: 'elbow'", "limits of velocity: 'elbow'"});
   Mechanism m = build_mechanism(scene_from_text(write_json(robot.scene), "arms.json"), builtin_registry());
-  const std::vector<std::string> channels{"shoulder.angle_z", "elbow.angle_z", "shoulder.force_on_p_world_z"};
+  const std::vector<std::string> channels{"shoulder.rz", "elbow.rz", "shoulder.force_on_p_world_z"};
   const std::vector<double> imported = last_of(system_of(m), channels);
 
   // By hand: each turn as a rotation matrix.
@@ -141,19 +141,19 @@ TEST_CASE("what is wrong with a robot in URDF is named", "[unit][scene]") {
   const auto said = [](const std::string& text) {
     return message_of<SceneError>([&] { read_urdf(text, "arms.urdf", false); });
   };
-  check_words(said("<robot name='a'><link name='b'></robot>"), {"arms.urdf:1", "no XML"});
+  check_words(said("<robot name='a'><link name='b'></robot>"), {"arms.urdf:1", "invalid XML"});
   check_words(said("<mujoco/>"), {"arms.urdf", "no <robot>", "xacro"});
   check_words(said("<robot name='a'/>"), {"no <link>"});
   check_words(said(replaced(kArms, "type=\"continuous\"", "type=\"ball\"")), {"shoulder", "ball", "continuous"});
   check_words(said(replaced(kArms, "<child link=\"lower\"/>", "<child link=\"lowr\"/>")), {"elbow", "lowr"});
   check_words(said(replaced(kArms, "<mass value=\"2\"/>", "<mass value=\"two\"/>")), {"upper", "mass", "two"});
   check_words(said(replaced(kArms, "<mass value=\"2\"/>", "<mass value=\"0\"/>")), {"upper", "no mass"});
-  check_words(said(replaced(kArms, "<parent link=\"world\"/>", "<parent link=\"load\"/>")), {"circle"});
+  check_words(said(replaced(kArms, "<parent link=\"world\"/>", "<parent link=\"load\"/>")), {"closed loop"});
   check_words(said(replaced(kArms, "<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 0 0\"/>")), {"shoulder", "axis"});
   check_words(said(replaced(kArms, "<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1\"/>")), {"shoulder", "axis", "3 numbers"});
   const std::string mesh = replaced(kArms, "<box size=\"1 0.1 0.1\"/>", "<mesh filename=\"upper.stl\"/>");
   const ImportedRobot robot = read_urdf(mesh, "arms.urdf", false);
-  CHECK(robot.left_out.back() == "meshes: of 'upper'");
+  CHECK(robot.left_out.back() == "meshes: 'upper'");
   const std::string twice = replaced(kArms, "name=\"grip\"", "name=\"wrist\"");
   check_words(said(twice), {"joint 'wrist'", "twice"});
   check_words(said(replaced(kArms, "izz=\"0.06\"", "izz=\"0.6\"")), {"lower", "inertia"});
@@ -181,15 +181,15 @@ TEST_CASE("a robot that is no tree, or has sizes that cannot be, is refused by n
   CHECK(robot("", "1", joint) == "no error");
   check_words(robot("", "-1", joint), {"r.urdf: link 'b': its mass is negative"});
   check_words(robot(picture("<cylinder radius='0' length='1'/>"), "1", joint),
-              {"link 'b', visual, radius: it is not above 0"});
-  check_words(robot(picture("<box size='1 0 1'/>"), "1", joint), {"link 'b', visual, size: an edge is not above 0"});
-  check_words(robot("", "1", ""), {"several links are the child of no joint: 'a' and 'b'"});
-  check_words(robot("", "1", joint + back), {"its joints go in a circle"});
+              {"link 'b', visual, radius: it must be above 0"});
+  check_words(robot(picture("<box size='1 0 1'/>"), "1", joint), {"link 'b', visual, size: all edges must be above 0"});
+  check_words(robot("", "1", ""), {"several root links, and URDF needs one: 'a' and 'b'"});
+  check_words(robot("", "1", joint + back), {"its joints form a closed loop"});
   check_words(robot("", "1", joint + "<joint name='two' type='fixed'><parent link='a'/><child link='b'/></joint>"),
               {"link 'b' is the child of two joints, 'j' and 'two'"});
   check_words(robot("", "1", "<joint name='j' type='fixed'><child link='b'/></joint>"),
               {"joint 'j': it has no <parent>"});
-  check_words(robot(picture("<box size='1 1 1 1'/>"), "1", joint), {"size: \"1 1 1 1\" has more than 3 numbers"});
+  check_words(robot(picture("<box size='1 1 1 1'/>"), "1", joint), {"size: \"1 1 1 1\" is more than 3 numbers"});
   check_words(robot("<inertial><mass value='2'/></inertial>", "1", joint),
               {"link 'b': it has a mass and no <inertia>", "give it one"});
 }
@@ -213,7 +213,7 @@ TEST_CASE("what links of a robot look like goes with their bodies", "[unit][scen
     return name.ends_with(".stl") ? "cube_text.stl" : "";
   });
   CHECK(asked == std::vector<std::string>{"package://arms/load.stl", "other.dae"});
-  CHECK(robot.left_out.back() == "meshes: of 'load'");
+  CHECK(robot.left_out.back() == "meshes: 'load'");
   const std::string folder = std::string(paths::kSource) + "/tests/fuzz/corpus/mesh/";
   Mechanism m = build_mechanism(scene_from_text(write_json(robot.scene), folder + "arms.json"), builtin_registry());
   REQUIRE(m.solids.size() == 4);
@@ -264,9 +264,9 @@ TEST_CASE("the mesh files of a robot are found beside it and in its package", "[
 
 TEST_CASE("limits of a robot that its zero breaks are left out by name", "[unit][scene]") {
   const ImportedRobot robot = read_urdf(replaced(kArms, "upper=\"1.5\"", "upper=\"-0.5\""), "arms.urdf", false);
-  CHECK(robot.left_out.front() == "limits of effort: of 'elbow'");
+  CHECK(robot.left_out.front() == "limits of effort: 'elbow'");
   CHECK(std::count(robot.left_out.begin(), robot.left_out.end(),
-                   "limits outside of which the joint's zero lies: of 'elbow'") == 1);
+                   "limits that exclude the joint's zero: 'elbow'") == 1);
   CHECK(write_json_line(robot.scene).find("stops") == std::string::npos);
 }
 
@@ -285,7 +285,7 @@ TEST_CASE("sliders, planes and free links of a robot, and names that a scene can
                                <joint name="c" type="planar"><parent link="base"/><child link="c"/><axis xyz="0 0 1"/></joint></robot>)";
   const ImportedRobot imported = read_urdf(robot, "r.urdf", false);
   CHECK(imported.left_out ==
-        std::vector<std::string>{"names, which are others here: of 'a.b (a_b)', 'ground (ground_2)', 'c (c_2)'"});
+        std::vector<std::string>{"names that changed: 'a.b (a_b)', 'ground (ground_2)', 'c (c_2)'"});
   Mechanism m = build_mechanism(scene_from_text(write_json(imported.scene), "r.json"), builtin_registry());
   Simulation run(system_of(m), {.integrator = "dop853", .tolerance = 1e-12, .output = 0.25});
   const Table& table = run.record({"a_b.y", "a_b.z", "ground_2.z", "c.z"});

@@ -151,8 +151,8 @@ struct Told {
   const char *where, *kind, *name, *words;  // `words`: how the sentence names it
 };
 const Told kTold[] = {
-    {"law", "link", "hinge", "link 'hinge' (revolute): the law of drive rz"},
-    {"link", "link", "rail", "link 'rail' (own_link)"},
+    {"law", "joint", "hinge", "joint 'hinge' (revolute): the law of drive rz"},
+    {"link", "joint", "rail", "joint 'rail' (own_link)"},
     {"force", "force", "pull", "force 'pull' (function_force)"},
     {"integrated state", "integrated state", "controller", "integrated state 'controller'"},
     {"integrator", "integrator", "euler", "integrator 'euler'"},

@@ -125,7 +125,7 @@ State end_of_loop(bool by_force, long call, long& n, int& errors) {
   for (std::string said; said != "no error";) {
     said = message_of<UserCodeError>([&] { run.run_until(0.2); });
     if (said == "no error") break;
-    check_words(said, {by_force ? "force 'pull'" : "link 'reach'", "int"});
+    check_words(said, {by_force ? "force 'pull'" : "joint 'reach'", "int"});
     REQUIRE(++errors < 3);
   }
   n = fuse.n;

@@ -73,7 +73,7 @@ TEST_CASE("values that cannot stand at their place are refused", "[unit][scene]"
   check_words(read.refusal("bodies.bob.particle=1:5"), {"expected a:b:n"});
   check_words(read.refusal("bodies.bob.particle=1:5:2:3"), {"expected a:b:n"});
   for (const char* n : {"1", "0", "-3", "2.5", "x", "1000001"})
-    check_words(read.refusal(std::string("bodies.bob.particle=1:5:") + n), {"a whole one from 2 to 1000000"});
+    check_words(read.refusal(std::string("bodies.bob.particle=1:5:") + n), {"an integer from 2 to 1000000"});
   check_words(read.refusal("bodies.bob.particle=1:500 g:3"), {"has a unit, the other has none"});
   check_words(read.refusal("links.A.drive.law.amplitude=10 mm,30 deg"), {"a length and an angle", "mixed"});
   check_words(read.refusal("run.integrator=dopri"), {"did you mean \"dopri5\"?"});

@@ -41,7 +41,7 @@ TEST_CASE("every key, form and unit of a scene is described", "[unit][scene]") {
     const std::string text = describe_word(registry, word);
     CHECK((text.starts_with(word + ": ") || (text.empty() && !find_descriptions(registry, word).empty())));
   }
-  CHECK(describe_word(registry, "stops").find("of link: ends of the travel") != std::string::npos);
+  CHECK(describe_word(registry, "stops").find("of link: limits of the free coordinates") != std::string::npos);
   CHECK(describe_word(registry, "stiffness").find("in N/m") != std::string::npos);
   CHECK(describe_word(registry, "stifness").empty());
 }

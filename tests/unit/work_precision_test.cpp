@@ -116,7 +116,7 @@ TEST_CASE("finer settings err less and cost more evaluations", "[unit][work_prec
   CHECK(costs_at_error(result, 1e-30).empty());
 }
 
-TEST_CASE("the load of the links is the reaction of the hinge", "[unit][work_precision]") {
+TEST_CASE("the load of the joints is the reaction of the hinge", "[unit][work_precision]") {
   WorkPrecisionOptions options = quick_options();
   options.integrators = {choice<Dopri5>("dopri5")};
   const WorkPrecision result = work_precision({.make = swinging, .length = 1.0, .outputs = 200}, options);
@@ -342,7 +342,7 @@ TEST_CASE("a reference that cannot be made is an error", "[unit][work_precision]
   options.references = {{"frozen", [] { return std::make_unique<Frozen>(1e9, true); }}};
   testing::check_words(
       testing::message_of<StepError>([&] { work_precision({.make = falling, .length = 1.0}, options); }),
-      {"no reference can be made", "--budget"});
+      {"no reference solution could be computed", "--budget"});
   testing::check_words(
       testing::message_of<ModelError>([&] { work_precision({.make = falling, .length = 0.0}, options); }),
       {"a chart of 0 s", "a length > 0"});

@@ -25,7 +25,7 @@ using namespace lockstep;
 using loops::joint_dynamics, loops::row_of_four_bars;
 using testing::largest;
 
-TEST_CASE("a loop that its closing link drives moves in joint coordinates as in omega, also by Baumgarte's terms",
+TEST_CASE("a loop that its closing joint drives moves in joint coordinates as in omega, also by Baumgarte's terms",
           "[verification][joint]") {
   const auto run = [](Formulation formulation, Stabilization::Kind kind, Plane plane, double& work, double& drift) {
     System s({.gravity = Vec3(0, -9.81, 0)});

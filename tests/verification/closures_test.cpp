@@ -255,7 +255,7 @@ TEST_CASE("redundant rows that differ off the constraints are left so, contradic
   State shut = s.start();
   two.to_formulation(shut);
   REQUIRE(shut.coordinates);
-  testing::check_words(testing::message_of<SolveError>([&] { two.rates(shut, rate); }), {"cannot hold together"});
+  testing::check_words(testing::message_of<SolveError>([&] { two.rates(shut, rate); }), {"contradicts the others"});
 }
 
 TEST_CASE("auto takes loops along joints where counts say that it costs less", "[verification][joint]") {
@@ -273,8 +273,8 @@ TEST_CASE("auto takes loops along joints where counts say that it costs less", "
   const std::string delta = std::string(paths::kSource) + "/samples/scenes/overconstrained/delta.json";
   CHECK(why(scene_path("four_bar"), false).empty());
   CHECK(why(scene_path("nfourbar_40"), false).empty());
-  testing::check_words(why(scene_path("stewart"), false), {"operations along joints", "in omega"});
-  testing::check_words(why(delta, false), {"operations along joints", "in omega"});
+  testing::check_words(why(scene_path("stewart"), false), {"joint coordinates need ", " operations, omega "});
+  testing::check_words(why(delta, false), {"joint coordinates need ", " operations, omega "});
   testing::check_words(why(scene_path("four_bar"), true), {"reader", "read accelerations or reactions"});
 }
 

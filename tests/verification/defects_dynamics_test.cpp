@@ -157,7 +157,7 @@ TEST_CASE("a host is told of an integrator of its own that leaves the constraint
   CHECK(off.largest_violation == Approx(1).epsilon(1e-12));
   REQUIRE(off.findings.size() == 1);  // once, though it stays there for four steps more
   CHECK(
-      off.findings[0].text().starts_with("sidestep: the constraints are violated by 1 m after the step to t = 0.6 s "));
+      off.findings[0].text().starts_with("sidestep: the constraint violation is 1 m after the step to t = 0.6 s "));
   CHECK(contains(off.findings[0].text(),
                  "(limit 0.0005 m)"));  // a thousandth of the mechanism's length, the arm of 0.5 m
   CHECK(sidesteps(1, {.violation = 2}).findings.empty());
@@ -365,7 +365,7 @@ TEST_CASE("no_gradient: check ends as run does", "[verification][defects]") {
     "links": [{"name": "wire", "type": "function", "p": "bead", "s": "ground", "at_s": [0, 0, 0],
                "phi": "=(x/a)^2 + (y/b)^2 - 1", "mask": "z"}],
     "run": {"until": 1, "output": 0.1, "record": ["bead.x"]})");
-  const std::string word = "row phi of link 'wire' has no gradient at the start";
+  const std::string word = "constraint phi of joint 'wire' has no gradient at the start";
   for (const char* verb : {"run", "check", "check --json"}) {
     INFO(verb);
     const Called r = call(std::string(verb) + " " + file);
@@ -426,7 +426,7 @@ TEST_CASE("copies that left the lanes say which tolerance they did not reach", "
 
 // A rod that turns about one end at 1.5 rad/s is caught by the other: its angular momentum about that end stays,
 // (1/12 - 1/4) m L^2 w = 1/3 m L^2 w'.
-TEST_CASE("changes of links within a rounding of one another are one change", "[verification][defects]") {
+TEST_CASE("changes of joints within a rounding of one another are one change", "[verification][defects]") {
   const std::string text = R"("bodies": [{"name": "rod", "rod": {"mass": 3, "from": [0, 0, 0], "to": [0.8, 0, 0],
       "axial_inertia": 0.0001}, "omega_world": [0, 0, 1.5], "velocity": [0, 0.6, 0]}],
     "links": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0]},

@@ -45,9 +45,9 @@ TEST_CASE("a speed law is integrated: angle, speed and torque in closed form", "
   Body& wheel = sys.add_body("wheel", flywheel());
   auto& hinge = sys.add<Revolute>("hinge", wheel, sys.ground(), pose_at({0, 0, 0}));
   hinge.drive_speed(Axis::rz, laws::law([](auto t) { return 3.0 + 2.0 * sin(4.0 * t); }));
-  const Table t = run(sys, {"hinge.angle_z", "hinge.angle_z_d", "hinge.drive.torque_on_p_link_z", "hinge.drive.work"});
-  CHECK(worst(t, "hinge.angle_z", [](double s) { return 3.0 * s + 0.5 * (1 - std::cos(4 * s)); }) < 1e-9);
-  CHECK(worst(t, "hinge.angle_z_d", [](double s) { return 3.0 + 2.0 * std::sin(4 * s); }) < 1e-9);
+  const Table t = run(sys, {"hinge.rz", "hinge.rz_d", "hinge.drive.torque_on_p_link_z", "hinge.drive.work"});
+  CHECK(worst(t, "hinge.rz", [](double s) { return 3.0 * s + 0.5 * (1 - std::cos(4 * s)); }) < 1e-9);
+  CHECK(worst(t, "hinge.rz_d", [](double s) { return 3.0 + 2.0 * std::sin(4 * s); }) < 1e-9);
   CHECK(worst(t, "hinge.drive.torque_on_p_link_z", [](double s) { return 0.3 * 8.0 * std::cos(4 * s); }) < 1e-8);
   // work of the drive = change of kinetic energy
   CHECK(worst(t, "hinge.drive.work", [](double s) {
@@ -62,8 +62,8 @@ TEST_CASE("a driven speed begins where the mechanism is", "[verification][drives
   Marker& P = sys.add_marker("P", wheel);
   Marker& S = sys.add_marker("S", sys.ground());
   sys.add<Revolute>("hinge", P, S).drive_speed(Axis::rz, laws::ramp(1.0));
-  const Table t = run(sys, {"hinge.angle_z"});
-  CHECK(worst(t, "hinge.angle_z", [](double s) { return 0.7 + 0.5 * s * s; }) < 1e-9);
+  const Table t = run(sys, {"hinge.rz"});
+  CHECK(worst(t, "hinge.rz", [](double s) { return 0.7 + 0.5 * s * s; }) < 1e-9);
 }
 
 TEST_CASE("a linear actuator on a prismatic joint holds m (a + g)", "[verification][drives]") {
@@ -114,16 +114,16 @@ TEST_CASE("torque and force motors push without holding", "[verification][drives
   sys.add<TorqueMotor>("motor", sys.marker("hinge.P"), sys.marker("hinge.S"), {.torque = laws::constant(0.6)});
   sys.add<ForceMotor>("push", sys.marker("guide.P"), sys.marker("guide.S"),
                       {.force = laws::sine({.amplitude = 4, .omega = 2})});
-  const Table t = run(sys, {"hinge.angle_z", "guide.z", "energy.balance", "energy.supplied"});
+  const Table t = run(sys, {"hinge.rz", "guide.z", "energy.balance", "energy.supplied"});
   CHECK(hinge.row_count() == 5);
   CHECK(guide.row_count() == 5);
-  CHECK(worst(t, "hinge.angle_z", [](double s) { return 0.5 * (0.6 / 0.3) * s * s; }) < 1e-9);
+  CHECK(worst(t, "hinge.rz", [](double s) { return 0.5 * (0.6 / 0.3) * s * s; }) < 1e-9);
   CHECK(worst(t, "guide.z", [](double s) { return 2.0 * (s / 2 - std::sin(2 * s) / 4); }) < 1e-9);
   CHECK(worst(t, "energy.balance", [](double) { return 0.0; }) < 1e-8);
   CHECK(t.last("energy.supplied") > 1.0);
 }
 
-TEST_CASE("a start may ask for the speed of a link's free coordinate", "[verification][drives]") {
+TEST_CASE("a start may ask for the speed of a joint's free coordinate", "[verification][drives]") {
   System sys;
   Body& crank = sys.add_body("crank", shapes::rod(1.0, {0, 0, 0}, {0, 0.2, 0}));
   Body& bar = sys.add_body("bar", shapes::rod(1.0, {0, 0.2, 0}, {0.5, 0.2, 0}));
@@ -142,10 +142,10 @@ TEST_CASE("a start may ask for the speed of a link's free coordinate", "[verific
   testing::check_words(testing::message_of<AssemblyError>([&] {
                          assemble(dynamics, start, {{"A", Axis::rz, 3.0}, {"D", Axis::rz, 2.0}});
                        }),
-                       {"A.rz", "D.rz", "cannot be met together"});
+                       {"A.rz", "D.rz", "are incompatible"});
 }
 
-TEST_CASE("a start velocity that no motion has is refused, whether the links hold it or nearly so",
+TEST_CASE("a start velocity that no motion has is refused, whether the joints hold it or nearly so",
           "[verification][drives]") {
   const double tilt = GENERATE(0.001, 0.3);  // of a slide out of the plane of a trammel
   System sys;
@@ -162,7 +162,7 @@ TEST_CASE("a start velocity that no motion has is refused, whether the links hol
   testing::check_words(testing::message_of<AssemblyError>([&] {
                          assemble(dynamics, start, {{"P1", Axis::z, 0.3}});
                        }),
-                       {"start velocity: P1.z cannot be met; the mechanism does not move that way"});
+                       {"start velocity: P1.z is impossible: the joints do not allow this motion"});
 }
 
 TEST_CASE("a speed drive that comes into force begins where the mechanism is", "[verification][drives]") {
@@ -178,7 +178,7 @@ TEST_CASE("a speed drive that comes into force begins where the mechanism is", "
   auto& motor = sys.add<Revolute>("motor", P, S);
   motor.drive_speed(Axis::rz, laws::ramp(1.0, 0.5, 2.0));  // 2 rad/s at t = 0.5 s, then 1 rad/s^2
   motor.set_active_at_start(false);
-  Recorder recorder(sys, {"bearing.angle_z"});
+  Recorder recorder(sys, {"bearing.rz"});
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   StepLoop run(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}, .output = 0.1});
   run.add_observer(recorder);
@@ -187,7 +187,7 @@ TEST_CASE("a speed drive that comes into force begins where the mechanism is", "
   run.run_until(2.0);
   // 2 t, then 1 + 2 u + u^2/2 for u = t - 0.5, then at 3 rad/s
   const Table& t = recorder.table();
-  CHECK(worst(t, "bearing.angle_z", [](double s) {
+  CHECK(worst(t, "bearing.rz", [](double s) {
           if (s <= 0.5) return 2 * s;
           const double u = std::min(s, 1.5) - 0.5;
           return 1 + 2 * u + 0.5 * u * u + 3 * std::max(0.0, s - 1.5);

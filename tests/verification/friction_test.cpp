@@ -145,9 +145,9 @@ TEST_CASE("an unbalanced wheel is braked by the load of its own turning", "[veri
   Wheel wheel(o, W, d, Vec3::Zero());
   if (formulation == Formulation::omega) {
     const Run run1 =
-        run(wheel.system, "dop853", {}, 0, 1e-12, 2.0, {"bearing.omega_z", "bearing.angle_z", "energy.balance"}, 0.1);
+        run(wheel.system, "dop853", {}, 0, 1e-12, 2.0, {"bearing.omega_z", "bearing.rz", "energy.balance"}, 0.1);
     CHECK(worst(run1.table, "bearing.omega_z", [&](double t) { return W / (1 + c * W * t); }) < 1e-9);
-    CHECK(worst(run1.table, "bearing.angle_z", [&](double t) { return std::log(1 + c * W * t) / c; }) < 1e-9);
+    CHECK(worst(run1.table, "bearing.rz", [&](double t) { return std::log(1 + c * W * t) / c; }) < 1e-9);
     CHECK(largest(run1.table, "energy.balance") < 1e-9);
   } else {
     Dynamics dynamics(wheel.system, std::make_unique<SparseSolver>(), {formulation, {}});
@@ -207,7 +207,7 @@ TEST_CASE("friction that jams is an error that names force and link", "[verifica
     Dynamics dynamics(block.system, std::make_unique<SchurSolver>());
     dynamics.evaluate(block.system.start());
   });
-  testing::check_words(message, {"guide.friction", "joint_friction", "link 'guide'", "reduce the coefficient"});
+  testing::check_words(message, {"guide.friction", "joint_friction", "joint 'guide'", "reduce the coefficient"});
 }
 
 namespace {
@@ -247,12 +247,12 @@ std::string refusal_of(const std::function<double(double)>& law) {
 TEST_CASE("a force on its own reactions that does not settle is told by its cause", "[verification][friction]") {
   // N = m g - F(N): it settles for slopes below one, and Anderson's line meets a straight one of any slope at once.
   testing::check_words(refusal_of([](double normal) { return normal > 10 ? 15.0 : -15.0; }),
-                       {"force 'answer'", "link 'guide'", "after 50 solutions 100 % of it still changes",
+                       {"force 'answer'", "joint 'guide'", "100 % still changes after 50 solutions",
                         "jumps as a function of them", "over a range of reactions"});
   double calls = 0;
   testing::check_words(
       refusal_of([&](double) { return ++calls; }),
-      {"force 'answer'", "another force each time", "function of its inputs and of the reactions alone"});
+      {"force 'answer'", "gives different forces at the same reactions", "depend on its inputs and on the reactions alone"});
   JointFriction::Options o;
   o.mu = 0.8, o.bending_length = 0.2;
   Block block(o, 1.0, 0.3);  // mu h/b = 1.2: each change comes back 1.2 times as large
@@ -260,7 +260,7 @@ TEST_CASE("a force on its own reactions that does not settle is told by its caus
                          Dynamics dynamics(block.system, std::make_unique<SchurSolver>());
                          dynamics.evaluate(block.system.start());
                        }),
-                       {"1.2 times as much", "jams its joint", "reduce the coefficient"});
+                       {"multiplies a change by 1.2", "jams its joint", "reduce the coefficient"});
 }
 
 // How two aligned hinges share their load is the choice of each solver; the rounding of it must not keep the friction from
@@ -336,7 +336,7 @@ TEST_CASE("in a plane friction is the same, and what a plane leaves out is refus
                        {"guide.friction", "planar", "moments"});
 }
 
-TEST_CASE("a fixed link that a force reads is not merged into a body", "[verification][friction]") {
+TEST_CASE("a fixed joint that a force reads is not merged into a body", "[verification][friction]") {
   System system({{0, 0, -kG}});
   Body& foot = system.add_body("foot", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()});
   Body& load = system.add_body("load", MassProperties{3.0, Vec3::Zero(), Mat3::Identity()});
@@ -354,7 +354,7 @@ TEST_CASE("a fixed link that a force reads is not merged into a body", "[verific
   CHECK(weight.value(Sample(dynamics, start, {})) == Approx(3 * kG).epsilon(1e-12));
 }
 
-TEST_CASE("friction: links and parameters that cannot be are named", "[verification][friction]") {
+TEST_CASE("friction: joints and parameters that cannot be are named", "[verification][friction]") {
   JointFriction::Options o;
   o.mu = 0.3;
   System system;

@@ -390,7 +390,7 @@ TEST_CASE("a lock of one turn and nothing else closes a loop, its body is free",
   }
 }
 
-TEST_CASE("slots without a link move freely", "[verification][joint]") {
+TEST_CASE("slots without a joint move freely", "[verification][joint]") {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     System system({.gravity = {0, 0, -9.81}});
     system.add_body("free", MassProperties{1.0, {0.1, 0, 0}, Vec3(1, 2, 2.5).asDiagonal()});

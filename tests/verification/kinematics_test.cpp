@@ -154,7 +154,7 @@ TEST_CASE("kinematics: what is locked is not named as what moves, in any order o
     CHECK(report.freedoms == 1);
     CHECK(report.to_drive == std::vector<std::string>{"J4.rz"});
     REQUIRE(report.free.size() == 1);
-    CHECK(report.free.front().starts_with("'pend' turns about "));
+    CHECK(report.free.front().starts_with("'pend' rotates about "));
     CHECK(report.free.front().find("follow") == std::string::npos);
   }
   SECTION("a rod that a distance holds, and a slider") {
@@ -201,7 +201,7 @@ TEST_CASE("kinematics: where the mechanism does not reach, the time and the row 
   CHECK_NOTHROW(motion.to(limit - 1e-3));
   const std::string words = testing::message_of<AssemblyError>([&] { motion.to(limit + 0.1); });
   CHECK(words.find("kinematics stopped at t = 1.7") != std::string::npos);
-  CHECK(words.find("worst: row") != std::string::npos);
+  CHECK(words.find("worst: constraint") != std::string::npos);
   CHECK(motion.state().t <= limit);
 }
 
@@ -262,7 +262,7 @@ TEST_CASE("explain: all that acts on each body sums to m a and the rate of its a
   }
 }
 
-TEST_CASE("explain: a link with its rows, its law, and why it is redundant", "[verification][explain]") {
+TEST_CASE("explain: a joint with its rows, its law, and why it is redundant", "[verification][explain]") {
   Driven d("four_bar", [](Scene& scene) { scene = in_space(scene); });
   const double t = 0.1;
   DrivenMotion motion(d.dynamics, d.start);
@@ -306,7 +306,7 @@ TEST_CASE("branches: a driven four-bar has two, and they are where circles meet"
   CHECK(std::ranges::find_if(folded.branches, loose)->found > 10);
   Driven free("double_pendulum");
   testing::check_words(testing::message_of<ModelError>([&] { find_branches(free.dynamics, free.start); }),
-                       {"every coordinate is held or driven"});
+                       {"a fully driven mechanism"});
 }
 
 }  // namespace kinematics_test

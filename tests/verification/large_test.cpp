@@ -130,7 +130,7 @@ Stepped stepped(const std::string& kind, int n, const std::function<void(StepLoo
 
 }  // namespace
 
-TEST_CASE("a mechanism of many bodies takes few bytes a body, with its names, links and dopri5", "[large]") {
+TEST_CASE("a mechanism of many bodies takes few bytes a body, with its names, joints and dopri5", "[large]") {
   if (!allocations_are_counted()) return;  // a sanitizer owns the heap
   const auto [kind, most] = GENERATE(
       table<std::string, double>({{"chain", 3280}, {"tree", 3280}, {"ladder", 5060}, {"ladder in space", 7610}}));

@@ -87,7 +87,7 @@ TEST_CASE("linear equations: eigenvalues of A are those of the modes", "[verific
 TEST_CASE("linear equations: the response to a push and to a drive is that of a small motion",
           "[verification][linear]") {
   const std::vector<std::string> names = {
-      "two.x", "end.vx", "B.angle_z", "two.ax", "A.force_on_p_world_x", "two.omega_world_z"};
+      "two.x", "end.vx", "B.rz", "two.ax", "A.force_on_p_world_x", "two.omega_world_z"};
   const double until = 1.3;
   for (const By by : {By::push, By::drive, By::speed}) {
     const auto input = std::make_shared<InputLaw>();
@@ -144,7 +144,7 @@ TEST_CASE("linear equations refuse inputs without effect and outputs that are in
   CHECK(says(message_of<ModelError>([&] { linearize(dynamics, rods.sys.start(), {}, works); }), {"integrated state"}));
   const LinearInput nowhere{"A.rz", "rad", std::make_shared<InputLaw>()};
   CHECK(says(message_of<ModelError>([&] { linearize(dynamics, rods.sys.start(), {nowhere}, {}); }),
-             {"'A.rz' acts on nothing"}));
+             {"'A.rz' has no effect"}));
 }
 
 TEST_CASE("matrices: M a + J^T lambda = f and J a = c, with names", "[verification][linear]") {

@@ -98,7 +98,7 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("the equations of a link are the derivatives of its rows along motions of its bodies",
+TEST_CASE("the equations of a joint are the derivatives of its rows along motions of its bodies",
           "[verification][explain]") {
   Bench bench;
   Dynamics dynamics(bench.system, std::make_unique<SchurSolver>());
@@ -137,7 +137,7 @@ TEST_CASE("the equations of a link are the derivatives of its rows along motions
   }
 }
 
-TEST_CASE("the equations of a link have names: rows of drives and of the function, and the bodies of their columns",
+TEST_CASE("the equations of a joint have names: rows of drives and of the function, and the bodies of their columns",
           "[verification][explain]") {
   Bench bench;
   Dynamics dynamics(bench.system, std::make_unique<SchurSolver>());
@@ -150,7 +150,7 @@ TEST_CASE("the equations of a link have names: rows of drives and of the functio
   CHECK(names("rod").C.size() == 1);  // which is not in force
 }
 
-TEST_CASE("a link that was merged has no equations, which is said with the next move", "[verification][explain]") {
+TEST_CASE("a joint that was merged has no equations, which is said with the next move", "[verification][explain]") {
   System system;
   Body& one = system.add_body("one", MassProperties{2, Vec3::Zero(), Mat3::Identity()});
   Body& two = system.add_body("two", MassProperties{3, Vec3::Zero(), Mat3::Identity()});
@@ -161,7 +161,7 @@ TEST_CASE("a link that was merged has no equations, which is said with the next 
   const State start = system.start();
   REQUIRE(system.merged(system.link("weld")));
   const std::string said = testing::message_of<ModelError>([&] { equations_of(dynamics, start, system.link("weld")); });
-  CHECK(said.find("link 'weld' was merged") != std::string::npos);
+  CHECK(said.find("joint 'weld' is merged") != std::string::npos);
   CHECK(said.find("\"merge\"") != std::string::npos);
   CHECK(equations_of(dynamics, start, system.link("hinge")).slots == std::vector<std::string>{"one + two"});
 }

@@ -109,7 +109,7 @@ TEST_CASE("the rows of a mask that has none are refused", "[verification][lock]"
   TwoBodies two(oracle::random_configuration(3), 0);
   two.lock(oracle::random_configuration(3), Mask::none, 0);
   testing::check_words(testing::message_of<ModelError>([&] { two.system.setup(); }),
-                       {"link", "a link has 1 to", "give it a mask"});
+                       {"joint", "a joint has 1 to", "give it a mask"});
 }
 
 TEST_CASE("drives add the rows of their axes with the laws as p and q_D", "[verification][lock]") {

@@ -171,15 +171,15 @@ TEST_CASE("who does not say that it stays in the plane is named with the line to
   CHECK(held([](System&, Fixed&) {}) == "planar");
   check_words(
       held([](System&, Fixed& link) { link.move(std::make_shared<Mute>()); }),
-      {"link 'held': its law does not say", "\"bool stays_in_plane(const lockstep::Vec3& normal) const override\""});
+      {"joint 'held': its law does not declare", "\"bool stays_in_plane(const lockstep::Vec3& normal) const override\""});
   check_words(held([](System&, Fixed& link) { link.turn(std::make_shared<Still>()); }),
-              {"link 'held': its law does not say", "\"bool turns_about(const lockstep::Vec3& axis) const override\""});
+              {"joint 'held': its law does not declare", "\"bool turns_about(const lockstep::Vec3& axis) const override\""});
   check_words(held([](System& system, Fixed&) { system.marker("held.P").rotation_law = std::make_shared<Still>(); }),
-              {"link 'held': its law does not say", "turns_about"});
+              {"joint 'held': its law does not declare", "turns_about"});
   check_words(answer([&](System& system, Body& rod) {
                 system.add(function_force("own", {&system.add_marker("tip", rod)}, force));
               }),
-              {"force 'own': 'function_force' does not say", "\"bool stays_in_plane(lockstep::Plane) const override"});
+              {"force 'own': 'function_force' does not declare", "\"bool stays_in_plane(lockstep::Plane) const override"});
 }
 
 }  // namespace planar_scenes_test

@@ -200,7 +200,7 @@ TEST_CASE("statics: the nearest equilibrium of a four-bar may be unstable, which
   CHECK(s.kind == Kind::unstable);
   REQUIRE(s.unstable.size() == 1);
   CHECK(s.unstable.front().stiffness == Approx(exact_square("four_bar_unstable")).epsilon(1e-9));
-  CHECK(s.unstable.front().words.find("'crank' turns about ") != std::string::npos);
+  CHECK(s.unstable.front().words.find("'crank' rotates about ") != std::string::npos);
 }
 
 TEST_CASE("statics: a four-bar on springs has its two equilibria on each of its branches", "[verification][statics]") {
@@ -238,9 +238,9 @@ TEST_CASE("statics: a standing pendulum is left for the hanging one, unless the 
     if (nearest) {
       REQUIRE(found.report.stability.unstable.size() == 1);
       CHECK(found.report.stability.unstable.front().stiffness == Approx(-square).epsilon(1e-11));
-      CHECK(found.report.stability.unstable.front().words == "'bob' turns about z");
+      CHECK(found.report.stability.unstable.front().words == "'bob' rotates about z");
     } else {
-      CHECK(found.report.left == std::vector<std::string>{"'bob' turns about z"});
+      CHECK(found.report.left == std::vector<std::string>{"'bob' rotates about z"});
       CHECK(found.report.stability.softest == Approx(square).epsilon(1e-11));
     }
     CHECK((found.reaction(sys.link("pivot")).force - Vec3(0, 2 * 9.81, 0)).norm() <= 1e-9);
@@ -352,7 +352,7 @@ TEST_CASE("statics: what nothing holds is named", "[verification][statics]") {
   const AtRest found(turns);
   CHECK(found.report.stability.kind == Kind::neutral);
   REQUIRE(found.report.stability.neutral.size() == 1);
-  CHECK(found.report.stability.neutral.front().words == "'wheel' turns about z");
+  CHECK(found.report.stability.neutral.front().words == "'wheel' rotates about z");
 }
 
 TEST_CASE("statics: an arm rests on its stop, or free of it", "[verification][statics]") {
@@ -407,10 +407,10 @@ TEST_CASE("statics: a light part on a stiff spring hides no unstable motion of a
     if (nearest) {
       REQUIRE(s.unstable.size() == 1);
       CHECK(s.unstable.front().stiffness == Approx(-square).epsilon(1e-9));
-      CHECK(s.unstable.front().words == "'rod' turns about z");
+      CHECK(s.unstable.front().words == "'rod' rotates about z");
     } else {
       CHECK(s.softest == Approx(square).epsilon(1e-9));
-      CHECK(found.report.left == std::vector<std::string>{"'rod' turns about z"});
+      CHECK(found.report.left == std::vector<std::string>{"'rod' rotates about z"});
       CHECK(rotation(body_pose(m.system.body("rod"), found.state).q)(1, 1) == Approx(-1).epsilon(1e-9));
     }
   }
@@ -435,7 +435,7 @@ TEST_CASE("statics: a wheel that nothing holds makes no two equilibria of anothe
   for (const Equilibrium& e : found.all) {
     x.push_back(body_pose(m.system.body("bob"), e.state).x[0]);
     REQUIRE(e.report.stability.neutral.size() == 1);
-    CHECK(e.report.stability.neutral.front().words == "'wheel' turns about z");
+    CHECK(e.report.stability.neutral.front().words == "'wheel' rotates about z");
   }
   CHECK(std::abs(x[0] * x[1] + 0.36) <= 1e-9);
   CHECK(std::abs(x[0] + x[1]) <= 1e-9);
@@ -455,7 +455,7 @@ TEST_CASE("statics: a note names a marker that a law moves under a damper", "[ve
   Mechanism m = build_mechanism(scene_from_text(text, "marker.json"), builtin_registry());
   const AtRest found(system_of(m));
   CHECK(texts_of(found.report.notes) ==
-        std::vector<std::string>{"marker 'M' moves by a law: dampers on it act as they do at that instant"});
+        std::vector<std::string>{"marker 'M' moves by a law: dampers on it act by its velocity at that time"});
   CHECK(body_pose(m.system.body("b"), found.state).x[0] == Approx(1.1 + 10.0 / 123).epsilon(1e-10));
 }
 

@@ -338,7 +338,7 @@ TEST_CASE("who takes no mechanism that laws alone move runs it in omega", "[veri
   loop.run_until(0.2);
   CHECK(loop.state().coordinates == nullptr);
   CHECK(loop.report().steps > 3);
-  check_words(message_of<ModelError>([&] { refused.run_until(0.2); }), {"of_others", "that laws alone move"});
+  check_words(message_of<ModelError>([&] { refused.run_until(0.2); }), {"of_others", "moved by laws alone"});
 
   // A door that both of its hinges drive: nothing is free, and one of them closes a loop.
   System door({.gravity = Vec3(0, 0, -9.81)});
@@ -347,7 +347,7 @@ TEST_CASE("who takes no mechanism that laws alone move runs it in omega", "[veri
     door.add<Revolute>(name, leaf, door.ground(), pose_at(Vec3(0, 0, name[0] == 'h')))
         .drive(Axis::rz, laws::sine({.amplitude = 0.5, .omega = 2}));
   Dynamics doubled = dynamics_of(door);
-  check_words(doubled.why_not_joint(door.start().modes), {"no coordinate is free, but link '", "' has rows"});
+  check_words(doubled.why_not_joint(door.start().modes), {"no coordinate is free, but joint '", "' has constraints"});
 }
 
 namespace {

@@ -37,14 +37,14 @@ lockstep_abi_record record_of(const std::string& path, PluginStamp& stamp) {
   lockstep_abi_record record{};
   std::memcpy(static_cast<void*>(&record), data->data(), std::min(data->size(), kHead));
   if (data->size() < kHead || field_text(record.magic) != kAbiMagic)
-    throw PluginError(who + "has a record that cannot be read; rebuild it against this lockstep");
+    throw PluginError(who + "has an unreadable ABI record; rebuild it against this lockstep");
   if (record.size != sizeof record)
     throw PluginError(who + "was built for ABI " + std::to_string(record.abi) + " with a record of " +
                       std::to_string(record.size) + " bytes, this host is ABI " + std::to_string(kAbiNumber) +
                       " with " + std::to_string(sizeof record) + "; rebuild the plugin against this lockstep");
   if (data->size() < sizeof record)  // clang's -fsanitize=address counts the bytes that it keeps free behind it
     throw PluginError(who + "has a record of " + std::to_string(sizeof record) + " bytes, of which " +
-                      std::to_string(data->size()) + " are there; rebuild the plugin against this lockstep");
+                      std::to_string(data->size()) + " exist; rebuild the plugin against this lockstep");
   std::memcpy(static_cast<void*>(&record), data->data(), sizeof record);
   return record;
 }

@@ -21,8 +21,8 @@
 namespace lockstep {
 namespace {
 
-constexpr std::array kParts = {"motionlaws",
-                               "integrators"};  // the plugins that a library without built-ins loads itself
+// The plugins that a library without built-ins loads itself.
+constexpr std::array kParts = {"motionlaws", "integrators"};
 
 #if LOCKSTEP_BUILTINS
 void add_laws_and_integrators(Registry& registry) {
@@ -36,7 +36,7 @@ void add_laws_and_integrators(Registry& registry) {
   for (const char* folder : kParts) try {
       load_plugin(its, folder);
     } catch (const PluginError& error) {
-      throw PluginError(std::string("this lockstep takes its ") + folder +
+      throw PluginError(std::string("this lockstep loads its ") + folder +
                         " from a plugin (it was built with LOCKSTEP_BUILTINS=OFF): " + error.what());
     }
   for_each_shelf([&](auto, auto, auto shelf) {

@@ -17,7 +17,7 @@ void check_text(const Value& v, Unit unit, int per_second, const std::string& co
   if (!read.problem.empty()) refuse(v.where, context, read.problem);
 }
 
-// How many more times per second than the value of its law what a key says is.
+// How many times more per second a key is than the value of its law.
 int shift_of(const Key& key) {
   return key.of_law == LawQuantity::rate ? 1 : key.of_law == LawQuantity::acceleration ? 2 : 0;
 }
@@ -40,7 +40,7 @@ void check_numbers(const Value& v, const Key& key, const LawDimension& law, cons
   }
 }
 
-// The formula of a law, with the constants beside it.
+// The formula of a law, with its constants.
 void check_formula(const Value& formula, const Value* constants, const LawDimension& law, const std::string& context,
                    const std::string& owner) {
   if (formula.text() == nullptr || law.unit == Unit::any) return;

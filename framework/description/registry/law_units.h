@@ -18,11 +18,11 @@ struct LawDimension {
   bool of_time = true;
 };
 
-/// Throws SceneError, with the place of the text and `owner`, where a law or one that it is made of has a unit of
-/// another dimension: a slope of "3 m/s" in a law of an angle. `form`: of the key that holds the law.
+/// Throws SceneError, with the place of the text and `owner`, if a law or one of its parts has a unit of another
+/// dimension: a slope of "3 m/s" in a law of an angle. `form`: of the key that holds the law.
 LOCKSTEP_API void check_law_units(const Value& law, Form form, LawDimension, const Registry&, const std::string& owner);
 
-/// Throws SceneError where the text of a key of Unit::any has a unit of another dimension than `unit` per
+/// Throws SceneError if the text of a key of Unit::any has a unit of another dimension than `unit` per
 /// second^`per_second`.
 LOCKSTEP_API void check_unit(const Params&, const std::string& key, Unit unit, int per_second = 0);
 

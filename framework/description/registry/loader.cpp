@@ -59,20 +59,15 @@ dll::shared_library& opened(const fs::path& file, const PluginStamp& stamp) {
   auto& [library, before] = libraries[file.string()];
   if (library.is_loaded() && stamp != before)
     throw PluginError("plugin '" + plugin_name(file.string()) + "': " + file.string() + " has " + words_of(stamp) +
-                      "; this process opened it when it had " + words_of(before) + " and runs that; restart it");
+                      "; this process loaded it with " + words_of(before) + "; restart the process");
   if (library.is_loaded()) return library;
   before = stamp;
-  std::error_code error;
-  library.load(file, error, dll::load_mode::rtld_now | dll::load_mode::rtld_local);
-  if (error) {
-    std::string why = error.message();
-    try {  // the throwing form has the system loader's message
-      library.load(file, dll::load_mode::rtld_now | dll::load_mode::rtld_local);
-    } catch (const std::exception& e) {
-      why = e.what();
-    }
+  try {
+    library.load(file, dll::load_mode::rtld_now | dll::load_mode::rtld_local);
+  } catch (const std::system_error& error) {  // with the system loader's message
     throw PluginError(
-        "plugin '" + plugin_name(file.string()) + "' (" + file.string() + ") cannot be opened: " + reason(why) +
+        "plugin '" + plugin_name(file.string()) + "' (" + file.string() +
+        ") cannot be opened: " + reason(error.what()) +
         "; rebuild the plugin against this lockstep, by lockstep_add_plugin() or with the flags of lockstep.pc");
   }
   return library;
@@ -88,23 +83,17 @@ Registry as_of(const std::string& name, const Registry& from) {
   return its;
 }
 
-bool empty(const Registry& r) {
-  bool none = true;
-  for_each_shelf([&](auto, auto, auto shelf) { none = none && (r.*shelf).entries().empty(); });
-  return none;
-}
-
 }  // namespace
 
 std::string load_plugin(Registry& registry, const std::string& name_or_path, const std::vector<std::string>& folders,
                         const std::optional<PluginStamp>& expected) {
   std::string file = find_plugin(name_or_path, folders);
   const std::string name = plugin_name(file), who = "plugin '" + name + "': ";
-  if (name == "built in") throw PluginError(who + "its file has the name of lockstep's own types; rename it");
+  if (name == "built in") throw PluginError(who + "this name stands for lockstep's own types; rename the file");
   const PluginStamp stamp = check_plugin_file(file);
   if (expected && stamp != *expected)
-    throw PluginError(who + file + " has " + words_of(stamp) + "; expected were " + words_of(*expected) +
-                      "; install the file anew, or expect what it is now");
+    throw PluginError(who + file + " has " + words_of(stamp) + ", expected " + words_of(*expected) +
+                      "; install the file again, or update the expected stamp");
   const KeepRounding rounding;
   dll::shared_library& library = opened(file, stamp);  // its code runs from here on
   if (!library.has(kRegisterSymbol))
@@ -120,8 +109,9 @@ std::string load_plugin(Registry& registry, const std::string& name_or_path, con
     std::throw_with_nested(PluginError(who + "registering threw: " + thrown_words(std::current_exception())));
   }
   try {
-    if (empty(its)) throw PluginError("it registers nothing; let its LOCKSTEP_PLUGIN add something");
-    registry.merge(as_of(name, its));
+    its = as_of(name, its);
+    if (things_of(its, name).empty()) throw PluginError("it registers no type; add one in its LOCKSTEP_PLUGIN");
+    registry.merge(its);
   } catch (const Error& error) {
     throw PluginError(who + error.what());
   }

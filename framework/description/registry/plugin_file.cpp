@@ -43,7 +43,7 @@ std::string machine_name(unsigned machine) {
   return found != kNames.end() ? found->second : "machine number " + std::to_string(machine);
 }
 
-// A pipe is not opened: it would wait for its writer for ever.
+// A pipe is not opened: that would wait for its writer forever.
 std::vector<char> bytes_of(const std::string& path) {
   static const std::map<fs::file_type, const char*> kOthers = {{fs::file_type::directory, "a folder"},
                                                                {fs::file_type::fifo, "a pipe"},
@@ -72,7 +72,7 @@ PluginStamp stamp_of_bytes(const std::vector<char>& bytes) {
 }
 
 // The file of a shared library for this machine (ELF: System V ABI, chapters 4 and 5), which may be cut or damaged: views of
-// its bytes are checked. Addresses are those in the file: the loader adds the library's place. Each refusal is a
+// its bytes are checked. Addresses are those in the file: the loader adds the library's place. Each error is a
 // PluginError with the file, what is wrong, its value and the limit.
 class ElfImage {
  public:
@@ -82,13 +82,13 @@ class ElfImage {
     for (const Elf64_Phdr& s : segments_) in_file<char>("a segment", s.p_offset, s.p_filesz);
   }
 
-  // `count` values from an offset in the file on; refuses what is not all in the file, or not aligned.
+  // `count` values from an offset in the file on; throws if they are not all in the file, or not aligned.
   template <class T>
   std::span<const T> in_file(std::string_view what, std::uint64_t offset, std::uint64_t count) const {
     need_in_file(what, offset, count, sizeof(T), alignof(T));
     return {reinterpret_cast<const T*>(bytes_.data() + offset), static_cast<std::size_t>(count)};
   }
-  // The same from an address on; refuses what is not all in what one mapped segment takes from the file.
+  // The same from an address on; throws if they are not all in the part of the file of one mapped segment.
   template <class T>
   std::span<const T> at(std::string_view what, std::uint64_t address, std::uint64_t count) const {
     return in_file<T>(what, offset_of(what, address, count * sizeof(T)), count);
@@ -128,7 +128,7 @@ class ElfImage {
       refuse(fmt::format("its header is damaged: the number of segments is {}; must be from 1 to {}", h.e_phnum,
                          kMostSegments));
     segments_ = in_file<Elf64_Phdr>("its list of segments", h.e_phoff, h.e_phnum);
-    // The loader does not read sections; their list stands at the end of a file, and shows one that was cut.
+    // The loader does not read sections; their list is at the end of a file, and shows one that was cut.
     if (h.e_shoff != 0) in_file<char>("its list of sections", h.e_shoff, std::uint64_t(h.e_shnum) * h.e_shentsize);
   }
 

@@ -42,7 +42,7 @@ Params with_laws(Params of, const Registry* laws) {
   for (const Key& key : of.keys()) {
     const Value v = holds_law(key.form) ? of.given_or_default(key) : Value();
     if (v.is_null() || (laws == nullptr && !of.has(key.name))) continue;
-    if (laws == nullptr) of.refuse(key.name, "it holds a law, but nothing here can make laws; pass a registry");
+    if (laws == nullptr) of.refuse(key.name, "it holds a law, and no registry is given to make it; pass one");
     const std::string place = part_of(of.owner(), key.name);
     if (key.form == Form::law) of.put_law(key.name, laws->scalar_law(v, place));
     if (key.form == Form::translation_law) of.put_law(key.name, laws->translation_law(v, place));
@@ -66,7 +66,7 @@ Params checked_params(const Params& params, const TypeInfo& info, const std::str
 template <class Product, class... Args>
 void Shelf<Product, Args...>::add(TypeInfo info, Maker make) {
   const std::string what = kind_ + " '" + info.name + "'";
-  if (info.name.empty()) throw PluginError("a " + kind_ + " has no name; give its TypeInfo one");
+  if (info.name.empty()) throw PluginError("a " + kind_ + " has no name; set the name of its TypeInfo");
   if (!make) throw PluginError(what + " has no maker; pass a function that makes it");
   if (const Entry* taken = find(info.name))
     throw PluginError(what + " is already registered" + origin_words(taken->origin) + "; choose another name");
@@ -107,7 +107,7 @@ Product Shelf<Product, Args...>::make_checked(const std::string& name, Args... a
   });
   if (!product) {
     const ErrorContext whose = context();
-    throw PluginError(whose.before + whose.label + " returned nothing; it has to return what it made, or throw",
+    throw PluginError(whose.before + whose.label + " returned null; return the new object, or throw an error",
                       {.thing = whose.thing});
   }
   if constexpr (requires { labelled(product, LawLabel{}); })
@@ -156,7 +156,7 @@ template class Shelf<std::unique_ptr<Integrator>>;
 template class Shelf<std::unique_ptr<LinearSolver>>;
 
 Registry::Registry() {
-  for_each_shelf([this](auto, const char* kind, auto shelf) { (this->*shelf).kind_ = kind; });
+  for_each_shelf([this](auto, std::string_view kind, auto on) { (this->*on).kind_ = kind == "link" ? "joint" : kind; });
 }
 
 std::string kind_on(std::string_view shelf) {

@@ -39,18 +39,17 @@ bool is_own_group(gid_t group) {
   return group == getegid() || std::find(groups.begin(), groups.end(), group) != groups.end();
 }
 
-// Who else could replace that code: "" if only you, root, or the owner of this library, which you run anyway.
+// Why another user could replace that code: "" if only you, root, or the owner of this library can.
 std::string stranger_at(const fs::path& path) {
-  struct stat s {
-  }, own{};
+  struct stat s = {}, own = {};
   if (stat(path.c_str(), &s) != 0) return "it cannot be examined";
   if (stat(own_file().c_str(), &own) != 0) own.st_uid = 0, own.st_gid = 0;
   const std::string whose = S_ISDIR(s.st_mode) ? "its folder " + path.string() : "the file";
   if (s.st_uid != 0 && s.st_uid != geteuid() && s.st_uid != own.st_uid)
-    return whose + " belongs to user " + std::to_string(s.st_uid) + ", who is neither you nor root; chown it";
-  if ((s.st_mode & S_IWOTH) != 0) return whose + " can be written by everybody; chmod o-w it";
+    return whose + " belongs to user " + std::to_string(s.st_uid) + ", neither you nor root; change its owner (chown)";
+  if ((s.st_mode & S_IWOTH) != 0) return whose + " is writable by all users; chmod o-w it";
   if ((s.st_mode & S_IWGRP) != 0 && s.st_gid != 0 && s.st_gid != own.st_gid && !is_own_group(s.st_gid))
-    return whose + " can be written by group " + std::to_string(s.st_gid) + ", which is not yours; chmod g-w it";
+    return whose + " is writable by group " + std::to_string(s.st_gid) + ", which is not yours; chmod g-w it";
   return {};
 }
 
@@ -58,15 +57,15 @@ std::string stranger_at(const fs::path& path) {
 std::string problem_of(const fs::path& path, const fs::path& folder, const std::vector<std::string>& folders) {
   std::error_code error;
   const fs::path file = fs::canonical(path, error);
-  if (error) return "it is a link that leads nowhere";
+  if (error) return "it is a broken symbolic link";
   if (fs::is_directory(file)) return "it is a folder";
   const bool inside = std::any_of(folders.begin(), folders.end(), [&](const std::string& allowed) {
     const fs::path real = fs::canonical(allowed, error);
     return !error && holds(real, file);
   });
   if (!inside)
-    return "it leads out of the plugin folders, to " + file.string() +
-           "; name that folder in LOCKSTEP_PLUGIN_PATH, or give the path";
+    return "it is a link out of the plugin folders, to " + file.string() +
+           "; add that folder to LOCKSTEP_PLUGIN_PATH, or give the path";
   for (const fs::path& p : {file, file.parent_path(), fs::canonical(folder, error)})
     if (std::string stranger = stranger_at(p); !stranger.empty()) return stranger;
   return {};
@@ -74,14 +73,10 @@ std::string problem_of(const fs::path& path, const fs::path& folder, const std::
 
 // The path as it is, with the extension of a library, and also with the prefix "lib".
 std::vector<fs::path> spellings(const fs::path& path) {
-  std::vector<fs::path> all = {path};
-  if (path.extension() != ending()) {
-    fs::path with = path;
-    with += ending();
-    all.push_back(with);
-    all.push_back(with.parent_path() / ("lib" + with.filename().string()));
-  }
-  return all;
+  if (path.extension() == ending()) return {path};
+  fs::path with = path;
+  with += ending();
+  return {path, with, with.parent_path() / ("lib" + with.filename().string())};
 }
 
 std::string file_at(const std::string& path) {
@@ -100,14 +95,12 @@ std::vector<std::string> plugin_folders() {
     const std::string name = folder.lexically_normal().string();
     if (!name.empty() && std::find(folders.begin(), folders.end(), name) == folders.end()) folders.push_back(name);
   };
-  if (const char* path = secure_getenv("LOCKSTEP_PLUGIN_PATH")) {
-    for (const std::string& folder : lines_of(path, ':'))
-      if (!folder.empty()) add(folder);
-  }
+  if (const char* path = secure_getenv("LOCKSTEP_PLUGIN_PATH"))
+    for (const std::string& folder : lines_of(path, ':')) add(folder);
   std::error_code error;
   const fs::path program = dll::program_location(error), library = own_file();
   if (!program.empty()) add(program.parent_path() / ".." / "plugins");
-  if (program.parent_path().parent_path().filename() == "libexec")  // called by lockstep: beside the folder of that
+  if (program.parent_path().parent_path().filename() == "libexec")  // called by lockstep: near the folder of that
     add(program.parent_path() / ".." / ".." / "plugins");
   if (!library.empty()) add(library.parent_path() / ".." / "plugins");
   if (!library.empty()) add(library.parent_path() / "lockstep" / "plugins");
@@ -135,11 +128,11 @@ std::string find_plugin(const std::string& name, std::vector<std::string> folder
         continue;
       const std::string problem = problem_of(spelled, folder, folders);
       if (problem.empty()) return fs::canonical(spelled, error).string();
-      throw PluginError("plugin '" + name + "' (" + spelled.string() + ") is refused: " + problem);
+      throw PluginError("plugin '" + name + "' (" + spelled.string() + ") is not loaded: " + problem);
     }
   throw PluginError("plugin '" + name + "' not found; looked in " +
                     (folders.empty() ? "no folder" : text::join(folders)) +
-                    "; give its path, or name its folder in LOCKSTEP_PLUGIN_PATH");
+                    "; give its path, or add its folder to LOCKSTEP_PLUGIN_PATH");
 }
 
 std::vector<PluginCandidate> files_in(const std::vector<std::string>& folders) {
@@ -149,9 +142,8 @@ std::vector<PluginCandidate> files_in(const std::vector<std::string>& folders) {
     std::vector<fs::path> paths;
     for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
       if (it->path().extension() == ending()) paths.push_back(it->path());
-    std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) {  // in the order of find_plugin()
-      const auto key = [](const fs::path& p) { return std::pair(plugin_name(p.string()), p.string().size()); };
-      return key(a) < key(b);
+    std::ranges::sort(paths, {}, [](const fs::path& p) {  // in the order of find_plugin()
+      return std::pair(plugin_name(p.string()), p.string().size());
     });
     for (const fs::path& path : paths) {
       const fs::path file = fs::weakly_canonical(path, error);

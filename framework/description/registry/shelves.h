@@ -21,13 +21,16 @@ void for_each_shelf(Use&& use) {
   use("solvers", "solver", &Registry::solvers);
 }
 
-/// "law" of "laws": what stands on the shelf of this name; "" where there is none.
+/// "law" of "laws": the kind of the types on the shelf of this name; "" if there is no such shelf.
 LOCKSTEP_API std::string kind_on(std::string_view shelf);
 
 /// A type of the shelf of this name; null: there is no such type, or no such shelf.
 LOCKSTEP_API const TypeInfo* find_type(const Registry&, std::string_view shelf, const std::string& type);
 
-/// The shelf of the laws that a key of this form holds; "" where it holds none.
+/// Kind and name of the types of this origin: {"joint", "cam_follower"}.
+LOCKSTEP_API std::vector<std::pair<std::string, std::string>> things_of(const Registry&, const std::string& origin);
+
+/// The shelf of the laws that a key of this form holds; "" if it holds none.
 LOCKSTEP_API std::string_view shelf_of(Form);
 
 }  // namespace lockstep

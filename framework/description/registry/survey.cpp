@@ -11,16 +11,17 @@
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
-namespace {
 
 std::vector<std::pair<std::string, std::string>> things_of(const Registry& registry, const std::string& origin) {
   std::vector<std::pair<std::string, std::string>> things;
   for_each_shelf([&](auto, const char* kind, auto shelf) {
     for (const auto& [name, entry] : (registry.*shelf).entries())
-      if (entry.origin == origin) things.emplace_back(kind, name);
+      if (entry.origin == origin) things.emplace_back(std::string_view(kind) == "link" ? "joint" : kind, name);
   });
   return things;
 }
+
+namespace {
 
 // Size, checksum and build of the file, as far as they can be read; none of its code runs.
 void read_head(PluginCandidate& c) {
@@ -43,7 +44,7 @@ void ask_plugin(PluginCandidate& c, const Registry& base) {
   } catch (const std::exception& error) {
     const bool names_it = dynamic_cast<const Error*>(&error) != nullptr;  // a damaged file may ask for any memory
     c.why = (names_it ? "" : "plugin file '" + c.file + "': opening it threw: ") + what_of(error);
-    log_info("plugin '" + c.name + "' refused: " + c.why);
+    log_info("plugin '" + c.name + "' not loaded: " + c.why);
   }
 }
 
@@ -55,7 +56,7 @@ std::vector<PluginCandidate> survey_plugins(const std::vector<std::string>& fold
     const auto [taken, is_first] = first.emplace(c.name, c.path);
     if (!is_first) {
       c.state = PluginCandidate::State::hidden;
-      c.why = taken->second + " comes before it and is used";
+      c.why = taken->second + " comes first and is used";
     } else if (c.why.empty()) {
       read_head(c);
       ask(c);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The plugins that can be loaded by name, and why others cannot.
+// The plugins that can be loaded by name, and the reasons why others cannot.
 #pragma once
 
 #include <functional>
@@ -21,12 +21,12 @@ struct PluginCandidate {
   enum class State { loaded, refused, hidden };
   std::string name;                                         ///< by which it is requested
   std::string folder, path;                                 ///< where it was found
-  std::string file;                                         ///< with links followed
+  std::string file;                                         ///< with symbolic links followed
   State state = State::refused;                             ///< hidden: a file of the same name comes before it
   std::string why;                                          ///< refused: the reason; hidden: the file that is used
   PluginStamp stamp;                                        ///< of a file that was read
   std::string build;                                        ///< what it was built with, as far as it can be read
-  std::vector<std::pair<std::string, std::string>> brings;  ///< kind and name: {"link", "cam_follower"}
+  std::vector<std::pair<std::string, std::string>> brings;  ///< kind and name: {"joint", "cam_follower"}
 };
 
 /// All files in these folders with the ending of a plugin, in the order in which find_plugin() considers them; `why`: why

@@ -16,7 +16,9 @@
 
 namespace lockstep {
 
-std::string owner_of(const std::string& kind, const std::string& name) { return kind + " '" + name + "'"; }
+std::string owner_of(const std::string& kind, const std::string& name) {
+  return (kind == "link" ? "joint" : kind) + " '" + name + "'";
+}
 
 std::string owner_of(const std::string& kind, const Value& object, const std::string& list, std::size_t index) {
   if (const std::string* name = text_under(object, "name")) return owner_of(kind, *name);
@@ -71,7 +73,8 @@ bool names_one(const Value& v, const std::set<std::string, std::less<>>& names) 
          (at != std::string_view::npos && names.contains(word.substr(at + 1)));
 }
 
-// The value within this one, or the one of a key within it, at the place of an error; null: there is none.
+}  // namespace
+
 const Value* refused_value(const Value& v, const ErrorData& error) {
   const auto is_there = [&](const SourceLocation& where) {
     return where.line > 0 && where.line == error.line && where.column == error.column;
@@ -86,17 +89,11 @@ const Value* refused_value(const Value& v, const ErrorData& error) {
   return nullptr;
 }
 
-}  // namespace
-
-// `read`: what was being read; null: an error that is told of no place.
+// `read`: what was being read; null: an error without a place.
 void SceneErrors::note(const Value& read, const SceneError* error) {
   if (error != nullptr && is_own(read, *error)) refusals_.add(*error);
   if (const std::string* name = text_under(read, "name"); name != nullptr && !stand_ins_.contains(*name))
     failed_.insert(*name);
-}
-
-bool SceneErrors::is_within(const Value& read, const SceneError& error) {
-  return refused_value(read, error) != nullptr;
 }
 
 // Not what follows from the failure of another thing.
@@ -113,12 +110,9 @@ bool Builder::is_taken(const std::string& kind, const std::string& name) const {
 
 std::vector<std::string> Builder::names(std::initializer_list<std::string> kinds) const {
   std::vector<std::string> all;
-  for (const std::string& kind : kinds) {
-    const auto first = static_cast<std::ptrdiff_t>(all.size());
+  for (const std::string& kind : kinds)
     for (const auto& [name, by] : taken_[kind == "event"])
       if (by.first == kind) all.push_back(name);
-    std::ranges::sort(all.begin() + first, all.end());
-  }
   return all;
 }
 
@@ -132,7 +126,7 @@ std::string Builder::unnamed() { return "(unnamed " + std::to_string(++n_unnamed
 
 void Builder::check_name(const std::string& name, const SourceLocation& where, const std::string& kind) const {
   const std::string owner = owner_of(kind, name);
-  if (name.empty()) refuse(where, kind, "the name is empty; give it one");
+  if (name.empty()) refuse(where, owner, "the name is empty; give it one");
   for (const char c : name)
     if (std::string_view(".@,[]\"'").find(c) != std::string_view::npos || static_cast<unsigned char>(c) < 0x20)
       refuse(
@@ -144,8 +138,8 @@ void Builder::check_name(const std::string& name, const SourceLocation& where, c
   const Names& taken = taken_[kind == "event"];
   if (const auto found = taken.find(name); found != taken.end())
     refuse(where, owner,
-           "the name is already taken by a " + found->second.first + " at " + found->second.second.text() +
-               "; rename one of the two");
+           "the name is already taken by " + owner_of(found->second.first, name) + " at " +
+               found->second.second.text() + "; rename one of the two");
 }
 
 void Builder::all(const Params& root, const std::string& list, const std::string& kind, Act make, Act failed) {
@@ -183,7 +177,7 @@ void Builder::build() {
   set_up(root);
 }
 
-// What links ask of the start, assembling brings about.
+// Initial conditions of joints need assembly.
 void Builder::check_assembled() const {
   if (out_.run.assemble) return;
   const std::string link = !out_.start_speeds.empty()           ? out_.start_speeds.front().link
@@ -191,8 +185,8 @@ void Builder::check_assembled() const {
                                                                 : "";
   if (!link.empty())
     refuse(out_.run.where, "run.assemble",
-           "false leaves the start as the bodies give it, and link '" + link +
-               "' has a \"start\": leave \"assemble\" out, or give the bodies poses and velocities in its place");
+           "it is false, but joint '" + link +
+               "' has a \"start\", which needs assembly; remove \"assemble\", or give poses and velocities of bodies");
 }
 
 void Builder::set_merge(const std::string& how) {
@@ -214,8 +208,8 @@ void Builder::set_merge(const std::string& how) {
   system_.set_merge(true, std::move(keep));
 }
 
-// The tree of joint coordinates that decides of the plane, of the mechanism as it is set now; null: the run takes none, or by
-// itself only in the plane.
+// The tree of joint coordinates of the mechanism as it is set now, for the decision on the plane; null: the run uses
+// none, or by itself only in the plane.
 std::shared_ptr<const JointTree> Builder::tree() const {
   const Formulation formulation = out_.run.formulation;
   if (formulation != Formulation::joint && formulation != Formulation::automatic) return nullptr;
@@ -227,7 +221,7 @@ std::shared_ptr<const JointTree> Builder::tree() const {
   return takes(*method, method->info(), tree.get()) ? tree : nullptr;
 }
 
-// A start speed of a link that leads out of the plane; null where there is none. Of a system that is set up in it.
+// A start speed of a joint out of the plane, of a system that is set up in it; null if there is none.
 const VelocityTarget* Builder::start_out_of(Plane plane) const {
   for (const VelocityTarget& start : out_.start_speeds) {
     const Vec3 normal = MarkerFrame(*system_.link(start.link).pairs().front().second).A0.row(plane.n);
@@ -239,34 +233,33 @@ const VelocityTarget* Builder::start_out_of(Plane plane) const {
 // The plane of a mechanism that moves in one, unless a formulation works in space, or joints alone keep it in a plane.
 // `asked`: the scene asks for it, and the plane is preferred.
 void Builder::choose_plane(bool asked) {
-  System& system = system_;
   if (!asked && out_.run.formulation == Formulation::quaternion) return;
   const std::shared_ptr<const JointTree> in_space = asked ? nullptr : tree();
   if (in_space && in_space->planar() && !in_space->has_rows()) return;  // coordinates are as few as in a plane
-  const Plane found = settle_in_plane(system, [&](Plane plane) { return start_out_of(plane) == nullptr; });
+  const Plane found = settle_in_plane(system_, [&](Plane plane) { return start_out_of(plane) == nullptr; });
   // Joint coordinates in space are kept rather than a plane without them.
-  if (found && in_space && !tree()) system.set_planar({});
+  if (found && in_space && !tree()) system_.set_planar({});
 }
 
-// Refusals of the System name a body, link or force: its place in the file is put before them.
+// Errors of the System name a body, joint or force: its place in the file is put before them.
 void Builder::set_up(const Params& root) {
-  System& system = system_;
   const std::string normal = root.text("planar");
   try {
     if (normal == "auto")
       choose_plane(root.has("planar"));
     else if (normal != "off")
-      system.set_planar(Plane{normal[0] - 'x'});
-    system.setup();
-    const VelocityTarget* out = normal.size() == 1 ? start_out_of(system.plane()) : nullptr;
+      system_.set_planar(Plane{normal[0] - 'x'});
+    system_.setup();
+    const VelocityTarget* out = normal.size() == 1 ? start_out_of(system_.plane()) : nullptr;
     if (out != nullptr)
-      throw ModelError({.thing = {.kind = "link", .name = out->link},
-                        .problem = "the scene is planar with normal " + normal + ", and it starts with " +
+      throw ModelError({.thing = {.kind = "joint", .name = out->link},
+                        .problem = "the scene is planar with normal " + normal + ", but it starts with " +
                                    text::brief(out->value) + (is_rotation(out->axis) ? " rad/s" : " m/s") +
                                    " out of the plane; set \"planar\" to \"off\", or start in the plane"});
   } catch (const ModelError& error) {
-    const bool known = is_taken(error.thing.kind, error.thing.name);  // no event
-    refuse(known ? taken_[0].at(error.thing.name).second : scene_.root.where, "", error.what(),
+    const bool known = is_taken(error.thing.kind == "joint" ? "link" : error.thing.kind, error.thing.name);  // no event
+    const Value& whole = root.has("planar") ? root.value("planar") : scene_.root;
+    refuse(known ? taken_[0].at(error.thing.name).second : whole.where, "", error.what(),
            static_cast<const ErrorData&>(error));
   }
 }
@@ -292,19 +285,6 @@ Mechanism build_mechanism(const Scene& scene, const Registry& registry, const Al
   return mechanism;
 }
 
-namespace {
-
-// Whether any type of the registry came from the plugin.
-bool brought(const Registry& registry, const std::string& plugin) {
-  bool any = false;
-  for_each_shelf([&](auto, auto, auto shelf) {
-    for (const auto& [type, entry] : (registry.*shelf).entries()) any = any || entry.origin == plugin;
-  });
-  return any;
-}
-
-}  // namespace
-
 void record_places(Mechanism& m) {
   if (!m.run.record.empty()) return;
   for (const Body& body : m.system.bodies())
@@ -317,7 +297,7 @@ Mechanism read_mechanism(const std::string& file, const Registry& given,
   Scene scene = read_scene(file);
   Registry registry = given;
   for (const std::string& plugin : scene.plugins)
-    if (!brought(registry, plugin_name(plugin))) load_plugin(registry, plugin);
+    if (things_of(registry, plugin_name(plugin)).empty()) load_plugin(registry, plugin);
   std::vector<std::string> texts;
   for (const auto& [name, value] : set) texts.push_back(name + "=" + value);
   if (!texts.empty()) scene = set_in_scene(scene, texts, registry);

@@ -46,13 +46,13 @@ Shape read_rod(const Params& rod) {
   const Vec3 from = rod.vector3("from"), to = rod.vector3("to");
   const double length = rod_length(rod), radius = rod.has("radius") ? rod.number("radius") : length / 50;
   const double mass = shape_mass(rod, cylinder_volume(radius, length));
-  const auto rolled = [&](Shape shape) {  // mass and inertia stay: it is round
-    if (rod.has("roll")) shape.home.q = shape.home.q * axis_angle(Vec3::UnitX(), rod.number("roll"));
-    return shape;
-  };
-  if (!rod.has("axial_inertia")) return rolled(shapes::rod(mass, from, to, radius));
-  refuse_beside(rod, "\"axial_inertia\" makes a rod without thickness", {"radius", "density"});
-  return rolled(shapes::slender_rod(mass, from, to, positive(rod, "axial_inertia", "inertia")));
+  const bool slender = rod.has("axial_inertia");
+  if (slender) refuse_beside(rod, "\"axial_inertia\" makes a rod without thickness", {"radius", "density"});
+  Shape shape = slender ? shapes::slender_rod(mass, from, to, positive(rod, "axial_inertia", "inertia"))
+                        : shapes::rod(mass, from, to, radius);
+  // mass and inertia stay: it is round
+  if (rod.has("roll")) shape.home.q = shape.home.q * axis_angle(Vec3::UnitX(), rod.number("roll"));
+  return shape;
 }
 
 MassProperties read_solid(const Params& solid, const std::string& kind) {
@@ -74,7 +74,7 @@ const Mat3& read_symmetric(const Params& body, const Mat3& J) {
       if (std::abs(skew(i, k)) > 1e-10 * J.cwiseAbs().maxCoeff())
         body.refuse("inertia", "the matrix is not symmetric: entry " + std::to_string(i + 1) + std::to_string(k + 1) +
                                    " is " + text::brief(J(i, k)) + " and entry " + std::to_string(k + 1) +
-                                   std::to_string(i + 1) + " is " + text::brief(J(k, i)) + "; make them equal");
+                                   std::to_string(i + 1) + " is " + text::brief(J(k, i)) + " kg m^2; make them equal");
   return J;
 }
 
@@ -108,7 +108,7 @@ MassProperties read_mass(const Params& body, bool is_part) {
     body.refuse("mass",
                 is_part ? "a part needs an inertia; add \"inertia\", or use a shape (\"rod\", \"box\", ...; a small "
                           "\"sphere\" for a point mass)"
-                        : "a body that turns needs an inertia; add \"inertia\", use a shape (\"rod\", \"box\", "
+                        : "a rigid body needs an inertia; add \"inertia\", use a shape (\"rod\", \"box\", "
                           "...), or make it a \"particle\"");
   const Vec3 center = body.vector3("center");
   Vec3 origin = center;
@@ -123,7 +123,7 @@ MassProperties read_mass(const Params& body, bool is_part) {
   });
 }
 
-// What a shape looks like in its own frame; the keys are checked. A rod without thickness is drawn like any other.
+// A shape for drawing, in its own frame; the keys are checked. A rod without thickness is drawn like any other.
 Solid solid_of(const Params& shape, const std::string& kind) {
   if (kind == "box") return {{}, Solid::Kind::box, shape.vector3("size")};
   if (kind == "rod") {
@@ -138,12 +138,15 @@ Solid solid_of(const Params& shape, const std::string& kind) {
 
 using Solids = std::vector<Solid>;
 
-// Mass and, for a rod, the pose of its frame; what it looks like is added to `solids`. `kind` is the given key, a shape
+MassProperties read_compound(const Params& body, Solids& solids);
+
+// Mass and, for a rod, the pose of its frame; its shape is added to `solids`. `kind` is the given key: a shape, "compound"
 // or "mass".
 Shape read_matter(const Params& body, const std::string& kind, Solids& solids, bool is_part = false) {
   if (kind == "mass") return {read_mass(body, is_part), {}};
   refuse_beside(body, "\"" + kind + "\" defines mass and inertia",
                 {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
+  if (kind == "compound") return {read_compound(body, solids), {}};
   const Params shape = params_under(body, kind, kind);
   const Shape read = placed(body.value(kind).where, [&]() -> Shape {
     check_lengths(shape, kind);
@@ -154,13 +157,13 @@ Shape read_matter(const Params& body, const std::string& kind, Solids& solids, b
   return read;
 }
 
-// The one of `kinds` that is given; refuses none, or several.
+// The one of `kinds` that is given; none, or several, are an error.
 std::string the_kind(const Params& body, std::vector<std::string> kinds) {
   const std::vector<std::string> found = given(body, kinds);
   for (std::string& kind : kinds) kind = "\"" + kind + "\"";
   if (found.empty()) body.refuse("name", "it has no mass; add one of " + text::join(kinds, " or "));
   if (found.size() > 1)
-    body.refuse(found[1], "\"" + found[0] + "\" and \"" + found[1] + "\" both define it; remove one of the two");
+    body.refuse(found[1], "\"" + found[0] + "\" and \"" + found[1] + "\" both define the mass; remove one of the two");
   return found.front();
 }
 
@@ -169,15 +172,13 @@ MassProperties read_part(const Value& v, const std::string& owner, Solids& solid
   const std::string kind = the_kind(part, {"rod", "box", "cylinder", "sphere", "mass"});
   const std::size_t n_before = solids.size();
   const Shape shape = read_matter(part, kind, solids, true);
-  if (kind == "rod") refuse_beside(part, "\"rod\" itself places the part", {"position", "orientation"});
+  if (kind == "rod") refuse_beside(part, "\"rod\" defines the pose of the part", {"position", "orientation"});
   const Pose pose = kind == "rod" ? shape.home : Pose{part.vector3("position"), part.orientation("orientation")};
   for (std::size_t k = n_before; k < solids.size(); ++k) solids[k].at = pose * solids[k].at;
   return shapes::moved(shape.mass, pose);
 }
 
 MassProperties read_compound(const Params& body, Solids& solids) {
-  refuse_beside(body, "\"compound\" defines mass and inertia",
-                {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
   if (items_of(body, "compound").empty()) body.refuse("compound", "the list is empty; give at least one part");
   std::vector<MassProperties> parts;
   for_each_object(body, "compound",
@@ -185,13 +186,13 @@ MassProperties read_compound(const Params& body, Solids& solids) {
   return shapes::compound(parts);
 }
 
-// How much its start pose counts.
+// The weight of its start pose in assembly.
 void read_weight(const Params& body, const std::string& name, Mechanism& out) {
   const std::string how = body.text("assembled");
   double weight = body.number("start_weight");
-  if (!(weight >= 0)) body.refuse("start_weight", "it must not be below zero; 0 lets the body go anywhere");
+  if (!(weight >= 0)) body.refuse("start_weight", "it must not be below zero; 0 leaves the start pose free");
   if (how != "approximate" && body.has("start_weight"))
-    body.refuse("start_weight", "\"assembled\" is \"" + how + "\", which has none; remove one of the two");
+    body.refuse("start_weight", "\"assembled\" is \"" + how + "\", which has no weight; remove one of the two");
   if (how == "exact") weight = std::numeric_limits<double>::infinity();
   if (how == "free") weight = 0;
   if (weight != 1) out.assembly.poses.push_back({name, weight});
@@ -211,7 +212,7 @@ bool is_color(const std::string& text) {
   return text.size() == 7 && text[0] == '#' && text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
 }
 
-// The mesh of a file that the scene names, from the folder of the file in which it stands.
+// The mesh of a file that the scene names, from the folder of the scene file.
 Solid read_mesh_solid(const Params& shape, const MeshFiles& meshes) {
   const double scale = shape.number("scale");
   if (scale == 0) shape.refuse("scale", "it is 0; give a factor such as 0.001, for a mesh in millimetres");
@@ -230,7 +231,7 @@ Solid read_visual_shape(const Value& v, const std::string& owner, const MeshFile
   const std::vector<std::string> found = given(shape, {"rod", "box", "cylinder", "sphere", "mesh"});
   if (found.size() != 1)
     refuse(v.where, owner,
-           (found.empty() ? "it is no shape" : "\"" + found[0] + "\" and \"" + found[1] + "\" are two shapes") +
+           (found.empty() ? "it has no shape" : "\"" + found[0] + "\" and \"" + found[1] + "\" are two shapes") +
                std::string("; give one of \"rod\", \"box\", \"cylinder\", \"sphere\" and \"mesh\""));
   const std::string& kind = found.front();
   const Pose at{shape.vector3("at"), shape.orientation("orientation")};
@@ -240,8 +241,8 @@ Solid read_visual_shape(const Value& v, const std::string& owner, const MeshFile
   } else {
     if (shape.has("scale")) shape.refuse("scale", "a " + kind + " has its own lengths; remove it");
     const Params lengths = params_under(shape, kind, kind);
-    refuse_beside(lengths, "what is only drawn weighs nothing", {"mass", "density", "axial_inertia"});
-    refuse_beside(lengths, "a rod looks the same from all sides", {"roll"});
+    refuse_beside(lengths, "a drawn shape has no mass", {"mass", "density", "axial_inertia"});
+    refuse_beside(lengths, "a drawn rod is round", {"roll"});
     check_lengths(lengths, kind);
     solid = solid_of(lengths, kind);
     if (kind == "rod")
@@ -254,7 +255,7 @@ Solid read_visual_shape(const Value& v, const std::string& owner, const MeshFile
 Look read_look(const Params& visual, const std::string& name) {
   Look look{name, visual.has("color") ? visual.text("color") : "", visual.number("opacity")};
   if (!look.color.empty() && !is_color(look.color))
-    visual.refuse("color", "\"" + look.color + "\" is no color; write it like \"#0072b2\"");
+    visual.refuse("color", "\"" + look.color + "\" is not a colour; write it like \"#0072b2\"");
   if (!(look.opacity >= 0 && look.opacity <= 1))
     visual.refuse("opacity", "it is " + text::brief(look.opacity) + "; give a number from 0 to 1");
   return look;
@@ -269,7 +270,7 @@ void keep(const std::string& body, const Solids& solids, Mechanism& out) {
 
 }  // namespace
 
-// What names a body that failed is built with another one in its place, so that what else is wrong with it is seen.
+// Things that name a failed body are built with a substitute, so that their own errors are found too.
 void Builder::stand_in(const Value& object, const std::string& /*owner*/) {
   const Value* key = object.find("name");
   if (key == nullptr || key->text() == nullptr) return;
@@ -284,17 +285,15 @@ void Builder::stand_in(const Value& object, const std::string& /*owner*/) {
   errors_.stand_in(name);
 }
 
-// What it looks like: colour, and shapes beside or in place of those that give its mass.
+// Its appearance: colour, and shapes in addition to or instead of those that give its mass.
 void Builder::visual(const Params& body, const std::string& name) {
   if (!body.has("visual")) return;
   const Params visual = params_under(body, "visual", "visual");
   out_.looks.push_back(read_look(visual, name));
   if (!visual.boolean("own_shape")) std::erase_if(out_.solids, [&](const Solid& s) { return s.body == name; });
-  Solids solids;
   for_each_object(visual, "shapes", [&](const Value& v, const std::string& owner) {
-    solids.push_back(read_visual_shape(v, owner, scene_.meshes));
+    keep(name, {read_visual_shape(v, owner, scene_.meshes)}, out_);
   });
-  keep(name, solids, out_);
 }
 
 void Builder::body(const Value& object, const std::string& owner) {
@@ -310,19 +309,16 @@ void Builder::matter(const Value& object, const Params& p, const std::string& na
   if (fixed) refuse_beside(p, "a fixed body never moves", {"velocity", "omega_body", "omega_world"});
   const std::vector<std::string> matter = given(p, kMass);
   const bool bare = matter.empty() || (matter.size() == 1 && matter.front() == "mass" && !p.has("inertia"));
-  const std::string kind = fixed && bare ? "" : the_kind(p, kMass);  // of a fixed one what is given is checked
+  const std::string kind = fixed && bare ? "" : the_kind(p, kMass);  // the mass of a fixed body is checked if given
   if (kind == "particle" && !fixed)
     refuse_beside(p, "a particle has no rotation and no inertia",
                   {"inertia", "inertia_at", "inertia_axes", "center", "orientation", "omega_body", "omega_world"});
-  if (kind == "rod") refuse_beside(p, "\"rod\" itself places the body", {"position", "orientation"});
+  if (kind == "rod") refuse_beside(p, "\"rod\" defines the pose of the body", {"position", "orientation"});
   Solids solids;
   Shape shape;
   const Pose home{p.vector3("position"), p.orientation("orientation")};
   const double mass = kind == "particle" ? positive(p, "particle", "mass") : 0;
-  if (kind == "compound")
-    shape.mass = read_compound(p, solids);
-  else if (!kind.empty() && kind != "particle")
-    shape = read_matter(p, kind, solids);
+  if (!kind.empty() && kind != "particle") shape = read_matter(p, kind, solids);
   const Pose pose = kind == "rod" ? shape.home : home;
   placed(object.where, [&] {
     if (fixed)
@@ -348,7 +344,7 @@ void Builder::marker(const Value& object, const std::string& owner) {
   Body& body = system_.body(carrier);
   const bool world = p.has("world_at") || p.has("world_orientation");
   if (world)
-    refuse_beside(p, "the pose is already given in the world (\"world_at\", \"world_orientation\")",
+    refuse_beside(p, "the pose is already given in world axes (\"world_at\", \"world_orientation\")",
                   {"at", "orientation"});
   const auto pose = [&](const char* at, const char* orientation) {
     return Pose{p.has(at) ? p.vector3(at) : Vec3(Vec3::Zero()),

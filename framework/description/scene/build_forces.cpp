@@ -8,40 +8,40 @@
 
 namespace lockstep {
 
-// The markers of the link on whose coordinate a force acts.
+// The markers of the joint on whose coordinate a force acts.
 std::pair<Marker*, Marker*> Builder::markers_of(const Params& p, const Lock& link, const Attachment& given) {
-  if (!given.pairs.empty()) p.refuse("link", "\"p\" and \"s\" are given as well; name either a link or two markers");
+  if (!given.pairs.empty()) p.refuse("link", "\"p\" and \"s\" are given as well; name either a joint or two markers");
   const auto its = link.pairs();
-  if (its.empty()) p.refuse("link", "link '" + link.name() + "' has no markers; name \"p\" and \"s\"");
+  if (its.empty()) p.refuse("link", "joint '" + link.name() + "' has no markers; name \"p\" and \"s\"");
   return {&system_.marker(its.front().first->name), &system_.marker(its.front().second->name)};
 }
 
 void Builder::force(const Value& object, const std::string& owner) {
   const Split parts =
       placed(object.where, [&] { return split(object, scene_table("force"), registry_.forces, owner, registry_); });
-  const std::string name = claim(parts.common.value("name"), "force");
-  Attachment where = attachment(parts.common, name, false);
-  const auto* entry = registry_.forces.find(parts.type);
-  const bool on_coordinate = entry->origin == "built in" && parts.type == "function_force";
-  if (parts.common.has("link")) {
-    const std::string link = parts.common.text("link");
+  const Params& p = parts.common;
+  const std::string name = claim(p.value("name"), "force");
+  Attachment where = attachment(p, name, false);
+  const bool built_in = registry_.forces.find(parts.type)->origin == "built in";
+  const bool on_coordinate = built_in && parts.type == "function_force";
+  if (p.has("link")) {
+    const std::string link = p.text("link");
     if (!is_taken("link", link))
-      parts.common.refuse("link", "unknown link \"" + link + "\"" + text::suggestion(link, names({"link"})));
+      p.refuse("link", "unknown joint \"" + link + "\"" + text::suggestion(link, names({"link"})));
     where.link = &system_.link(link);
-    if (entry->origin == "built in" && parts.type != "joint_friction" && !on_coordinate)
-      parts.common.refuse("link", "a " + parts.type + " does not act in a link; name \"p\" and \"s\"");
-    if (entry->origin == "built in" && !on_coordinate && !where.pairs.empty())
-      parts.common.refuse("link",
-                          "a " + parts.type + " acts in its link, and \"p\" and \"s\" are given as well; remove them");
-    if (on_coordinate) where.pairs = {markers_of(parts.common, *where.link, where)};
+    if (built_in && parts.type != "joint_friction" && !on_coordinate)
+      p.refuse("link", "a " + parts.type + " does not act in a joint; name \"p\" and \"s\"");
+    if (built_in && !on_coordinate && !where.pairs.empty())
+      p.refuse("link", "a " + parts.type + " acts in its joint, and \"p\" and \"s\" are given as well; remove them");
+    if (on_coordinate) where.pairs = {markers_of(p, *where.link, where)};
   }
   placed(object.where, [&] {
     Force& added = system_.add(registry_.forces.make_checked(parts.type, where, parts.own));
-    if (!parts.common.boolean("active")) added.set_switched(false);
+    if (!p.boolean("active")) added.set_switched(false);
   });
 }
 
-// The links and forces that an event switches.
+// The joints and forces that an event switches.
 std::vector<std::string> Builder::switched_by(const Params& event, const std::string& key) {
   std::vector<std::string> things;
   for (const auto& [name, where] : texts_of(event, key)) {
@@ -50,7 +50,7 @@ std::vector<std::string> Builder::switched_by(const Params& event, const std::st
       force.set_switched(force.acts_at_start());
     } else if (!is_taken("link", name)) {
       refuse(where, part_of(event.owner(), key),
-             "unknown link or force \"" + name + "\"" + text::suggestion(name, names({"link", "force"})));
+             "unknown joint or force \"" + name + "\"" + text::suggestion(name, names({"link", "force"})));
     }
     things.push_back(name);
   }
@@ -66,9 +66,9 @@ void Builder::event(const Value& object, const std::string& owner) {
   if (p.has("at") == p.has("when"))
     p.refuse(p.has("when") ? "when" : "name", p.has("when")
                                                   ? "\"at\" is given as well; remove one of the two"
-                                                  : "it has no instant and no condition; add \"at\" or \"when\"");
+                                                  : "it has no time and no condition; add \"at\" or \"when\"");
   if (p.has("at") && (e.at = p.number("at")) < 0)
-    p.refuse("at", "the instant " + text::number(e.at) + " s lies before the start at 0 s");
+    p.refuse("at", "the time " + text::number(e.at) + " s is before the start at 0 s; give a later time");
   if (p.has("when")) {
     const Params when = params_under(p, "when", "condition");
     const std::string sense = when.text("direction");
@@ -88,7 +88,7 @@ void Builder::event(const Value& object, const std::string& owner) {
   for (const std::string& name : e.activate)
     if (std::find(e.deactivate.begin(), e.deactivate.end(), name) != e.deactivate.end())
       p.refuse("deactivate",
-               "'" + name + "' is activated and deactivated at the same instant; remove it from one of the lists");
+               "'" + name + "' is activated and deactivated at the same time; remove it from one of the lists");
   if (e.activate.empty() && e.deactivate.empty() && !e.stop)
     p.refuse("name", "the event does nothing; add \"activate\", \"deactivate\" or \"stop\": true");
   out_.events.push_back(std::move(request));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The attachments of links and forces; links with their drives, laws and start speeds.
+// The attachments of joints and forces; joints with their drives, laws and start speeds.
 #include <algorithm>
-#include <cmath>
 
 #include <lockstep/author/lock.h>
 #include <lockstep/text.h>
@@ -15,7 +14,16 @@ namespace {
 
 const std::vector<std::string> kPlaces = {"at", "at_p", "at_s", "axis", "orientation"};
 
-bool still(const Body& body) { return body.fixed; }
+// A free coordinate of a joint; another one is an error.
+Axis free_axis(const Params& of, const Key& key, const Lock& link) {
+  const Jointed* joint = link.jointed();
+  if (joint == nullptr)
+    of.refuse(key.name, "a joint of type \"" + std::string(link.type()) + "\" has no such coordinate; remove it");
+  const Axis axis = axis_from(key.name);
+  if (includes(joint->rows(), row_of(axis)))
+    of.refuse(key.name, "the joint constrains or drives this coordinate; name a free one");
+  return axis;
+}
 
 // Origin of the new marker for side "p" or "s"; false when it is not given.
 bool origin_of(const Params& p, const std::string& key, const Body& body, Vec3& x) {
@@ -38,8 +46,8 @@ Quat axes_of(const Params& p) {
   return p.has("orientation") ? p.orientation("orientation") : Quat{};
 }
 
-// A gear or belt between two turns of which one is held holds the other: of a pair that is the markers of a joint, its
-// mask tells. Laws that impose the turn, or turn a marker, let it turn.
+// A gear or belt between two rotations of which one is constrained constrains the other: of a pair that is the markers of
+// a joint, its mask decides. Laws that impose the rotation, or rotate a marker, allow it.
 void warn_of_held_turns(const Params& p, const std::string& type, const System& system) {
   if ((type != "gear" && type != "belt") || !p.has("pairs")) return;
   const Value::List& items = *p.value("pairs").list();
@@ -51,11 +59,11 @@ void warn_of_held_turns(const Params& p, const std::string& type, const System& 
     if (joint == nullptr || !includes(joint->mask(), row_of(Axis::rz)) || joint->turned()) continue;
     const auto [P, S] = link.pairs().front();
     if (P->rotation_law != nullptr || S->rotation_law != nullptr) continue;
-    Finding f{&finding::held_turn, "link '" + *word + "'",
-              part_of(p.owner(), "pairs[" + std::to_string(i) + "]") + ": link '" + *word + "' (" +
-                  std::string(link.type()) + ") holds the turn about its z, so that the " + type +
-                  " holds that of the other pair too",
-              "name a joint that turns about z"};
+    Finding f{&finding::held_turn, "joint '" + *word + "'",
+              part_of(p.owner(), "pairs[" + std::to_string(i) + "]") + ": joint '" + *word + "' (" +
+                  std::string(link.type()) + ") does not rotate about its z axis, so the " + type +
+                  " locks the other pair too",
+              "name a joint that rotates about z"};
     f.place = items[i].where.text();
     report_finding(f);
   }
@@ -71,7 +79,7 @@ void Builder::check_side(const Value& word, const std::string& context) const {
   refuse(word.where, context, "unknown marker or body \"" + name + "\"" + text::suggestion(name, known));
 }
 
-// The sides of what was refused, perhaps for another reason.
+// The sides of a failed joint, whose error may have another cause.
 void Builder::note_sides(const Value& object, const std::string& owner) {
   for (const char* key : {"p", "s"})
     if (const Value* word = object.find(key); word != nullptr && word->text() != nullptr)
@@ -88,8 +96,8 @@ Marker* Builder::side(const Params& p, const std::string& key, const std::string
   Pose world{Vec3::Zero(), axes_of(p)};
   if (!origin_of(p, key, body, world.x)) {
     if (other == nullptr)
-      p.refuse(key, "\"" + word +
-                        "\" is a body, and no point on it is given; add \"at\": [x, y, z] (world), or name a marker");
+      p.refuse(key,
+               "\"" + word + "\" is a body without a given point; add \"at\": [x, y, z] (world), or name a marker");
     world.x = other->x;
   }
   if (other != nullptr && !p.has("axis") && !p.has("orientation")) world.q = other->q;
@@ -101,14 +109,14 @@ Attachment Builder::attachment(const Params& p, const std::string& name, bool bo
   attachment.name = name;
   if (!p.has("p") && !p.has("s")) {
     for (const std::string& key : kPlaces)
-      if (p.has(key)) p.refuse(key, "it gives a place, but neither \"p\" nor \"s\" names a body; add \"p\"");
+      if (p.has(key)) p.refuse(key, "it places a marker, but neither \"p\" nor \"s\" names a body; add \"p\"");
     return attachment;
   }
   if (!p.has("p")) p.refuse("s", "\"s\" is given without \"p\"; name the first marker or body \"p\"");
   const bool marker_p = is_taken("marker", p.text("p")), marker_s = p.has("s") && is_taken("marker", p.text("s"));
   if (marker_p && (marker_s || !p.has("s")))
     for (const std::string& key : kPlaces)
-      if (p.has(key)) p.refuse(key, "the markers have their places already; remove it, or name bodies instead");
+      if (p.has(key)) p.refuse(key, "the named markers have a pose already; remove it, or name bodies instead");
   const auto home = [](const Marker& m) { return m.body->home * m.local; };
   Pose at_marker;
   Marker *P = nullptr, *S = nullptr;
@@ -117,24 +125,23 @@ Attachment Builder::attachment(const Params& p, const std::string& name, bool bo
   at_marker = home(*P);
   if (p.has("s") && S == nullptr) S = side(p, "s", name, &at_marker);
   if (S != nullptr && P->body == S->body)
-    p.refuse("s", "both sides are on body '" + P->body->name +
-                      "'; a body cannot be tied to itself, name another for \"p\" or \"s\"");
-  if (both && still(*P->body) && still(*S->body))
+    p.refuse("s", "both sides are on body '" + P->body->name + "'; name another body for \"p\" or \"s\"");
+  if (both && P->body->fixed && S->body->fixed)
     p.refuse("s", "bodies '" + P->body->name + "' and '" + S->body->name +
-                      "' are both fixed, so there is nothing to hold; remove it");
+                      "' are both fixed, so the joint has no effect; remove it");
   attachment.pairs.emplace_back(P, S);
   return attachment;
 }
 
-// The pairs of a coupling: each is the markers of an existing link, or two new ones.
+// The pairs of a coupling: each is the markers of an existing joint, or two new ones.
 Attachment Builder::pairs(const Params& p, const std::string& name) {
   for (const char* key : {"p", "s"})
-    if (p.has(key)) p.refuse(key, "\"pairs\" places the link; remove one of the two");
+    if (p.has(key)) p.refuse(key, "\"pairs\" is given as well; remove one of the two");
   for (const std::string& key : kPlaces)
     if (p.has(key)) p.refuse(key, "it belongs inside the pairs; move it there");
   const Value::List* items = p.value("pairs").list();
   if (items == nullptr || items->empty())
-    p.refuse("pairs", "expected a list of link names and of objects, got " + shown(p.value("pairs")));
+    p.refuse("pairs", "expected a list of joint names and of objects, got " + shown(p.value("pairs")));
   Attachment all;
   all.name = name;
   for (std::size_t i = 0; i < items->size(); ++i) {
@@ -146,10 +153,10 @@ Attachment Builder::pairs(const Params& p, const std::string& name) {
         std::erase(known, name);
         refuse(
             item.where, place,
-            "unknown link \"" + *word + "\"" + text::suggestion(*word, known) + "; a coupling comes after its joints");
+            "unknown joint \"" + *word + "\"" + text::suggestion(*word, known) + "; a coupling comes after its joints");
       }
       const auto its = system_.link(*word).pairs();
-      if (its.empty()) refuse(item.where, place, "link \"" + *word + "\" has no markers; name a pair of markers");
+      if (its.empty()) refuse(item.where, place, "joint \"" + *word + "\" has no markers; name a pair of markers");
       const auto [P, S] = its.front();
       all.pairs.emplace_back(&system_.marker(P->name), &system_.marker(S->name));
     } else {
@@ -168,20 +175,18 @@ void Builder::link(const Value& object, const std::string& owner) {
   const Params& p = parts.common;
   const std::string name = claim(p.value("name"), "link");
   if (!p.has("pairs") && !p.has("p") && !p.has("s"))
-    refuse(
-        object.where, owner,
-        "missing key \"pairs\" of a coupling of joints, such as a gear, or \"p\" and \"s\", the two sides of any other "
-        "link");
+    refuse(object.where, owner,
+           "missing keys: \"p\" and \"s\", the two sides of a joint, or \"pairs\" of a coupling such as a gear");
   if (!p.has("pairs"))
     for (const char* key : {"p", "s"})
       if (!p.has(key))
         refuse(object.where, owner,
                "missing key \"" + std::string(key) +
-                   "\"; a link has both sides, and a coupling of joints, such as a gear, \"pairs\" in their place");
+                   "\"; a joint needs both sides, a coupling such as a gear needs \"pairs\" instead");
   Attachment where;
   try {
     where = p.has("pairs") ? pairs(p, name) : attachment(p, name, true);
-  } catch (const SceneError&) {  // its own keys may be wrong too
+  } catch (const SceneError&) {  // the keys of its type may be wrong too
     Marker& any = system_.add_marker(unnamed(), system_.body("ground"));
     errors_.within(object, [&] { registry_.links.make_checked(parts.type, {name, {{&any, &any}}}, parts.own); });
     throw;
@@ -189,8 +194,8 @@ void Builder::link(const Value& object, const std::string& owner) {
   placed(object.where, [&] {
     std::unique_ptr<Lock> made = registry_.links.make_checked(parts.type, where, parts.own);
     if (made->pairs().size() < where.pairs.size())
-      p.refuse("pairs", std::to_string(where.pairs.size()) + " are given, and a " + std::string(made->type()) +
-                            " takes " + std::to_string(made->pairs().size()) + "; remove the others");
+      p.refuse("pairs", std::to_string(where.pairs.size()) + " pairs are given, a " + std::string(made->type()) +
+                            " has " + std::to_string(made->pairs().size()) + "; remove the others");
     made->set_active_at_start(p.boolean("active"));
     unilateral(p, *made);
     Lock& added = system_.add(std::move(made));
@@ -206,7 +211,7 @@ void Builder::laws(const Params& p, Lock& link) {
   Jointed* joint = link.jointed();
   for (const char* key : {"move", "turn", "hold"})
     if (joint == nullptr && p.has(key))
-      p.refuse(key, "a link of type \"" + std::string(link.type()) + "\" takes no imposed motion; remove it");
+      p.refuse(key, "a joint of type \"" + std::string(link.type()) + "\" cannot have a prescribed pose; remove it");
   if (p.has("move")) placed(p.value("move").where, [&] { joint->move(p.translation_law("move")); });
   if (p.has("turn")) placed(p.value("turn").where, [&] { joint->turn(p.rotation_law("turn")); });
   if (p.boolean("hold")) joint->hold();
@@ -218,16 +223,16 @@ void Builder::drives(const Params& p, Lock& link) {
   const Value& v = p.value("drive");
   Jointed* joint = link.jointed();
   if (joint == nullptr)
-    p.refuse("drive", "a link of type \"" + std::string(link.type()) + "\" takes no drive; remove it");
+    p.refuse("drive", "a joint of type \"" + std::string(link.type()) + "\" cannot have a drive; remove it");
   const Value::List one = {v};
   const Value::List& items = v.list() != nullptr ? *v.list() : one;
   for (std::size_t i = 0; i < items.size(); ++i) {
     const std::string place = part_of(p.owner(), "drive") + (v.list() != nullptr ? "[" + std::to_string(i) + "]" : "");
     const Params drive = params_of(items[i], "drive", place, &registry_);
     if (drive.has("law") == drive.has("speed"))
-      drive.refuse(drive.has("speed") ? "speed" : "axis",
-                   drive.has("speed") ? "\"law\" is given as well; a drive follows one of the two"
-                                      : "nothing drives it; add \"law\" or \"speed\"");
+      drive.refuse(drive.has("speed") ? "speed" : "axis", drive.has("speed")
+                                                              ? "\"law\" is given as well; remove one of the two"
+                                                              : "the drive has no motion; add \"law\" or \"speed\"");
     const Axis axis = axis_from(drive.text("axis"));
     for (const auto& [key, per_second] : {std::pair{"law", 0}, std::pair{"speed", 1}})
       if (drive.has(key))
@@ -240,39 +245,18 @@ void Builder::drives(const Params& p, Lock& link) {
   }
 }
 
-namespace {
-
-// A coordinate that a link leaves free; refused where it does not.
-Axis free_axis(const Params& of, const Key& key, const Lock& link) {
-  const Jointed* joint = link.jointed();
-  if (joint == nullptr)
-    of.refuse(key.name, "a link of type \"" + std::string(link.type()) + "\" has no such coordinate; remove it");
-  const Axis axis = axis_from(key.name);
-  if (includes(joint->rows(), row_of(axis)))
-    of.refuse(key.name, "the link holds or drives this coordinate; a start needs a free one");
-  return axis;
-}
-
-}  // namespace
-
 void Builder::start_speeds(const Params& p, const Lock& link) {
   if (!p.has("start")) return;
   const Params start = params_under(p, "start", "start");
-  const auto each = [&](const char* part, const char* table, auto&& take) {
+  const auto each = [&](const char* part, const char* table, auto& targets, auto... weight) {
     if (!start.has(part)) return;
     const Params of = params_under(start, part, table);
     for (const Key& key : scene_table(table).info.keys)
-      if (of.has(key.name)) take(free_axis(of, key, link), of.number(key.name));
+      if (of.has(key.name)) targets.push_back({link.name(), free_axis(of, key, link), of.number(key.name), weight...});
   };
-  each("velocity", "start_velocity", [&](Axis axis, double value) {
-    out_.start_speeds.push_back({link.name(), axis, value});
-  });
-  each("position", "start_position", [&](Axis axis, double value) {
-    out_.assembly.coordinates.push_back({link.name(), axis, value});
-  });
-  each("near", "start_position", [&](Axis axis, double value) {
-    out_.assembly.coordinates.push_back({link.name(), axis, value, 1.0});
-  });
+  each("velocity", "start_velocity", out_.start_speeds);
+  each("position", "start_position", out_.assembly.coordinates);
+  each("near", "start_position", out_.assembly.coordinates, 1.0);
 }
 
 }  // namespace lockstep

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Attributes of a link: that it is unilateral, the stops of its travel, its friction.
-#include <cmath>
+// Attributes of a joint: one-sided, stops of its travel, friction.
 
 #include <lockstep/forces.h>
 #include <lockstep/text.h>
@@ -20,10 +19,10 @@ Unilateral unilateral_from(const Params& p) {
   o.rest_speed = p.number("rest_speed");
   if (!(o.restitution >= 0 && o.restitution <= 1))
     p.refuse("restitution",
-             "it is " + text::number(o.restitution) + "; it must lie between 0 (no bounce) and 1 (no loss)");
+             "it is " + text::number(o.restitution) + "; it must be between 0 (no rebound) and 1 (no loss)");
   if (!(o.rest_speed > 0))
     p.refuse("rest_speed",
-             "it is " + text::number(o.rest_speed) + "; it must be above zero, or bounces would never end");
+             "it is " + text::number(o.rest_speed) + "; it must be above zero, or the rebounds would never end");
   return o;
 }
 
@@ -41,7 +40,7 @@ void Builder::unilateral(const Params& link, Lock& lock) {
   const Params p = params_under(link, "unilateral", "unilateral");
   const std::string side = p.text("side");
   const bool its_own = lock.unilateral() != nullptr;  // as a stop has
-  if (its_own && p.has("side")) p.refuse("side", "a " + std::string(lock.type()) + " has its side already; remove it");
+  if (its_own && p.has("side")) p.refuse("side", "a " + std::string(lock.type()) + " defines its own side; remove it");
   Unilateral u = unilateral_from(p);
   u.below = side == "below";
   lock.set_unilateral(u);
@@ -65,26 +64,26 @@ void Builder::stops(const Value& object, const std::string& owner, const Attachm
   const Axis axis = axis_from(p.text("axis"));
   const Unilateral options = unilateral_from(p);
   if (const Jointed* joint = system_.link(of.name).jointed(); joint != nullptr && includes(joint->mask(), row_of(axis)))
-    p.refuse("axis", "the link holds " + p.text("axis") + " already, so it has no travel; name a free coordinate");
+    p.refuse("axis", "the joint constrains " + p.text("axis") + ", so it has no travel; name a free coordinate");
   if (!p.has("low") && !p.has("high")) p.refuse("axis", "no limit is given; add \"low\" or \"high\"");
   const Unit unit = is_rotation(axis) ? Unit::angle : Unit::length;
   for (const char* key : {"low", "high"}) check_unit(p, key, unit);
   check_unit(p, "rest_speed", unit, 1);
   if (p.has("low") && p.has("high") && !(p.number("low") < p.number("high")))
-    p.refuse("high", "it is " + text::number(p.number("high")) + " and does not lie above \"low\", " +
-                         text::number(p.number("low")) + "; exchange them");
+    p.refuse("high", "it is " + text::number(p.number("high")) +
+                         ", not above \"low\" = " + text::number(p.number("low")) + "; exchange them");
   for (const char* end : {"low", "high"}) {
     if (!p.has(end)) continue;
     Attachment attachment;
     attachment.name = of.name + ".stop_" + p.text("axis") + "_" + end;
     Marker *P = &of.p(), *S = &of.s();
     std::string coordinate = p.text("axis");
-    if (axis == Axis::rx || axis == Axis::ry) {  // a stop counts turns about z: markers with z there
+    if (axis == Axis::rx || axis == Axis::ry) {  // a stop counts revolutions about z: markers with z there
       for (const Marker* m : {P, S})
         if (m->translation_law || m->rotation_law)
           p.refuse("axis", "marker '" + m->name +
-                               "' moves by a law, so a stop of its turn about x or y needs its own markers: add a "
-                               "link of type \"stop\"");
+                               "' moves by a law, so a stop about x or y needs other markers; add a joint of type "
+                               "\"stop\"");
       const Pose turned{Vec3::Zero(), axes_with_z(axis_index(axis) - 3)};
       P = &system_.add_marker(attachment.name + ".P", *P->body, P->local * turned);
       S = &system_.add_marker(attachment.name + ".S", *S->body, S->local * turned);

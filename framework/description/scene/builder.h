@@ -4,10 +4,10 @@
 
 #include <array>
 #include <functional>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -23,7 +23,7 @@ namespace lockstep {
 
 class JointTree;
 
-/// "link 'A'": kind and name as in messages.
+/// "joint 'A'": kind and name as in messages.
 LOCKSTEP_API std::string owner_of(const std::string& kind, const std::string& name);
 /// The same for an object of a list, whose name may be missing or not a text: then "links[2]".
 std::string owner_of(const std::string& kind, const Value& object, const std::string& list, std::size_t index);
@@ -66,12 +66,15 @@ decltype(auto) placed(const SourceLocation& where, F&& f) {
   return placed(where, "", std::forward<F>(f));
 }
 
-/// What is wrong with the things of a scene. All of them are tried; of one that names another which failed only that is
-/// said which is wrong with values of its own, since the other one may be all that is wrong.
+/// The value within this one, or the one of a key within it, at the place of an error; null: there is none.
+const Value* refused_value(const Value&, const ErrorData&);
+
+/// The errors of a scene's things. All of them are tried. Of a thing that names a failed one, only errors of its own
+/// values are kept, since the others may follow from that failure.
 class LOCKSTEP_API SceneErrors {
  public:
-  /// Runs what reads the value, and keeps what is refused; not what may follow from a failure of another thing that the
-  /// value names. Returns whether nothing was.
+  /// Runs the reader of the value and keeps its errors, except those that may follow from a failure of another thing that
+  /// the value names. Returns whether there were none.
   template <class F>
   bool attempt(const Value& read, F&& act) {
     try {
@@ -85,37 +88,36 @@ class LOCKSTEP_API SceneErrors {
     }
     return false;
   }
-  /// The same, of what stands at a value within the one that is read.
+  /// The same, for errors at a value within the one that is read.
   template <class F>
   void within(const Value& read, F&& act) {
     try {
       std::forward<F>(act)();
     } catch (const SceneError& error) {
-      if (is_within(read, error)) note(read, &error);
+      if (refused_value(read, error) != nullptr) note(read, &error);
     } catch (const Error&) {
     }
   }
-  /// A body of this name stands in for one that failed: things that name it are built, and may not fit it.
+  /// A body of this name replaces one that failed: things that name it are built, and may not fit it.
   void stand_in(const std::string& name) { stand_ins_.insert(name); }
   bool empty() const { return refusals_.empty(); }
   bool full() const { return refusals_.full(); }
-  /// Throws one SceneError of all, a line each, where there are any.
+  /// Throws one SceneError of all, a line each, if there are any.
   void raise() const { refusals_.raise(); }
 
  private:
   using Names = std::set<std::string, std::less<>>;
   void note(const Value& read, const SceneError* error);
   bool is_own(const Value& read, const SceneError&) const;
-  static bool is_within(const Value& read, const SceneError&);
 
   Refusals refusals_;
   Names failed_, stand_ins_;
 };
 
-/// Looks at what was built although other things failed: notes what is wrong besides.
+/// Called with the things that were built although others failed; adds further errors.
 using AlsoWrong = std::function<void(Mechanism&, SceneErrors&)>;
 
-/// build_mechanism() of scene.h, which also notes what is wrong for the caller where something is refused.
+/// build_mechanism() of scene.h, which lets the caller add errors if there are any.
 LOCKSTEP_API Mechanism build_mechanism(const Scene&, const Registry&, const AlsoWrong&);
 
 class Builder {
@@ -125,7 +127,7 @@ class Builder {
   void build();
 
  private:
-  /// Builds the things of a list; `failed` is told of those that are refused.
+  /// Builds the things of a list; `failed` is called for those with errors.
   using Act = void (Builder::*)(const Value& object, const std::string& owner);
   void all(const Params& root, const std::string& list, const std::string& kind, Act make, Act failed);
   void body(const Value& object, const std::string& owner);
@@ -161,16 +163,16 @@ class Builder {
   void check_name(const std::string& name, const SourceLocation&, const std::string& kind) const;
   std::string unnamed();  // a name for what cannot have its own
   bool is_taken(const std::string& kind, const std::string& name) const;
-  std::vector<std::string> names(std::initializer_list<std::string> kinds) const;  // for words of a refusal
+  std::vector<std::string> names(std::initializer_list<std::string> kinds) const;  // for messages
 
   const Scene& scene_;
   const Registry& registry_;
   Mechanism& out_;
   System& system_;  // of out_
   const AlsoWrong& also_;
-  using Names = std::unordered_map<std::string, std::pair<std::string, SourceLocation>>;  // with their kinds and places
+  using Names = std::map<std::string, std::pair<std::string, SourceLocation>>;  // with their kinds and places
   std::array<Names, 2> taken_;  // of bodies, markers, links and forces; of events, which may have the same
-  int n_unnamed_ = 0;           // things whose names were refused
+  int n_unnamed_ = 0;           // things with invalid names
   SceneErrors errors_;
 };
 

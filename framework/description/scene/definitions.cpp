@@ -17,7 +17,7 @@ using expression::Amount;
 
 namespace {
 
-constexpr std::size_t kMostChained = 200;  // parameters that hang on one another
+constexpr std::size_t kMostChained = 200;  // parameters that depend on one another
 
 // A text with a unit, a number, or three of them.
 std::optional<Amount> plain_quantity(const Value& v, const std::string& context) {
@@ -31,7 +31,7 @@ std::optional<Amount> plain_quantity(const Value& v, const std::string& context)
       if (!one || one->is_vector) return std::nullopt;
       if (k > 0 && (!(one->dimension == whole.dimension) || one->measured != whole.measured))
         refuse(items[k].where, item(context, k),
-               "the components are of different dimensions; give all of them the same unit");
+               "the components have different dimensions; give all of them the same unit");
       whole.v[k] = one->v[0], whole.dimension = one->dimension, whole.measured = one->measured;
     }
     return whole;
@@ -44,10 +44,10 @@ std::optional<Amount> plain_quantity(const Value& v, const std::string& context)
 }
 
 Amount as_point(Amount q, const SourceLocation& where, const std::string& context) {
-  if (!q.is_vector) refuse(where, context, "a point is [x, y, z], and this is " + article_name_of(q));
+  if (!q.is_vector) refuse(where, context, "a point is [x, y, z], but this is " + article_name_of(q));
   const expression::Exponents length{1, 0, 0, 0};
   if (q.measured && !(q.dimension == length))
-    refuse(where, context, "a point is made of lengths, and this is " + article_name_of(q));
+    refuse(where, context, "a point consists of lengths, but this is " + article_name_of(q));
   q.dimension = length, q.measured = true;
   return q;
 }
@@ -129,7 +129,7 @@ void Definitions::take(const Value& root, const char* key, bool points) {
     if (!fresh)
       refuse(m.where, part_of("scene", key),
              "\"" + m.key + "\" is a " + (entries_[known->second].point ? "point" : "parameter") +
-                 " already; formulas read all by name, so rename one of the two");
+                 " already; rename one of the two");
     entries_.push_back({m.key, points, &m.value});
   }
 }
@@ -143,31 +143,22 @@ const Amount& Definitions::value(Entry& e) {
   if (begun != open_.end()) {
     std::string circle;
     for (auto it = begun; it != open_.end(); ++it) circle += (*it)->name + " -> ";
-    refuse(e.given->where, context, "it hangs on itself: " + circle + e.name + "; give one of them a number");
+    refuse(e.given->where, context, "it depends on itself: " + circle + e.name + "; give one of them a number");
   }
   if (open_.size() == kMostChained)
     refuse(e.given->where, context,
-           "more than " + std::to_string(kMostChained) + " parameters hang on one another; shorten the chain");
+           "more than " + std::to_string(kMostChained) + " parameters depend on one another; shorten the chain");
   open_.push_back(&e);
   try {
-    e.value = computed(e, context);
-  } catch (...) {  // what hangs on it is refused for the same reason
+    const Amount q = e.place.empty() ? given(*e.given, context, e.point) : Amount{place_of(e), true};
+    e.value = e.point ? as_point(q, e.given->where, context) : q;
+  } catch (...) {  // values that depend on it fail for the same reason
     e.refusal = std::current_exception();
     open_.pop_back();
     throw;
   }
   open_.pop_back();
   return *e.value;
-}
-
-Amount Definitions::computed(Entry& e, const std::string& context) {
-  Amount q;
-  if (e.place.empty()) {
-    q = given(*e.given, context, e.point);
-  } else {
-    q.is_vector = true, q.v = place_of(e);
-  }
-  return e.point ? as_point(q, e.given->where, context) : q;
 }
 
 // -- places of bodies and markers, as the scene gives them
@@ -194,7 +185,7 @@ Vec3 Definitions::place_of(const Entry& e) {
   const Value* carrier = object.find("body");
   if (carrier == nullptr) return place_of_body(e);
   const std::string owner = owner_of("marker", *object.find("name")->text());
-  if (e.place != "at") refuse(object.where, owner, "it has no \"." + e.place + "\"; a marker has a place \".at\"");
+  if (e.place != "at") refuse(object.where, owner, "it has no \"." + e.place + "\"; a marker has \".at\"");
   if (object.find("world_at") != nullptr) return vector_under(object, "world_at", owner);
   const Value* at = object.find("at");
   if (at != nullptr && at->text() != nullptr && !is_formula(*at)) return vector_under(object, "at", owner);  // a point
@@ -209,16 +200,12 @@ Vec3 Definitions::place_of_body(const Entry& e) {
   const std::string owner = owner_of("body", *e.given->find("name")->text());
   const Value* rod = e.given->find("rod");
   if (rod != nullptr && rod->object() != nullptr) {
-    if (e.place == "at") return 0.5 * (end_of_rod(e, *rod, "from") + end_of_rod(e, *rod, "to"));
-    return end_of_rod(e, *rod, e.place.c_str());
+    const auto end = [&](const std::string& key) { return vector_under(*rod, key, part_of(owner, "rod")); };
+    return e.place == "at" ? Vec3(0.5 * (end("from") + end("to"))) : end(e.place);
   }
   if (e.place != "at")
-    refuse(e.given->where, owner, "it is no rod and has no \"." + e.place + "\"; its origin is \".at\"");
+    refuse(e.given->where, owner, "it is not a rod and has no \"." + e.place + "\"; its origin is \".at\"");
   return vector_under(*e.given, "position", owner);
-}
-
-Vec3 Definitions::end_of_rod(const Entry& e, const Value& rod, const char* end) {
-  return vector_under(rod, end, part_of(owner_of("body", *e.given->find("name")->text()), "rod"));
 }
 
 // A point by name, a formula or numbers; the origin where the key is not given.

@@ -38,7 +38,7 @@ std::string default_words(const Key& key) {
   return "default " + words.substr(0, words.size() - 1);
 }
 
-// The short words, which go into the table's column, and where to read on, which comes last in the line.
+// The short words, for the column of the table, and the reference to more, for the end of the line.
 std::pair<std::string, std::string> split_form(const Key& key, const std::vector<Part>& parts) {
   constexpr std::string_view kSee = ": see ";
   const std::string all = form_words(key, parts);
@@ -97,8 +97,9 @@ std::string form_words(const Key& key, const std::vector<Part>& parts) {
 }
 
 std::string describe(const Description& d) {
-  std::string text = d.info.name + ": " + (d.shelf == "scene" ? "object of a scene" : kind_on(d.shelf)) +
-                     (d.origin == "built in" ? "" : ", from plugin " + d.origin) + "\n  " + d.info.help + "\n";
+  const std::string kind = d.shelf == "scene" ? "object of a scene" : d.shelf == "links" ? "joint" : kind_on(d.shelf);
+  std::string text = fmt::format("{}: {}{}\n  {}\n", d.info.name, kind,
+                                 d.origin == "built in" ? "" : ", from plugin " + d.origin, d.info.help);
   std::size_t name = 0, form = 0, fallback = 0;
   for (const Key& key : d.info.keys) {
     name = std::max(name, key.name.size());
@@ -106,7 +107,7 @@ std::string describe(const Description& d) {
     fallback = std::min<std::size_t>(20, std::max(fallback, default_words(key).size()));
   }
   const std::string object = example_of(d), example = object.empty() ? "" : "example:\n  " + object + "\n";
-  if (d.info.keys.empty()) return text + "  it takes no keys\n" + example;
+  if (d.info.keys.empty()) return text + "  it has no keys\n" + example;
   text += "keys:\n";
   for (const Key& key : d.info.keys) {
     const auto [words, where] = split_form(key, d.parts);

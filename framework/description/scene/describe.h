@@ -28,7 +28,7 @@ LOCKSTEP_API std::vector<Description> shelf_contents(const Registry&, const std:
 /// The objects of scene files ("body", "run"), then all types, each with its own keys.
 LOCKSTEP_API std::vector<Description> all_descriptions(const Registry&);
 
-/// Those of this name, types first, with the keys that all of their kind share. Empty where there is none.
+/// Those of this name, types first, with the keys that all of their kind share. Empty if there is none.
 LOCKSTEP_API std::vector<Description> find_descriptions(const Registry&, const std::string& name);
 
 /// Text for a terminal: help, keys with form, unit, default and help.
@@ -37,27 +37,27 @@ LOCKSTEP_API std::string describe(const Description&);
 /// "length in m", "\"x\" or \"y\"", "object: see `lockstep describe drive`", ...
 LOCKSTEP_API std::string form_words(const Key&, const std::vector<Part>& parts = {});
 
-/// Keys of a type of its own that make a valid one of it, as a JSON object; "{}" where defaults will do, or where none is
-/// known. `kind`: "link", "law", "translation law", "rotation law", "force".
+/// A valid set of a type's own keys, as a JSON object; "{}" if defaults are enough, or if none is known. `kind`: "link",
+/// "law", "translation law", "rotation law", "force".
 LOCKSTEP_API std::string example_keys(const std::string& kind, const std::string& type);
 
-/// How many pairs of markers the example of a type of link takes.
+/// The number of marker pairs in the example of a type of joint.
 LOCKSTEP_API int example_pairs(const std::string& type);
 
-/// A whole object of the type, in JSON: of a link between bodies "arm" and "ground", or of one that couples the links "A",
-/// "B", ...; of a force on these bodies, or in the link "A"; of a law, integrator or solver. "" for an object of scenes, and for a type of a plugin with
-/// keys that must be given.
+/// A whole object of the type, in JSON: a joint between bodies "arm" and "ground", or a coupling of the joints "A", "B",
+/// ...; a force on these bodies, or in the joint "A"; a law, integrator or solver. "" for an object of scenes, and for a
+/// plugin's type with required keys.
 LOCKSTEP_API std::string example_of(const Description&);
 
-/// What a word is that is no object and no type, and where it stands: a key, a form of values, a unit, "channel"; "" for
+/// The meaning of a word that is no object and no type, and its owners: a key, a form of values, a unit, "channel"; "" for
 /// another word.
 LOCKSTEP_API std::string describe_word(const Registry&, const std::string& word);
 
 /// All names that find_descriptions() knows, then all words that describe_word() knows.
 LOCKSTEP_API std::vector<std::string> known_words(const Registry&);
 
-/// The reference of scenes as a page in Markdown: every object, type, key, form and unit; types of plugins that the
-/// registry has stand beside the others.
+/// The reference of scenes as a page in Markdown: every object, type, key, form and unit, with the types of plugins that
+/// the registry has.
 LOCKSTEP_API std::string scene_reference(const Registry&);
 
 /// JSON Schema of scene files, for editors: draft 2020-12, ending with a newline. The build writes that of the built-in

@@ -74,7 +74,7 @@ const std::map<std::string, const char*>& samples() {
   return all;
 }
 
-// What a link or force is given beside its own keys.
+// The keys of a joint or force besides those of its type.
 const char* places_of(const Description& d) {
   const std::string& type = d.info.name;
   const int pairs = d.shelf == "links" ? example_pairs(type) : 1;

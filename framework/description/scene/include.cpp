@@ -45,13 +45,13 @@ class Renaming {
   }
 
  private:
-  // "A", and "A.stop_z_low" or "A.friction", which a link brings with it.
+  // "A", and "A.stop_z_low" or "A.friction", which are parts of a joint.
   void text(Value* v) const {
     if (v == nullptr || v->text() == nullptr) return;
     const std::string old = *v->text();
     if (names_.contains(old) || names_.contains(old.substr(0, old.find('.')))) replace(*v, prefix_ + old);
   }
-  // "A.x", "a.x@b": names stand at its beginning and after "@".
+  // "A.x", "a.x@b": names are at its beginning and after "@".
   void channel(Value* v) const {
     if (v == nullptr || v->text() == nullptr) return;
     const std::string old = *v->text();
@@ -83,8 +83,7 @@ void set_parameters(Value& scene, const Params& p, Definitions& outer, Formulas&
     Value* to = own != nullptr ? member(*own, m.key) : nullptr;
     if (to == nullptr) {
       std::vector<std::string> known;
-      if (own != nullptr && own->object() != nullptr)
-        for (const Value::Member& k : *own->object()) known.push_back(k.key);
+      for (const Value::Member& k : members(scene, "parameters")) known.push_back(k.key);
       refuse(m.where, owner, "the scene has no parameter \"" + m.key + "\"" + text::suggestion(m.key, known));
     }
     if (is_formula(m.value)) formulas.emplace_back(m.value.where, *m.value.text());
@@ -106,22 +105,22 @@ Value settled(const Value& include, const std::string& owner, Definitions& outer
   return v;
 }
 
-// The path is judged by what it says: whether there is such a file is no matter until it may be read.
+// The rule judges the path alone; the file is looked for only after that.
 std::string path_of(const Params& p, const SceneReading& reading) {
   namespace fs = std::filesystem;
   const fs::path path = path_of_file(p.value("scene"));
   if (reading.rule) reading.rule(p.value("scene"), path.string());
   std::error_code error;
   if (fs::exists(path, error) && !fs::is_regular_file(path, error))
-    p.refuse("scene", "\"" + p.text("scene") + "\" is no file that holds a scene");
+    p.refuse("scene", "\"" + p.text("scene") + "\" is not a regular file; name a scene file");
   for (const std::string& file : reading.files)
-    if (fs::equivalent(path, file, error)) p.refuse("scene", "\"" + p.text("scene") + "\" includes itself");
+    if (fs::equivalent(path, file, error)) p.refuse("scene", "\"" + p.text("scene") + "\" includes itself; remove it");
   if (reading.files.size() > kMostFiles)
-    p.refuse("scene", "scenes are included deeper than " + std::to_string(kMostFiles) + " within one another");
+    p.refuse("scene", "scenes include one another more than " + std::to_string(kMostFiles) + " deep; flatten them");
   return path.lexically_normal().string();
 }
 
-// Keys of an included scene that say how the whole moves, unless they say what is taken without them.
+// Keys of an included scene that affect the whole motion, unless they hold the default.
 void note_left_out(const Value& root, SceneReading& reading) {
   const auto note = [&](const char* key, const Value& value, const std::string& words) {
     reading.left_out.push_back({value.where, key, words});
@@ -138,7 +137,7 @@ Value read_included(const Params& p, Definitions& outer, SceneReading& reading, 
   Scene inner;
   inner.file = path_of(p, reading);
   inner.root = read_json_file(inner.file);
-  if (inner.root.object() == nullptr) p.refuse("scene", "\"" + inner.file + "\" holds no object");
+  if (inner.root.object() == nullptr) p.refuse("scene", "\"" + inner.file + "\" is not an object");
   check_format(inner.root);
   rename_old_keys(inner.root);
   set_parameters(inner.root, p, outer, formulas);
@@ -156,7 +155,7 @@ Value read_included(const Params& p, Definitions& outer, SceneReading& reading, 
 
 constexpr const char* kBrought[] = {"requires", "points", "bodies", "markers", "links", "forces", "events"};
 
-// The value under one of these keys, where it is given.
+// The value under one of these keys, if it is given.
 Value* brought_under(Value& scene, const std::string& key) {
   Value* v = member(scene, key);
   if (v == nullptr) return nullptr;
@@ -182,7 +181,7 @@ void expand_includes(Value& root, SceneReading& reading, Formulas& formulas) {
     const Value object = settled(include, owner, definitions, formulas);
     const Params p = params_of(object, "include", owner, nullptr);
     parts.push_back(read_included(p, definitions, reading, formulas));
-    definitions.add(parts.back());  // formulas of those behind it read what it brings
+    definitions.add(parts.back());  // formulas of later parts can read its points
   }
   parts.push_back(root.without({"include"}));  // what is brought comes before the scene's own
   root = parts.back();
@@ -197,14 +196,12 @@ void expand_includes(Value& root, SceneReading& reading, Formulas& formulas) {
 void tell_left_out(const Value& root, const SceneReading& reading) {
   std::set<std::string> told;  // a scene may be included several times
   for (const LeftOutKey& out : reading.left_out)
-    if (root.find(out.key) == nullptr && told.insert(out.where.text()).second) {
-      Finding f{&finding::not_included, "",
-                "scene, " + out.key + ": " + out.value +
-                    " of an included scene is not taken; the scene that includes it gives none",
-                "give it \"" + out.key + "\" there"};
-      f.place = out.where.text();
-      report_finding(f);
-    }
+    if (root.find(out.key) == nullptr && told.insert(out.where.text()).second)
+      report_finding({.kind = &finding::not_included,
+                      .message = "scene, " + out.key + ": " + out.value +
+                                 " of an included scene has no effect; the including scene gives none",
+                      .advice = "add \"" + out.key + "\" to the including scene",
+                      .place = out.where.text()});
 }
 
 }  // namespace lockstep

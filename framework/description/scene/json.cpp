@@ -7,9 +7,9 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <ranges>
 
 #include <lockstep/error.h>
 #include "framework/mechanism/params/read.h"
@@ -21,24 +21,6 @@ using ParseError = nlohmann::detail::exception;
 constexpr int kOutOfRange = 406;  // nlohmann's id of a number that no double holds
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-
-// The iterator that the parser reads through; `read` counts the characters.
-struct Counting {
-  using iterator_category = std::input_iterator_tag;
-  using value_type = char;
-  using difference_type = std::ptrdiff_t;
-  using pointer = const char*;
-  using reference = const char&;
-  const char* at;
-  std::size_t* read;
-
-  const char& operator*() const { return *at; }
-  Counting& operator++() {
-    ++at, ++*read;
-    return *this;
-  }
-  bool operator==(const Counting& other) const { return at == other.at; }
-};
 
 bool begins_with_word(std::string_view text, std::string_view word) {
   const bool sign = text.starts_with('-') || text.starts_with('+');
@@ -54,10 +36,11 @@ class TreeBuilder {
     if (text_.starts_with("\xEF\xBB\xBF")) end_ = counted_ = 3;  // a byte order mark
   }
 
+  // The parser looks at each character once.
   bool parse() {
-    const char* begin = text_.data();
-    return nlohmann::json::sax_parse(Counting{begin, &read_}, Counting{begin + text_.size(), &read_}, this,
-                                     nlohmann::json::input_format_t::json, true, true);
+    const auto counted = text_ | std::views::transform([this](char c) { return ++read_, c; });
+    return nlohmann::json::sax_parse(counted.begin(), counted.end(), this, nlohmann::json::input_format_t::json, true,
+                                     true);
   }
 
   bool null() { return put(Value(), here()); }
@@ -142,8 +125,7 @@ class TreeBuilder {
     v.where = here();
     if (open_.size() == kMostDepth)
       refuse(v.where, "",
-             "objects and lists are nested deeper than " + std::to_string(kMostDepth) +
-                 "; the limit keeps readers safe: flatten this one");
+             "objects and lists are nested deeper than " + std::to_string(kMostDepth) + " levels; flatten this one");
     open_.push_back({std::move(v), {}});
     return done(Last::opening);
   }
@@ -182,7 +164,7 @@ class TreeBuilder {
     if (error.id == kOutOfRange)
       return "the number " +
              text_.substr(byte, std::min<std::size_t>(40, text_.find_first_of(" \t\r\n,]}", byte) - byte)) +
-             " is beyond the range of numbers (1e308); write a smaller one";
+             " is beyond the range of numbers (1e308); write a smaller number";
     if (rest.empty()) {
       if (open_.empty()) return "the text is empty; a JSON object is expected";
       const Value& v = open_.back().value;
@@ -190,8 +172,8 @@ class TreeBuilder {
              v.where.text() + "; a closing " + (v.object() ? "}" : "]") + " is missing";
     }
     if (begins_with_word(rest, "nan") || begins_with_word(rest, "inf"))
-      return "NaN and infinity are not JSON numbers, and no quantity here may be one; write a finite number";
-    if (rest.front() == '/' || rest.front() == '#') return "a comment is \"// ...\" or \"/* ... */\"";
+      return "NaN and infinity are not allowed; write a finite number";
+    if (rest.front() == '/' || rest.front() == '#') return "this is no comment; write \"// ...\" or \"/* ... */\"";
     if (rest.front() == '\'') return "texts need double quotes; write \"...\"";
     if (rest.front() == '+' || rest.front() == '.')
       return "a number begins with a digit or with a minus sign; write 0.5 for .5, and no plus sign";
@@ -199,7 +181,7 @@ class TreeBuilder {
     const bool comma = mark < byte && text_[mark] == ',', colon = mark < byte && text_[mark] == ':';
     if (comma && (rest.front() == '}' || rest.front() == ']'))
       return std::string("there is a comma before the closing ") + rest.front() + "; remove it";
-    if (open_.empty() && last_ != Last::nothing) return "there is text after the end of the description; remove it";
+    if (open_.empty() && last_ != Last::nothing) return "there is text after the end of the scene; remove it";
     if (!open_.empty()) {
       const bool object = open_.back().value.object() != nullptr;
       if (last_ == Last::key && !colon) return "a colon is missing between the key and its value";
@@ -232,7 +214,7 @@ Value read_json(const std::string& text, const std::string& file_name) {
     const SourceLocation where{std::make_shared<const std::string>(file_name), 0, 0};
     refuse(where, "",
            "the text has " + std::to_string(text.size()) + " bytes, the limit is " + std::to_string(kMostBytes) +
-               "; put large tables into CSV files");
+               " bytes; put large tables into CSV files");
   }
   TreeBuilder builder(text, file_name);
   builder.parse();

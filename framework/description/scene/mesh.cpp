@@ -29,8 +29,7 @@ using Corner = std::array<float, 3>;
 
 std::string too_many_triangles() {
   return "it has more than " + std::to_string(kMostTriangles) +
-         " triangles; make it coarser (a tool that makes meshes "
-         "simpler: MeshLab, Blender)";
+         " triangles; make it coarser, for example with MeshLab or Blender";
 }
 
 // Triangles by their corners, each of which is kept once.
@@ -87,11 +86,11 @@ class MeshWords {
   const std::vector<std::string_view>& words() const { return words_; }
   // Word k as a finite number of single precision, read as a double first: a number too small for it is 0.
   float number(std::size_t k) const {
-    if (k >= words_.size()) refuse("the line ends where a number should stand");
+    if (k >= words_.size()) refuse("the line ends, but a number is expected");
     const std::string_view word = words_[k];
     const auto value = number_in<double>(word.substr(word.starts_with('+') ? 1 : 0));
     if (!value || !(std::abs(*value) <= std::numeric_limits<float>::max()))
-      refuse("\"" + std::string(word.substr(0, 40)) + "\" is no number that a mesh can have");
+      refuse("\"" + std::string(word.substr(0, 40)) + "\" is not a number of single precision");
     return static_cast<float>(*value);
   }
   // Throws FileError with file and line.
@@ -119,13 +118,11 @@ TriangleMesh read_stl_text(const std::string& file, std::string_view text) {
   MeshWords in(file, text, 0);
   Gatherer mesh;
   bool in_solid = false;
-  const auto expect = [&](std::initializer_list<std::string_view> words) {
-    std::string all;
-    for (const std::string_view word : words) all += (all.empty() ? "" : " ") + std::string(word);
-    if (!in.next()) in.refuse("the file ends where \"" + all + "\" should stand");
+  const auto expect = [&](const std::string& all) {
+    if (!in.next()) in.refuse("the file ends, but \"" + all + "\" is expected");
     std::size_t k = 0;
-    for (const std::string_view word : words)
-      if (k >= in.words().size() || !same_word(in.words()[k++], word)) in.refuse("\"" + all + "\" should stand here");
+    for (const std::string& word : split_at(' ', all))
+      if (k >= in.words().size() || !same_word(in.words()[k++], word)) in.refuse("\"" + all + "\" is expected here");
   };
   while (in.next()) {
     const std::string_view word = in.words().front();
@@ -135,21 +132,21 @@ TriangleMesh read_stl_text(const std::string& file, std::string_view text) {
       in_solid = false;
     } else if (same_word(word, "facet") && in_solid) {
       if (mesh.n_triangles() == kMostTriangles) in.refuse(too_many_triangles());
-      expect({"outer", "loop"});
+      expect("outer loop");
       std::array<Corner, 3> corners{};
       for (Corner& corner : corners) {
-        expect({"vertex"});
-        if (in.words().size() != 4) in.refuse("a vertex has three numbers");
+        expect("vertex");
+        if (in.words().size() != 4) in.refuse("a vertex needs three numbers");
         corner = {in.number(1), in.number(2), in.number(3)};
       }
-      expect({"endloop"}), expect({"endfacet"});
+      expect("endloop"), expect("endfacet");
       mesh.add(corners[0], corners[1], corners[2]);
     } else {
-      in.refuse("\"" + std::string(word.substr(0, 40)) + "\" should be " +
+      in.refuse("found \"" + std::string(word.substr(0, 40)) + "\", expected " +
                 (in_solid ? "\"facet\" or \"endsolid\"" : "\"solid\""));
     }
   }
-  if (in_solid) in.refuse("the file ends before \"endsolid\": it was cut off");
+  if (in_solid) in.refuse("the file ends before \"endsolid\", so it is incomplete; write it again");
   return mesh.take();
 }
 
@@ -158,14 +155,13 @@ TriangleMesh read_stl_binary(const std::string& file, std::string_view bytes) {
   static_assert(std::endian::native == std::endian::little);
   if (bytes.size() < kStlHead)
     throw FileError(file + ": it has " + std::to_string(bytes.size()) + " bytes; a binary STL has at least " +
-                    std::to_string(kStlHead) + ", and one as text begins with \"solid\"");
+                    std::to_string(kStlHead) + ", a text STL begins with \"solid\"");
   std::uint32_t n = 0;
   std::memcpy(&n, bytes.data() + kStlHead - 4, 4);
   const std::size_t needed = kStlHead + kStlTriangle * std::size_t{n};
   if (needed != bytes.size())
-    throw FileError(file + ": it says that it has " + std::to_string(n) + " triangles, which are " +
-                    std::to_string(needed) + " bytes, and has " + std::to_string(bytes.size()) +
-                    "; it was cut off or is no STL");
+    throw FileError(file + ": it declares " + std::to_string(n) + " triangles (" + std::to_string(needed) +
+                    " bytes) but has " + std::to_string(bytes.size()) + " bytes; it is incomplete or not an STL file");
   if (n > kMostTriangles) throw FileError(file + ": " + too_many_triangles());
   Gatherer mesh;
   for (std::uint32_t k = 0; k < n; ++k) {
@@ -174,13 +170,13 @@ TriangleMesh read_stl_binary(const std::string& file, std::string_view bytes) {
     for (const Corner& corner : corners)
       if (!std::ranges::all_of(corner, [](float x) { return std::isfinite(x); }))
         throw FileError(file + ": triangle " + std::to_string(k + 1) + " of " + std::to_string(n) +
-                        " has a corner that is no number");
+                        " has a corner that is not a finite number");
     mesh.add(corners[0], corners[1], corners[2]);
   }
   return mesh.take();
 }
 
-// Some programs begin binary files with "solid", too: the size tells.
+// Some programs begin binary files with "solid", too: the size decides.
 TriangleMesh read_stl(const std::string& file, std::string_view bytes) {
   std::uint32_t n = 0;
   if (bytes.size() >= kStlHead) std::memcpy(&n, bytes.data() + kStlHead - 4, 4);
@@ -196,12 +192,12 @@ std::uint32_t corner_of(const MeshWords& in, std::string_view word, std::size_t 
   const long k = number_in<long>(word.substr(0, word.find('/'))).value_or(0);
   const auto n = static_cast<long>(n_points);
   if (k == 0 || k > n || k < -n)
-    in.refuse("the corner \"" + std::string(word.substr(0, 40)) + "\" is none of the " + std::to_string(n) +
+    in.refuse("the corner \"" + std::string(word.substr(0, 40)) + "\" is not among the " + std::to_string(n) +
               " points before it");
   return static_cast<std::uint32_t>(k > 0 ? k - 1 : n + k);
 }
 
-// Points "v x y z" and polygons "f a b c ..."; normals, textures, groups and materials are read over.
+// Points "v x y z" and polygons "f a b c ..."; normals, textures, groups and materials are ignored.
 TriangleMesh read_obj(const std::string& file, std::string_view text) {
   static constexpr std::array<std::string_view, 13> kReadOver{"vn", "vt", "vp",     "g",      "o",      "s",  "l",
                                                               "p",  "mg", "usemtl", "mtllib", "usemap", "lod"};
@@ -211,10 +207,10 @@ TriangleMesh read_obj(const std::string& file, std::string_view text) {
   while (in.next()) {
     const std::vector<std::string_view>& words = in.words();
     if (words[0] == "v") {
-      if (words.size() < 4) in.refuse("a point has three numbers");
+      if (words.size() < 4) in.refuse("a point needs three numbers");
       points.push_back({in.number(1), in.number(2), in.number(3)});
     } else if (words[0] == "f") {
-      if (words.size() < 4) in.refuse("a polygon has at least three corners");
+      if (words.size() < 4) in.refuse("a polygon needs at least three corners");
       const Corner first = points[corner_of(in, words[1], points.size())];
       Corner last = points[corner_of(in, words[2], points.size())];
       for (std::size_t k = 3; k < words.size(); ++k) {
@@ -225,7 +221,7 @@ TriangleMesh read_obj(const std::string& file, std::string_view text) {
       }
     } else if (std::ranges::find(kReadOver, words[0]) == kReadOver.end()) {
       in.refuse("\"" + std::string(words[0].substr(0, 40)) +
-                "\" is no line of an OBJ of polygons: points \"v\" and polygons \"f\" are read");
+                "\" is not read; an OBJ file here has points \"v\" and polygons \"f\"");
     }
   }
   return mesh.take();
@@ -234,13 +230,14 @@ TriangleMesh read_obj(const std::string& file, std::string_view text) {
 std::string bytes_of_mesh(const std::string& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))
-    throw FileError(file + ": " + (std::filesystem::exists(file, error) ? "it is no file" : "there is no such file") +
-                    "; check the path, relative ones start at the scene's folder");
+    throw FileError(file + ": " +
+                    (std::filesystem::exists(file, error) ? "it is not a file" : "there is no such file") +
+                    "; check the path, which is relative to the scene's folder");
   if (std::filesystem::file_size(file, error) > kMostMeshBytes && !error)
-    throw FileError(file + ": it is larger than 64 MB; make the mesh coarser (MeshLab, Blender)");
+    throw FileError(file + ": it is larger than 64 MB; make the mesh coarser, for example with MeshLab or Blender");
   std::ifstream in(file, std::ios::binary);
   std::string bytes{std::istreambuf_iterator<char>(in), {}};
-  if (!in || in.bad()) throw FileError(file + ": it cannot be read; check its rights");
+  if (!in || in.bad()) throw FileError(file + ": it cannot be read; check its permissions");
   return bytes;
 }
 
@@ -249,10 +246,10 @@ std::string bytes_of_mesh(const std::string& file) {
 TriangleMesh read_mesh(const std::string& file) {
   const std::string ending = std::filesystem::path(file).extension().string();
   if (!same_word(ending, ".stl") && !same_word(ending, ".obj"))
-    throw FileError(file + ": \"" + ending + "\" is no mesh that is read; save it as .stl or .obj");
+    throw FileError(file + ": \"" + ending + "\" is not a known mesh format; save it as .stl or .obj");
   const std::string bytes = bytes_of_mesh(file);
   TriangleMesh mesh = same_word(ending, ".stl") ? read_stl(file, bytes) : read_obj(file, bytes);
-  if (mesh.triangles.empty()) throw FileError(file + ": it has no triangle with an area");
+  if (mesh.triangles.empty()) throw FileError(file + ": it has no triangle with an area; check the file");
   return mesh;
 }
 
@@ -265,10 +262,8 @@ MeshFiles::MeshFiles() : shared_(std::make_shared<Shared>()) {}
 
 std::shared_ptr<const TriangleMesh> MeshFiles::read(const std::string& file) const {
   const std::scoped_lock lock(shared_->reading);
-  const auto found = shared_->meshes.find(file);
-  if (found != shared_->meshes.end()) return found->second;
-  auto mesh = std::make_shared<const TriangleMesh>(read_mesh(file));
-  shared_->meshes.emplace(file, mesh);
+  std::shared_ptr<const TriangleMesh>& mesh = shared_->meshes[file];
+  if (mesh == nullptr) mesh = std::make_shared<const TriangleMesh>(read_mesh(file));
   return mesh;
 }
 

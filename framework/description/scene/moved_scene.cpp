@@ -28,9 +28,8 @@ class Mover {
 
   void move() {
     for (const Value::Member& m : members(scene_, "points")) point(*member(scene_, "points"), m.key, "scene, points");
-    each("bodies", [&](Value& v, const std::string&) {
+    for (Value& v : items(scene_, "bodies"))
       if (is_free_particle(v)) particles_.insert(text_of(v, "name"));
-    });
     each("markers", [&](Value& v, const std::string& owner) {
       markers_.insert(text_of(v, "name"));
       if (is_on_particle(v)) on_particles_.insert(text_of(v, "name"));
@@ -64,14 +63,13 @@ class Mover {
     const Value* v = member(object, key);
     if (v != nullptr && turns_) put(object, key, Vec3(turn_ * read_vector3(*v, unit, part_of(owner, key))));
   }
-  void orientation(Value& object, const std::string& owner) { orientation(object, "orientation", owner); }
-  void orientation(Value& object, const std::string& key, const std::string& owner) {
+  void orientation(Value& object, const std::string& owner, const std::string& key = "orientation") {
     if (!turns_) return;
     const Value* v = member(object, key);
     put(object, key, v != nullptr ? by_.q * read_orientation(*v, part_of(owner, key)) : by_.q);
   }
 
-  // -- particles: their frames keep the world's axes, so what is given in "body" axes turns along
+  // -- particles: their frames keep the world's axes, so values in "body" axes are rotated too
   static bool is_free_particle(Value& body) {
     const Value* fixed = member(body, "fixed");
     return member(body, "particle") != nullptr &&
@@ -91,8 +89,8 @@ class Mover {
     direction(v, "omega_world", Unit::angular_speed, owner);
   }
 
-  // A rod's ends say how its frame is rolled about its axis (z as near to the world's as can be); what the turned rod
-  // has beyond that is its "roll".
+  // A rod's ends define the roll of its frame (z as near to the world's as possible); the further rotation of the moved
+  // rod about its axis is its "roll".
   void rod(Value& rod, const std::string& owner) {
     const Value *from = member(rod, "from"), *to = member(rod, "to");
     if (from == nullptr || to == nullptr) return;  // refused when it is built
@@ -113,7 +111,7 @@ class Mover {
 
   void marker(Value& v, const std::string& owner) {
     if (member(v, "world_at") != nullptr || member(v, "world_orientation") != nullptr) {
-      point_or_origin(v, "world_at", owner), orientation(v, "world_orientation", owner);
+      point_or_origin(v, "world_at", owner), orientation(v, owner, "world_orientation");
     } else if (text_of(v, "body") == "ground") {
       point_or_origin(v, "at", owner), orientation(v, owner);
     } else if (is_on_particle(v)) {
@@ -122,17 +120,15 @@ class Mover {
   }
 
   void attached(Value& v, const std::string& owner) {
-    for_each_placing(v, owner, [&](Value& placing, const std::string& its) {
-      if (placing.object() != nullptr) places(placing, its);
-    });
+    for_each_placing(v, owner, [&](Value& placing, const std::string& its) { places(placing, its); });
   }
-  // New markers on bodies have the world's axes where none are given, and the axes of the other side's marker if it is
-  // one.
+  // New markers on bodies have the world's axes if none are given, and the axes of the other side if that is a marker.
   void places(Value& v, const std::string& owner) {
+    if (v.object() == nullptr) return;
     for (const char* key : {"at", "at_p", "at_s"}) point(v, key, owner);
     if (!turns_) return;
     if (const Value* axis = member(v, "axis"); axis != nullptr && member(v, "orientation") == nullptr) {
-      const Quat at_home = pose_at(Vec3::Zero(), read_axis(*axis, part_of(owner, "axis"))).q;  // x and y turn along
+      const Quat at_home = pose_at(Vec3::Zero(), read_axis(*axis, part_of(owner, "axis"))).q;  // with its x and y
       v = v.without({"axis"});
       return put(v, "orientation", by_.q * at_home);
     }
@@ -143,15 +139,14 @@ class Mover {
 
   void force(Value& v, const std::string& owner) {
     attached(v, owner);
-    const std::string type = text_of(v, "type"), axes = text_of(v, "axes");
-    const std::string p = text_of(v, "p");
+    const std::string type = text_of(v, "type"), axes = text_of(v, "axes"), p = text_of(v, "p");
     const bool in_world =
         axes.empty() || axes == "world" || (axes == "body" && (particles_.contains(p) || on_particles_.contains(p)));
     if (!turns_ || (type != "applied_force" && type != "applied_torque") || !in_world) return;
     if (const Value* laws = member(v, "laws"))
       refuse(laws->where, part_of(owner, "laws"),
-             "they are of components in world axes, which an orientation of the included scene cannot turn; give it "
-             "\"axes\": \"marker\", or \"direction\" and \"law\"");
+             "laws in world axes cannot be rotated with the included scene; give \"axes\": \"marker\", or "
+             "\"direction\" and \"law\"");
     direction(v, type == "applied_force" ? "force" : "torque", Unit::any, owner);
     if (const Value* axis = member(v, "direction"))
       put(v, "direction", Vec3(turn_ * read_axis(*axis, part_of(owner, "direction"))));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parts of a scene: other scenes that it includes, where they are put, and what it repeats.
+// Parts of a scene: other scenes that it includes, their poses, and repeated parts.
 #pragma once
 
 #include <string>
@@ -12,9 +12,9 @@
 
 namespace lockstep {
 
-/// Replaces "include" of a scene by what the named scenes hold: their points, bodies, markers, links, forces and events
-/// come before the scene's own, with a prefix before their names, moved by the pose that is asked for. Each is
-/// checked as if it stood alone; their run settings, gravity, "planar" and "merge" stay out. The formulas of the
+/// Replaces "include" of a scene by the contents of the named scenes: their points, bodies, markers, joints, forces and
+/// events come before the scene's own, with a prefix before their names, moved by the given pose. Each is checked as a
+/// scene by itself; their run settings, gravity, "planar" and "merge" are left out. The formulas of the
 /// included scenes are added to `formulas`, as in Scene. Throws SceneError, FileError, and what the rule throws.
 void expand_includes(Value& root, SceneReading&, std::vector<std::pair<SourceLocation, std::string>>& formulas);
 
@@ -22,15 +22,14 @@ void expand_includes(Value& root, SceneReading&, std::vector<std::pair<SourceLoc
 void tell_left_out(const Value& root, const SceneReading&);
 
 /// Moves all that an included scene places in the world: x -> A x + d for points, A u for directions and velocities,
-/// q -> q_A q for orientations; what is given in the axes of bodies, markers and links moves with these. Not what it
-/// measures there: channels of events, and the values that they cross, stay in the world's axes. Nor vectors among the
-/// keys of forces of plugins, of which nobody says what axes they are in. `scene`: its data, formulas and names of points
-/// replaced by numbers. Throws SceneError for values that are not of their form, and for laws of components in world axes
-/// where the pose turns.
+/// q -> q_A q for orientations; values in the axes of bodies, markers and joints move with these. Not moved are channels
+/// of events, and the values that they cross, which stay in world axes; nor vectors among the keys of plugins' forces,
+/// whose axes are not known. `scene`: its data, formulas and names of points replaced by numbers. Throws SceneError for
+/// values that are not of their form, and for laws of components in world axes if the pose rotates.
 void move_scene(Value& scene, const Pose& by);
 
-/// Replaces "repeat" of the scene by its copies, at the ends of "points", "bodies", "markers", "links" and "forces". In
-/// each copy the index is a number in formulas, and "{i}", "{i+1}" in texts become whole numbers. Throws SceneError.
+/// Replaces "repeat" of the scene by its repetitions, at the ends of "points", "bodies", "markers", "links" and "forces".
+/// In each, the index is a number in formulas, and "{i}", "{i+1}" in texts become integers. Throws SceneError.
 void expand_repeats(Value& root);
 
 }  // namespace lockstep

@@ -19,10 +19,10 @@ namespace {
 
 constexpr std::size_t kMostLeaves = 20'000;  // that are searched for a near path
 
-/// What the tables know of a value: its key and part, and of an object, what it may hold.
+/// A value as the tables describe it: its key and part, and the keys of an object.
 struct Kind {
   Key key{};
-  Part part{};  // without a key where it has none
+  Part part{};  // without a key if it has none
   Keys keys{};
   std::vector<Part> parts{};
 };
@@ -48,7 +48,7 @@ Kind kind_of(const Value& v, Kind kind, const Registry& registry) {
   return kind;
 }
 
-// What is known of the value under a key of an object of this kind.
+// The kind of the value under a key of an object of this kind.
 Kind under(const Kind& object, const std::string& name) {
   Kind kind;
   kind.key.form = Form::any, kind.key.unit = Unit::any;
@@ -63,7 +63,7 @@ std::string step_to(const Value& item, std::size_t index) {
   return name != nullptr ? *name : std::to_string(index);
 }
 
-// Whether it is of a type that stands on no shelf.
+// Whether its type is unknown.
 bool has_unknown_type(const Value& object, const Registry& r) {
   const std::string* type = text_under(object, "type");
   bool known = type == nullptr;
@@ -73,7 +73,7 @@ bool has_unknown_type(const Value& object, const Registry& r) {
 
 /// Where a path fails.
 struct Miss {
-  std::size_t step = 0;  // the first that leads nowhere; the number of steps: the path leads to several values
+  std::size_t step = 0;  // the first that is unknown; the number of steps: the path leads to several values
   std::vector<std::string> candidates{};
   std::string problem{};
 };
@@ -172,18 +172,18 @@ class Walk {
     }
     const bool plain = here_->list() == nullptr && here_->object() == nullptr;
     if (i == steps_.size())
-      m.problem = plain ? owner + " is not in the scene and holds several values; add it first"
-                        : owner + " holds several values; name one of them";
+      m.problem = plain ? owner + " is not in the scene and has several values; add it first"
+                        : owner + " has several values; name one of them";
     else if (here_->text() != nullptr && here_->text()->starts_with('='))
       m.problem = owner + " is given as a whole by the formula \"" + *here_->text() +
-                  "\"; vary what it is made of, or set all of it";
+                  "\"; vary the parameters of the formula, or set the whole value";
     else if (here_->text() != nullptr && is_point(*here_->text()))
-      m.problem = owner + " is point \"" + *here_->text() + "\"; vary that, or what it is made of";
+      m.problem = owner + " is point \"" + *here_->text() + "\"; vary that point, or its parameters";
     else if (before_plugins_ && here_->object() != nullptr && has_unknown_type(*here_, registry_))
-      m.problem = owner + " is of a plugin's type and leaves \"" + steps_[i] + "\" to its default; write \"" +
-                  steps_[i] + "\" where the object is defined";
+      m.problem = owner + " has a plugin's type and does not give \"" + steps_[i] + "\"; write \"" + steps_[i] +
+                  "\" in its definition";
     else
-      m.problem = plain ? owner + " is one value and has no parts" : owner + " has no \"" + steps_[i] + "\"";
+      m.problem = plain ? owner + " is a single value without parts" : owner + " has no \"" + steps_[i] + "\"";
     return m;
   }
 
@@ -208,7 +208,7 @@ std::string closest_number(const Value& root, const std::string& path) {
   return text::closest_name(path, paths);
 }
 
-// The path with each name that leads nowhere replaced by the closest, else the closest path to a number; "" if none.
+// The path with each unknown name replaced by the closest, else the closest path to a number; "" if none.
 std::string nearest(const Value& root, const std::string& path, const Registry& registry) {
   std::vector<std::string> steps = split_at('.', path);
   for (std::size_t tries = 0; tries <= steps.size(); ++tries) {

@@ -13,8 +13,8 @@ namespace lockstep {
 
 /// One plain value of a scene: a number, a word, true or false; or nothing yet.
 struct ScenePlace {
-  Value* value = nullptr;  ///< holds null where the scene leaves it to its default
-  std::string path;        ///< with items of lists by name where they have one
+  Value* value = nullptr;  ///< holds null if the scene leaves it to its default
+  std::string path;        ///< with items of lists by name if they have one
   std::string near;        ///< the closest path to a number of the scene, if the scene does not hold this one
   Key key;  ///< its key in the tables; for a list's item, the list's key; without a name if there is none
 };

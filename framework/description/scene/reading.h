@@ -10,8 +10,8 @@
 
 namespace lockstep {
 
-/// Asked of each scene that another one includes, before anything of it is read or looked for: throws where it may not
-/// be read. `named`: the text that names it; `file`: its path.
+/// Called for each scene that another one includes, before it is looked for: throws if it may not be read. `named`: the
+/// text that names it; `file`: its path.
 using IncludeRule = std::function<void(const Value& named, const std::string& file)>;
 
 /// A key of an included scene that is read and left out: the whole has one of its own, or none.
@@ -28,19 +28,18 @@ struct SceneReading {
 };
 
 /// A scene as scene_from() of scene.h reads it, which includes only what the rule lets it. `again`: it was read before
-/// with other values, and what is left out of it was told.
+/// with other values, and the keys that are left out were reported.
 LOCKSTEP_API Scene scene_from(Value root, std::string file, const IncludeRule&, bool again = false);
 
-/// Refuses a version of the format that is not known: what a newer format has besides is no matter then. Throws
-/// SceneError.
+/// Throws SceneError for an unknown version of the format, before anything else is read.
 void check_format(const Value& root);
 
-/// Reads what a scene holds beside its lists, once its formulas have values: title, description, plugins and run
-/// settings. Throws SceneError: unknown keys, values that are not of their form.
+/// Reads a scene except for its lists, once its formulas have values: title, description, plugins and run settings.
+/// Throws SceneError: unknown keys, values that are not of their form.
 void read_root(Scene&);
 
 /// Gives renamed keys of a scene's root their present names and logs a warning for each, with its place. Throws
-/// SceneError where an object has the old and the new name of a key.
+/// SceneError if an object has the old and the new name of a key.
 void rename_old_keys(Value& root);
 
 /// The same for the third step of a path such as links.A.one_sided.restitution.

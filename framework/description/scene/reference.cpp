@@ -34,7 +34,7 @@ std::string seen_cell(const Key& key, const std::vector<Part>& parts) {
 
 void write_keys(std::ostream& out, const std::vector<Key>& keys, const std::vector<Part>& parts) {
   if (keys.empty()) return;
-  out << "\n| key | value | default | |\n|---|---|---|---|\n";
+  out << "\n| key | value | default | meaning |\n|---|---|---|---|\n";
   for (const Key& key : keys)
     out << "| `" << key.name << "` | " << form_cell(key, parts) << seen_cell(key, parts) << " | " << default_cell(key)
         << " | " << cell(key.help) << " |\n";
@@ -42,7 +42,7 @@ void write_keys(std::ostream& out, const std::vector<Key>& keys, const std::vect
 
 void write_type(std::ostream& out, const Description& d) {
   const std::string kind = d.shelf.substr(0, d.shelf.find("_laws"));
-  out << "\n### " << d.info.name << (kind != d.shelf ? " (law of a " + kind + ")" : "") << "\n" << d.info.help << ".";
+  out << "\n### " << d.info.name << (kind != d.shelf ? " (" + kind + " law)" : "") << "\n" << d.info.help << ".";
   if (d.origin != "built in") out << " From plugin `" << d.origin << "`.";
   out << "\n";
   write_keys(out, d.info.keys, d.parts);
@@ -65,9 +65,9 @@ struct Chapter {
   const char *name, *heading, *text;
 };
 constexpr Chapter kChapters[] = {
-    {"links", "Links", "In the scene's `links`. Each takes the keys of *link* too."},
-    {"forces", "Forces", "In the scene's `forces`. Each takes the keys of *force* too."},
-    {"laws", "Laws", "Functions of time, wherever a law stands. `y` has the unit of its use."},
+    {"links", "Joints and couplings", "Under `links` of the scene. Each also has the keys of *link*."},
+    {"forces", "Forces", "Under `forces` of the scene. Each also has the keys of *force*."},
+    {"laws", "Laws", "Functions of time, for every key that holds a law. `y` has the unit of that key."},
     {"integrators", "Integrators", "`run.integrator`: the name, or an object with its `type` and keys."},
     {"solvers", "Linear solvers", "`run.solver`: the name, or an object with its `type` and keys."}};
 
@@ -75,7 +75,7 @@ constexpr Chapter kChapters[] = {
 std::string coverage_words(const Registry& registry) {
   std::size_t n_types = 0, n_keys = 0;
   for (const Description& d : all_descriptions(registry)) n_types += d.shelf != "scene", n_keys += d.info.keys.size();
-  return "It covers all of them: " + std::to_string(scene_tables().size()) + " objects, " + std::to_string(n_types) +
+  return "It is complete: " + std::to_string(scene_tables().size()) + " objects, " + std::to_string(n_types) +
          " types, " + std::to_string(n_keys) + " keys.";
 }
 
@@ -83,10 +83,10 @@ std::string coverage_words(const Registry& registry) {
 
 std::string scene_reference(const Registry& registry) {
   std::ostringstream out;
-  out << "# Scene reference\nEvery object, type and key of a scene, written by `lockstep reference`; how they work "
-         "together is told in "
-         "Scenes. Lengths are in m, angles in rad, unless a text gives a unit. `lockstep describe NAME` shows the same "
-         "for one of them. "
+  out << "# Scene reference\nEvery object, type and key of a scene file, for authors of scenes; "
+         "[Scenes](scenes.md) explains the format. "
+         "Values are in SI units (m, rad), unless a text gives another unit. `lockstep describe NAME` shows one entry, "
+         "`lockstep reference` all of them. "
       << coverage_words(registry) << "\n";
   out << "\n## Objects\n";
   for (const Description& d : all_descriptions(registry))
@@ -94,14 +94,14 @@ std::string scene_reference(const Registry& registry) {
   for (const Chapter& shelf : kChapters) {
     out << "\n## " << shelf.heading << "\n" << shelf.text << "\n";
     if (std::string(shelf.name) == "links")
-      out << "\n![P is seen from S by six coordinates; which of them each joint holds](lock.svg)\n";
+      out << "\n![The six coordinates of P relative to S, and those that each joint constrains](lock.svg)\n";
     for (const Description& d : shelf_contents(registry, shelf.name)) write_type(out, d);
   }
   out << "\n## Values\n";
   for (const char* form : {"number", "vector3", "axis", "orientation", "law", "translation law", "rotation law",
                            "formula", "channel", "unit"})
     write_form(out, form, describe_word(registry, form));
-  out << "\n| quantity | SI unit | with a unit |\n|---|---|---|\n";
+  out << "\n| quantity | SI unit | example |\n|---|---|---|\n";
   for (const Unit unit : units())
     out << "| " << name_of(unit) << " | " << si_unit(unit) << " | `\"" << example_of(unit) << "\"` |\n";
   return out.str();

@@ -19,10 +19,10 @@ constexpr int kMostCopies = 100'000;
 
 bool in_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c < 0; }
 
-// As it stands in a formula: "-1^2" is -(1^2).
+// As it is written in a formula: "-1^2" is -(1^2).
 std::string in_formula(long k) { return k < 0 ? "(" + std::to_string(k) + ")" : std::to_string(k); }
 
-// The formula with the index as a number. Behind a number stands a unit, whatever its name.
+// The formula with the index as a number. A name behind a number is a unit.
 std::string with_index(const std::string& formula, const std::string& index, const std::string& number) {
   std::string out;
   for (std::size_t i = 0; i < formula.size();) {
@@ -67,12 +67,11 @@ class Copy {
       const std::size_t open = text.find('{', i), close = text.find('}', open);
       out += text.substr(i, open == std::string::npos ? open : open - i);
       if (open == std::string::npos) return out;
-      if (close == std::string::npos) refuse(where, context, "\"" + text + "\": a \"{\" without \"}\"");
+      if (close == std::string::npos) refuse(where, context, "\"" + text + "\": a \"{\" without \"}\"; close it");
       const std::string formula = "=" + with_index(text.substr(open + 1, close - open - 1), index_, number_);
       const expression::Amount q = definitions_.evaluate(placed_at(where, formula), context);
       if (q.is_vector || q.measured || q.v[0] != std::round(q.v[0]) || std::abs(q.v[0]) > 1e9)
-        refuse(where, context,
-               "\"" + text + "\": what stands in braces is " + words_of(q) + "; a whole number is expected");
+        refuse(where, context, "\"" + text + "\": the value in braces is " + words_of(q) + "; an integer is expected");
       const long k = static_cast<long>(q.v[0]);
       out += formula_around ? in_formula(k) : std::to_string(k);
       i = close + 1;
@@ -103,15 +102,14 @@ void expand(Value& root, const Value& object, const std::string& owner, Definiti
   const Params p = params_of(settled, "repeat", owner, nullptr);
   const std::string index = p.text("index");
   std::string problem;
-  if (!expression::is_name(index, problem)) p.refuse("index", "\"" + index + "\" is no name: " + problem);
+  if (!expression::is_name(index, problem)) p.refuse("index", "\"" + index + "\" is not a name: " + problem);
   if (dimension_of(index))
     p.refuse("index", "\"" + index + "\" is a unit, as in \"1 " + index + "\"; choose another name, such as \"i\"");
   if (definitions.find(index) != nullptr)
     p.refuse("index", "\"" + index + "\" is a parameter or point already; choose another name");
   const int times = p.integer("times"), from = p.integer("from");
   if (times < 0 || times > kMostCopies)
-    p.refuse("times",
-             "it is " + std::to_string(times) + "; from 0 to " + std::to_string(kMostCopies) + " are possible");
+    p.refuse("times", "it is " + std::to_string(times) + "; give a number from 0 to " + std::to_string(kMostCopies));
   for (int k = 0; k < times; ++k)
     for (const Value::Member& m : *object.object())
       if (m.key != "times" && m.key != "from" && m.key != "index")

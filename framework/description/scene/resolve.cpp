@@ -37,7 +37,7 @@ const Registry& built_in_types() {
   return kBuiltIn;
 }
 
-/// What the tables say of the texts of a type: keys that hold texts, not numbers, and whether it is given the parameters.
+/// The keys of a type that hold texts, not numbers, and whether it gets the parameters.
 struct Texts {
   std::vector<std::string> keys{};
   bool takes_parameters = false;
@@ -136,7 +136,7 @@ class Resolver {
     const std::string name = *v.text();
     const bool known = definitions_.is_point(name);
     const std::vector<std::string> points = known ? std::vector<std::string>() : definitions_.names(true);
-    if (!known && points.empty()) return false;  // the reader of the key says what it expects
+    if (!known && points.empty()) return false;  // the reader of the key reports it
     wrong_.attempt([&] {
       if (!known) refuse(v.where, context, "unknown point \"" + name + "\"" + text::suggestion(name, points));
       v = Definitions::placed_value(*definitions_.find(name), v.where);
@@ -175,7 +175,7 @@ class Resolver {
     if (texts.takes_parameters) give_parameters(v);
   }
 
-  // Of the scene's parameters those that its formulas read, but for those that the object names itself.
+  // The scene's parameters that its formulas read, except those that the object names itself.
   void give_parameters(Value& v) {
     std::set<std::string> read;
     for (const Value::Member& m : *v.object()) add_names(m.value, read);
@@ -185,7 +185,7 @@ class Resolver {
       if (amount == nullptr) continue;
       const Value* own = v.find("parameters");
       if (own != nullptr && (own->object() == nullptr || own->find(name) != nullptr))
-        continue;  // refused by its reader
+        continue;  // an error of its reader
       Value& all = made_under(v, "parameters", Value::Object{});
       all.object()->push_back({name, Definitions::placed_value(*amount, v.where), v.where});
     }
@@ -218,18 +218,17 @@ bool leads_to_own_definition(const Value& root, const std::string& path) {
   return false;
 }
 
-// "set": other values of what is there by now.
-void set_by_path(Value& root, const Value::Object& given) {
+// "set": new values of present things.
+void set_by_path(Value& root, std::span<const Value::Member> given) {
   for (const Value::Member& m : given) {
     if (m.value.list() != nullptr || m.value.object() != nullptr || m.value.is_null())
       refuse(m.where, "scene.set",
-             "\"" + m.key + "\" is set to " + shown(m.value) +
-                 "; a path leads to one value: a number, a text, true or false");
+             "\"" + m.key + "\" is set to " + shown(m.value) + "; set a single value: a number, a text, true or false");
     placed(m.where, "scene.set", [&] { *find_place(root, m.key, built_in_types(), true).value = m.value; });
   }
 }
 
-// The dimension of a formula where a parameter has another value; none where it cannot be computed.
+// The dimension of a formula if a parameter has another value; none if it cannot be computed.
 std::optional<expression::Exponents> dimension_with(Value root, const std::string& parameter, const Value& value,
                                                     const Value& formula) {
   for (Value::Member& m : members(root, "parameters"))
@@ -255,7 +254,7 @@ std::string without_units(const Scene& scene, const std::string& formula, const 
   for (const SceneParameter& p : scene.parameters) {
     if (p.is_point || p.written.number() == nullptr || !names.contains(p.name)) continue;
     const std::string number = text::number(*p.written.number());
-    words += std::string(words.empty() ? ", where " : " and ") + p.name + " = " + number + " has no unit";
+    words += std::string(words.empty() ? ", in which " : " and ") + p.name + " = " + number + " has no unit";
     const auto now = dimension_with(scene.written, p.name, p.written, formula);
     if (!now) continue;
     const std::string unit = si_unit(Dimension{wanted.m - int(now->m), wanted.kg - int(now->kg), wanted.s - int(now->s),
@@ -278,7 +277,7 @@ SceneError told_with_formulas(const Scene& scene, const SceneError& error) {
     };
     const auto found = std::find_if(scene.formulas.begin(), scene.formulas.end(), is_there);
     if (found != scene.formulas.end())
-      words += "; it is the value of the formula \"" + found->second + "\"" + without_units(scene, found->second, line);
+      words += "; the value is from the formula \"" + found->second + "\"" + without_units(scene, found->second, line);
   }
   return SceneError(words, static_cast<const ErrorData&>(error));
 }
@@ -290,16 +289,13 @@ void resolve_formulas(Scene& scene, SceneReading& reading) {
     return;
   scene.written = root;
   if (!has("include") && !has("repeat") && !has("set")) return Resolver(scene, scene.written).resolve();
-  Value::Object of_definitions = take_set(root), of_parts;
-  std::erase_if(of_definitions, [&](const Value::Member& m) {
-    const bool later = !leads_to_own_definition(root, m.key);
-    if (later) of_parts.push_back(m);
-    return later;
-  });
-  set_by_path(root, of_definitions);
+  Value::Object given = take_set(root);
+  const auto of_parts = std::stable_partition(
+      given.begin(), given.end(), [&](const Value::Member& m) { return leads_to_own_definition(root, m.key); });
+  set_by_path(root, {given.begin(), of_parts});
   if (has("include")) expand_includes(root, reading, scene.formulas);
   if (has("repeat")) expand_repeats(root);
-  set_by_path(root, of_parts);
+  set_by_path(root, {of_parts, given.end()});
   const Value source = root;
   Resolver(scene, source).resolve();
 }

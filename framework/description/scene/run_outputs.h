@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a run of a scene writes beside its numbers: headers, rows at jumps, pictures.
+// The output of a run of a scene besides its numbers: headers, rows at jumps, pictures.
 #pragma once
 
 #include <string>

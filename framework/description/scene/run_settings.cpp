@@ -2,10 +2,10 @@
 #include "framework/description/scene/reading.h"
 
 #include <algorithm>
-#include <utility>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/description/registry/law_units.h"
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/run_outputs.h"
 #include "framework/mechanism/params/refusals.h"
@@ -21,11 +21,7 @@ MethodSpec read_typed(const Params& run, const std::string& key, const MethodSpe
   const Value* type = v.find("type");
   if (type == nullptr || type->text() == nullptr)
     run.refuse(key, "expected a name, or {\"type\": name, and its keys}, got " + shown(v));
-  MethodSpec typed{*type->text(), Value(Value::Object{}), type->where};
-  for (const Value::Member& member : *v.object())
-    if (member.key != "type") typed.keys.object()->push_back(member);
-  typed.keys.where = v.where;
-  return typed;
+  return {*type->text(), v.without({"type"}), type->where};
 }
 
 Stabilization::Kind kind_from(const std::string& word) {
@@ -33,39 +29,36 @@ Stabilization::Kind kind_from(const std::string& word) {
   return word == "none" ? Stabilization::Kind::none : Stabilization::Kind::project;
 }
 
-Stabilization read_stabilization(const Params& run) {
-  Stabilization s;
+void read_stabilization(const Params& run, Stabilization& s, Refusals& wrong) {
   const Value& v = run.value("stabilization");
-  if (!run.has("stabilization")) return s;
-  const SceneTable& table = scene_table("stabilization");
+  if (!run.has("stabilization")) return;
+  const Keys& keys = scene_table("stabilization").info.keys;
   if (v.object() == nullptr) {
-    s.kind = kind_from(read_choice(v, table.info.keys.front().choices, "run.stabilization"));
-    return s;
+    s.kind = kind_from(read_choice(v, keys.front().choices, "run.stabilization"));
+    return;
   }
   const Params p = params_under(run, "stabilization", "stabilization");
   s.kind = kind_from(p.text("kind"));
   s.alpha = p.number("alpha"), s.beta = p.number("beta");
-  Refusals wrong;
   for (const char* rate : {"alpha", "beta"})
     wrong.attempt([&] {
+      check_unit(p, rate, Unit::frequency);
       if (p.number(rate) < 0) p.refuse(rate, "the rate is " + text::brief(p.number(rate)) + " 1/s; it must be >= 0");
     });
   wrong.attempt([&] { s.tolerance = positive(p, "tolerance", "tolerance"); });
-  wrong.raise();
-  return s;
 }
 
 std::vector<double> read_times(const Params& run) {
   if (!run.has("times")) return {};
   if (run.has("output"))
-    run.refuse("times", "\"output\" and \"times\" both define when to record; remove one of the two");
+    run.refuse("times", "\"output\" and \"times\" both define the recorded times; remove one of the two");
   const std::vector<double> times = run.numbers("times");
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (times[i] < 0)
-      run.refuse("times", "instant " + text::number(times[i]) + " s lies before the start at 0 s; remove it");
+      run.refuse("times", "time " + text::number(times[i]) + " s is before the start at 0 s; remove it");
     if (i > 0 && times[i] <= times[i - 1])
-      run.refuse("times", "instants must rise, but " + text::number(times[i]) + " s follows " +
-                              text::number(times[i - 1]) + " s");
+      run.refuse("times", "times must rise, but " + text::number(times[i]) + " s follows " +
+                              text::number(times[i - 1]) + " s; sort them");
   }
   return times;
 }
@@ -73,11 +66,10 @@ std::vector<double> read_times(const Params& run) {
 void add_request(std::vector<ChannelRequest>& all, ChannelRequest request) {
   const std::string& column = request.column();
   if (column.empty() || request.channel.empty())
-    refuse(request.where, "run.record", "a channel needs a name, and \"\" is not one");
+    refuse(request.where, "run.record", "the name of a channel is empty; give it one");
   if (std::any_of(column.begin(), column.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
     refuse(request.where, "run.record",
-           "a column's name holds a line end or another control character; a CSV header "
-           "is one line: leave it out");
+           "the name of a column contains a line end or another control character; remove it");
   const auto same = [&](const ChannelRequest& other) { return other.column() == column; };
   if (std::any_of(all.begin(), all.end(), same))
     refuse(request.where, "run.record", "column \"" + column + "\" is requested twice; rename one of them");
@@ -104,13 +96,12 @@ std::vector<ChannelRequest> read_record(const Params& run) {
 }
 
 // A panel: names that are recorded.
-std::vector<std::string> read_panel(const Value& panel, const std::vector<std::string>& known) {
+std::vector<std::string> read_panel(const Value& panel, const std::vector<std::string>& known, Refusals& wrong) {
   if (panel.list() == nullptr)
     refuse(panel.where, "run.draw", "expected a panel as a list of recorded names, got " + shown(panel));
   if (panel.list()->empty())
-    refuse(panel.where, "run.draw", "this panel names nothing; name a recorded channel, or remove it");
+    refuse(panel.where, "run.draw", "this panel is empty; name a recorded channel, or remove it");
   std::vector<std::string> names;
-  Refusals wrong;
   for (const Value& item : *panel.list())
     wrong.attempt([&] {
       names.push_back(read_text(item, "run.draw"));
@@ -118,22 +109,17 @@ std::vector<std::string> read_panel(const Value& panel, const std::vector<std::s
         refuse(item.where, "run.draw",
                "\"" + names.back() + "\" is not recorded" + text::suggestion(names.back(), known));
     });
-  wrong.raise();
   return names;
 }
 
-std::vector<std::vector<std::string>> read_draw(const Params& run, const std::vector<ChannelRequest>& record) {
-  std::vector<std::vector<std::string>> panels;
+void read_draw(const Params& p, RunSettings& run, Refusals& wrong) {
   std::vector<std::string> known;
-  for (const ChannelRequest& r : record) known.push_back(r.column());
-  Refusals wrong;
-  for (const Value& panel : items_of(run, "draw", "a list of panels, each a list of recorded names"))
-    wrong.attempt([&] { panels.push_back(read_panel(panel, known)); });
-  wrong.raise();
-  return panels;
+  for (const ChannelRequest& r : run.record) known.push_back(r.column());
+  for (const Value& panel : items_of(p, "draw", "a list of panels, each a list of recorded names"))
+    wrong.attempt([&] { run.draw.push_back(read_panel(panel, known, wrong)); });
 }
 
-// The settings that are known by name and of their form; what is wrong with the others is kept.
+// The settings with known names and valid forms; errors of the others are kept.
 Value sound_settings(const Value& v, Refusals& wrong) {
   Refusals here;
   here.attempt([&] { params_of(v, "run", "run", nullptr); });
@@ -154,7 +140,7 @@ Value sound_settings(const Value& v, Refusals& wrong) {
 void read_methods(const Params& p, RunSettings& run, Refusals& wrong) {
   wrong.attempt([&] { run.integrator = read_typed(p, "integrator", run.integrator); });
   wrong.attempt([&] { run.solver = read_typed(p, "solver", run.solver); });
-  wrong.attempt([&] { run.stabilization = read_stabilization(p); });
+  wrong.attempt([&] { read_stabilization(p, run.stabilization, wrong); });
   run.formulation = formulation_from(p.text("formulation"));
   if (p.has("solver") && !p.has("formulation")) run.formulation = Formulation::omega;  // joint coordinates need none
   if (run.formulation == Formulation::quaternion && !p.has("solver")) run.solver.type = "sparse";
@@ -170,15 +156,15 @@ void read_clock(const Params& p, RunSettings& run, Refusals& wrong) {
   wrong.attempt([&] {
     if (!p.has("until")) return;
     const double until = p.number("until");
-    if (!(until >= 0)) p.refuse("until", "the end of the run is " + text::number(until) + "; it must be 0 or greater");
+    if (!(until >= 0)) p.refuse("until", "the end of the run is " + text::number(until) + " s; it must be >= 0");
     run.until = until;
   });
   take("output", "interval", run.output);
   run.at_jumps = p.boolean("at_jumps");
   wrong.attempt([&] { run.times = read_times(p); });
-  if (p.has("max_steps")) run.max_steps = p.integer("max_steps");
   wrong.attempt([&] {
-    if (p.has("max_steps") && run.max_steps < 1) p.refuse("max_steps", "a number of steps is at least 1");
+    if (p.has("max_steps") && (run.max_steps = p.integer("max_steps")) < 1)
+      p.refuse("max_steps", "the limit must be at least 1 step");
   });
 }
 
@@ -235,14 +221,13 @@ RunSettings read_run(const Value& v) {
   read_methods(p, run, wrong);
   read_clock(p, run, wrong);
   read_limits(p, run, wrong);
-  bool recorded = (v.find("record") == nullptr) == (sound.find("record") == nullptr);
+  bool recorded = false;
   wrong.attempt([&] {
-    const bool whole = std::exchange(recorded, false);
     run.record = read_record(p);
-    recorded = whole;
+    recorded = (v.find("record") == nullptr) == (sound.find("record") == nullptr);
   });
-  if (recorded) {  // else what these name may be all that is wrong with them
-    wrong.attempt([&] { run.draw = read_draw(p, run.record); });
+  if (recorded) {  // else errors of these may follow from that of "record"
+    wrong.attempt([&] { read_draw(p, run, wrong); });
     wrong.attempt([&] { read_outputs(sound, run.record); });
   }
   wrong.raise();
@@ -254,7 +239,7 @@ NearlyRedundant nearly_redundant_from(std::string_view word) {
   if (word == "told") return NearlyRedundant::told;
   if (word == "free") return NearlyRedundant::free;
   if (word == "held") return NearlyRedundant::held;
-  throw ModelError("rows that nearly depend on others are auto, told, free or held, not '" + std::string(word) + "'");
+  throw ModelError("nearly_redundant is '" + std::string(word) + "'; it must be auto, told, free or held");
 }
 
 std::unique_ptr<Integrator> make_integrator(const RunSettings& run, const Registry& registry) {
@@ -263,7 +248,7 @@ std::unique_ptr<Integrator> make_integrator(const RunSettings& run, const Regist
   if (!method->info().adaptive && run.step <= 0)
     refuse(run.integrator.where.line > 0 ? run.integrator.where : run.where, "run.integrator",
            "\"" + run.integrator.type +
-               "\" takes fixed steps and no step is given; add \"step\" to \"run\", as in \"step\": 0.001");
+               "\" has fixed steps and no step is given; add \"step\" to \"run\", as in \"step\": 0.001");
   method->set_tolerance(run.tolerance);
   return method;
 }

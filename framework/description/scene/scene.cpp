@@ -17,28 +17,14 @@ namespace {
 
 constexpr int kFormat = 1;
 
-// A plugin is named; where it may come from is given outside of the scene.
+// A scene names a plugin; its location is given outside of the scene.
 void check_plugin(std::string name, const SourceLocation& where) {
   if (is_bare_name(name)) return;
   std::ranges::replace_if(
       name, [](char c) { return c >= 0 && c < ' '; }, '?');
   refuse(where, "scene, requires",
          "\"" + name +
-             "\" is not a bare name; a scene names plugins, as in \"cam_follower\", and where they may come from is "
-             "given outside of it: by --plugin PATH or LOCKSTEP_PLUGIN_PATH");
-}
-
-// All but its lists and "run".
-void read_plain(Scene& scene) {
-  const Params p = params_of(scene.root, "scene", "scene", nullptr);
-  if (p.has("title")) scene.title = p.text("title");
-  if (p.has("description")) scene.description = p.text("description");
-  Refusals wrong;
-  for (const std::pair<std::string, SourceLocation>& plugin : texts_of(p, "requires")) {
-    wrong.attempt([&] { check_plugin(plugin.first, plugin.second); });
-    scene.plugins.push_back(plugin.first);
-  }
-  wrong.raise();
+             "\" is not a bare name such as \"cam_follower\"; give the path by --plugin PATH or LOCKSTEP_PLUGIN_PATH");
 }
 
 }  // namespace
@@ -48,13 +34,21 @@ void check_format(const Value& root) {
   const double* version = format != nullptr ? format->number() : nullptr;
   if (version != nullptr && *version != kFormat)
     refuse(format->where, "scene, lockstep",
-           "version " + text::number(*version) + " of the format is unknown here; this program reads version " +
+           "version " + text::number(*version) + " of the format is unknown; this program reads version " +
                std::to_string(kFormat));
 }
 
 void read_root(Scene& scene) {
   Refusals wrong;
-  wrong.attempt([&] { read_plain(scene); });
+  wrong.attempt([&] {
+    const Params p = params_of(scene.root, "scene", "scene", nullptr);
+    if (p.has("title")) scene.title = p.text("title");
+    if (p.has("description")) scene.description = p.text("description");
+    for (const std::pair<std::string, SourceLocation>& plugin : texts_of(p, "requires")) {
+      wrong.attempt([&] { check_plugin(plugin.first, plugin.second); });
+      scene.plugins.push_back(plugin.first);
+    }
+  });
   const Value* run = scene.root.find("run");
   wrong.attempt([&] { scene.run = with_formulas(scene, [&] { return read_run(run != nullptr ? *run : Value()); }); });
   wrong.raise();

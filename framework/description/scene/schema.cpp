@@ -37,11 +37,9 @@ Json form_schema(const Key& key) {
   if (f == Form::vector3)  // or a point's name
     return any_of({exactly(number_schema(key.unit), 3),
                    key.unit == Unit::length ? Json{{"type", "string"}} : reference("formula")});
-  if (f == Form::axis) return reference("axis");
-  if (f == Form::orientation) return reference("orientation");
+  if (f == Form::axis || f == Form::orientation || f == Form::law) return reference(name_of(f));
   if (f == Form::numbers) return list_of(number_schema(key.unit));
   if (f == Form::points) return list_of(list_of(number_schema(key.unit)));
-  if (f == Form::law) return reference("law");
   if (f == Form::translation_law) return reference("translation_law");
   if (f == Form::rotation_law) return reference("rotation_law");
   return f == Form::laws ? list_of(reference("law")) : Json::object();

@@ -20,7 +20,7 @@ struct Split {
   Params own, common;
 };
 
-/// The keys of the kind, then those of the type; where both have a key of one name, the type's.
+/// The keys of the kind, then those of the type; of two keys with one name, the type's.
 inline Keys keys_together(const Keys& common, const Keys& own) {
   Keys keys;
   for (const Key& key : common)
@@ -29,7 +29,7 @@ inline Keys keys_together(const Keys& common, const Keys& own) {
   return keys;
 }
 
-/// The object without what may be keys of its type, which is not known; what may be a slip of "type" stays.
+/// The object without possible keys of its type, which is not known; a misspelt "type" stays.
 inline Value without_own(Value object, const Keys& common) {
   const std::string type[] = {"type"};
   if (object.object() != nullptr)
@@ -40,7 +40,7 @@ inline Value without_own(Value object, const Keys& common) {
 }
 
 /// Checks the object against both tables, makes its laws and splits it. Throws SceneError; for an unknown type, with
-/// the closest one, and with what is wrong if that is meant.
+/// the closest one, and with the errors if that is meant.
 template <class Shelf>
 Split split(const Value& object, const SceneTable& table, const Shelf& shelf, const std::string& owner,
             const Registry& laws) {
@@ -51,7 +51,7 @@ Split split(const Value& object, const SceneTable& table, const Shelf& shelf, co
     wrong.attempt([&] {
       refuse(type->where, owner,
              "unknown type \"" + *type->text() + "\"" + text::suggestion(*type->text(), shelf.names()) +
-                 " (a plugin that brings it is named under \"requires\")");
+                 " (if a plugin defines it, name the plugin under \"requires\")");
     });
     if (const std::string near = text::closest_name(*type->text(), shelf.names()); !near.empty()) {
       Value meant = object;
@@ -61,7 +61,7 @@ Split split(const Value& object, const SceneTable& table, const Shelf& shelf, co
     }
     wrong.raise();
   }
-  if (entry == nullptr)  // refuses a missing type
+  if (entry == nullptr)  // reports a missing type
     check_members(without_own(object, table.info.keys), table.info.name, {&table.info.keys}, owner);
   const auto own_keys = std::make_shared<const Keys>(entry->info.keys);
   // messages list the type's own keys first

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/scene/tables.h"
 
+#include <algorithm>
 #include <cassert>
 #include <map>
 
@@ -14,229 +15,219 @@
 namespace lockstep {
 namespace {
 
-// "## table | shelf | help", then its keys: "key | what it holds | default, or ! where it must be given | help". A key
-// holds a form, with its unit or its choices, or else what Part::holds says, with the table of the objects and the
-// choices. "# group" begins keys that "< group" puts into tables.
+// "## table | shelf | help", then its keys: "key | contents | default, or ! if it is required | help". The contents are
+// a form, with its unit or its choices, or else the words of Part::holds, with the table of the objects and the
+// choices. Several keys of one line differ by their last letters, for which "%" stands in its help. "# group" begins keys
+// that "< group" puts into tables.
 constexpr const char* kTables = R"_(
-## scene | | a mechanism, how it starts, how it runs and what is recorded
+## scene | | a mechanism, its start, the settings of the run and the recorded results
 lockstep | integer | ! | version of this format: 1
-$schema | text | | the JSON schema, for editors
-title | text | | one line that says what moves
-description | text | | more about it
-parameters | object of quantities | | numbers and quantities by name: {"crank": "100 mm", "ratio": 2.5}; "=crank*cos(30 deg)" stands wherever a number does, here too
-points | object of points | | points by name, world: {"A": [0, 0, 0], "B": "=A + [crank, 0, 0]"}; "at", "from", "to", "position" of bodies, markers and links take a name
-requires | list of texts | | plugins that must be loaded, by bare name; no path
-gravity | vector3; acceleration | [0, 0, 0] | gravity, world axes
-planar | choice; off; auto; x; y; z | "auto" | normal of the plane of all motion: three velocities per body; "auto": where that is exact and all links, laws and forces are known to stay in it (without the key, only where joint coordinates do not serve)
-merge | choice; off; auto | "off" | "auto": bodies joined by a fixed link without a law move as one; links that are recorded, or that events name, stay
+$schema | text | | JSON schema of the format, for editors
+title | text | | one line that describes the model
+description | text | | further description
+parameters | object of quantities | | named numbers and quantities: {"crank": "100 mm", "ratio": 2.5}; formulas such as "=crank*cos(30 deg)" may replace any number, also here
+points | object of points | | named points, world: {"A": [0, 0, 0], "B": "=A + [crank, 0, 0]"}; "at", "from", "to" and "position" accept such a name
+requires | list of texts | | required plugins, by name without a path
+gravity | vector3; acceleration | [0, 0, 0] | acceleration of gravity, world axes
+planar | choice; off; auto; x; y; z | "auto" | normal of the plane of motion; a body in the plane has three velocities; "auto": planar if all joints, laws and forces are known to stay in the plane exactly (without the key: only if joint coordinates are not used)
+merge | choice; off; auto | "off" | "auto": bodies connected by a fixed joint without a law move as one; joints that are recorded or named by events are kept
 include | list of objects; include | | other scenes as parts of this one
-repeat | list of objects; repeat | | parts of the scene several times, with an index
-set | object of values by path | | other values of what included and repeated parts bring, by path: {"bodies.left_leg.rod.mass": 2}
-bodies | list of objects; body | | the bodies; "ground" always exists
-markers | list of objects; marker | | frames on bodies that links and forces name
-links | list of objects; link | | what holds the bodies together
-forces | list of objects; force | | the forces applied to them
-events | list of objects; event | | changes of the links in force during the run
-run | object; run | | integrator, duration, output
-## include | | another scene as a part of this one: its points, bodies, markers, links, forces and events
-scene | text | ! | its file, from the folder of this scene
-prefix | text | "" | put before its names, as in "left_"
-at | vector3; length | [0, 0, 0] | where its origin is put, world
-orientation | orientation | [1, 0, 0, 0] | how its axes are turned, in the world; gravity is this scene's
-parameters | object of quantities | | other values of its parameters; formulas are of this scene's
-## repeat | | parts of a scene, several times; "{i}" and "{i+1}" in texts become whole numbers, i in formulas is one
-times | integer | ! | how many times
+repeat | list of objects; repeat | | repeated parts, with an index
+set | object of values by path | | new values in included and repeated parts, by path: {"bodies.left_leg.rod.mass": 2}
+bodies | list of objects; body | | bodies; the fixed body "ground" always exists
+markers | list of objects; marker | | named frames on bodies, for joints and forces
+links | list of objects; link | | joints, couplings and other constraints
+joints | list of objects; link | | another name of "links"; a scene with both has one list, in the order of the file
+forces | list of objects; force | | applied forces and torques
+events | list of objects; event | | changes of the active joints and forces during the run
+run | object; run | | integrator, duration and output
+## include | | another scene as a part of this one: its points, bodies, markers, joints, forces and events
+scene | text | ! | file of the other scene, relative to the folder of this one
+prefix | text | "" | prefix of all its names, such as "left_"
+at | vector3; length | [0, 0, 0] | position of its origin, world
+orientation | orientation | [1, 0, 0, 0] | orientation of its axes, world; gravity is that of this scene
+parameters | object of quantities | | new values of its parameters; formulas here use names of this scene
+## repeat | | repeated parts of a scene; in each repetition "{i}" and "{i+1}" in texts become integers, and formulas can use i
+times | integer | ! | number of repetitions
 index | text | "i" | name of the index
-from | integer | 0 | its first value
-points | object of points | | added to those of the scene
-bodies | list of objects; body | | likewise
-markers | list of objects; marker | | likewise
-links | list of objects; link | | likewise, behind those of the scene
-forces | list of objects; force | | likewise
+from | integer | 0 | first value of the index
+points | object of points | | points, added to those of the scene
+bodies | list of objects; body | | bodies, added to those of the scene
+markers | list of objects; marker | | markers, added to those of the scene
+links | list of objects; link | | joints, added after those of the scene
+joints | list of objects; link | | another name of "links"; a repeat with both has one list, in the order of the file
+forces | list of objects; force | | forces, added to those of the scene
 # matter
-mass | number; mass | | mass, given with "inertia"
-inertia | [x, y, z], 3 rows of 3, or object; inertia | | [Jxx, Jyy, Jzz], {"xx":, ..., "xy":}, or three rows; products as matrix entries
-inertia_at | [x, y, z] or choice; ; center | | point about which the inertia is given, own frame
-inertia_axes | orientation | [1, 0, 0, 0] | axes of the inertia, in its own frame
-center | vector3; length | [0, 0, 0] | mass centre, own frame
-rod | object; rod | | a rod; it defines the frame: in its middle, x along it
-box | object; box | | a box about its frame's origin
-cylinder | object; cylinder | | a cylinder about its frame's origin, along z
-sphere | object; sphere | | a sphere about its frame's origin
+mass | number; mass | | mass; requires "inertia"
+inertia | [x, y, z], 3 rows of 3, or object; inertia | | moments of inertia: [Jxx, Jyy, Jzz], {"xx":, ..., "xy":}, or the rows of the matrix; products as matrix entries
+inertia_at | [x, y, z] or choice; ; center | | reference point of the inertia, own frame; default: the centre of mass
+inertia_axes | orientation | [1, 0, 0, 0] | axes of the inertia, own frame
+center | vector3; length | [0, 0, 0] | centre of mass, own frame
+rod | object; rod | | a rod; the frame is at mid-length, x along the rod
+box | object; box | | a box, centred at the origin of its frame
+cylinder | object; cylinder | | a cylinder, centred at the origin of its frame, along z
+sphere | object; sphere | | a sphere, centred at the origin of its frame
 ## body | | a rigid body, a particle or a fixed frame
-name | text | ! | its name, unique in the scene
+name | text | ! | name, unique in the scene
 < matter
-compound | list of objects; part | | several parts, rigidly joined, each placed in the body's frame
-particle | number; mass | | mass of a particle, which has no rotation
-fixed | boolean | false | it never moves and needs no mass
-position | vector3; length | [0, 0, 0] | origin of its frame at the start, world
-orientation | orientation | [1, 0, 0, 0] | its axes at the start, in the world
-velocity | vector3; speed | [0, 0, 0] | of the frame's origin at the start, world axes
+compound | list of objects; part | | rigidly connected parts, each placed in the body frame
+particle | number; mass | | mass of a particle; it has no rotation
+fixed | boolean | false | true: the body does not move and needs no mass
+position | vector3; length | [0, 0, 0] | origin of the body frame at the start, world
+orientation | orientation | [1, 0, 0, 0] | orientation of the body frame at the start, world
+velocity | vector3; speed | [0, 0, 0] | velocity of the frame's origin at the start, world axes
 omega_body | vector3; angular speed | | angular velocity at the start, body axes
 omega_world | vector3; angular speed | | angular velocity at the start, world axes
-assembled | choice; approximate; exact; free | "approximate" | what assembling the start may do to its pose: as little as the rest allows, nothing, or anything
-start_weight | number | 1 | how much its start pose counts against those of others
-visual | object; visual | | what it looks like in reports
+assembled | choice; approximate; exact; free | "approximate" | change of the start pose by assembly: as small as possible, none, or free
+start_weight | number | 1 | weight of the start pose in assembly, relative to other bodies
+visual | object; visual | | appearance in reports
 ## part | | a part of a compound body
 < matter
 position | vector3; length | [0, 0, 0] | origin of the part's frame, body frame
-orientation | orientation | [1, 0, 0, 0] | axes of the part, in the body frame
-## inertia | | an inertia matrix by its entries; products as matrix entries, J_xy = -integral of x y dm
-xx | number; moment of inertia | ! | entry of the inertia matrix
-yy | number; moment of inertia | ! | entry of the inertia matrix
-zz | number; moment of inertia | ! | entry of the inertia matrix
-xy | number; moment of inertia | 0 | entry of the inertia matrix
-yz | number; moment of inertia | 0 | entry of the inertia matrix
-zx | number; moment of inertia | 0 | entry of the inertia matrix
-## visual | | what a body looks like in reports, beside its shape
-color | text | | "#rrggbb"; default: the next of a palette
-opacity | number | 1 | from 0, glass, to 1, solid
-own_shape | boolean | true | whether the shape that gives its mass is drawn, too
+orientation | orientation | [1, 0, 0, 0] | orientation of the part's frame, body frame
+## inertia | | inertia matrix by its entries; products as matrix entries, J_xy = -integral of x y dm
+xx yy zz | number; moment of inertia | ! | entry of the inertia matrix
+xy yz zx | number; moment of inertia | 0 | entry of the inertia matrix
+## visual | | appearance of a body in reports
+color | text | | "#rrggbb"; default: the next colour of a palette
+opacity | number | 1 | from 0 (transparent) to 1 (opaque)
+own_shape | boolean | true | true: the shape that defines the mass is also drawn
 shapes | list of objects; visual_shape | | further shapes and meshes, without mass
-## visual_shape | | a shape that is drawn and weighs nothing
-rod | object; rod | | a rod from one point to another, body frame
-box | object; box | | a box about its frame's origin
-cylinder | object; cylinder | | a cylinder about its frame's origin, along z
-sphere | object; sphere | | a sphere about its frame's origin
-mesh | text | | file of a mesh, STL or OBJ; path from the scene's folder
-scale | number | 1 | factor on the mesh's points: 0.001 of one in mm; below 0: mirrored
-at | vector3; length | [0, 0, 0] | origin of its frame, body frame
-orientation | orientation | [1, 0, 0, 0] | its axes, in the body frame
-## marker | | a frame on a body, fixed there or moved by laws
-name | text | ! | its name, unique in the scene
-body | text | ! | the body that carries it
-at | vector3; length | | its origin, body frame
-orientation | orientation | | its axes, in the body frame
-world_at | vector3; length | | its origin at the start, world
-world_orientation | orientation | | its axes at the start, in the world
-translation | translation law; length | | moves it along its own home axes
-rotation | rotation law; angle | | turns it about them
+## visual_shape | | a shape or mesh for drawing, without mass
+rod | object; rod | | a rod between two points, body frame
+box | object; box | | a box, centred at the origin of its frame
+cylinder | object; cylinder | | a cylinder, centred at the origin of its frame, along z
+sphere | object; sphere | | a sphere, centred at the origin of its frame
+mesh | text | | mesh file, STL or OBJ, relative to the folder of the scene
+scale | number | 1 | scale factor of the mesh: 0.001 for millimetres; a negative factor mirrors it
+at | vector3; length | [0, 0, 0] | origin of the shape's frame, body frame
+orientation | orientation | [1, 0, 0, 0] | orientation of the shape's frame, body frame
+## marker | | a frame on a body, fixed to it or moved by laws
+name | text | ! | name, unique in the scene
+body | text | ! | body of the marker
+at | vector3; length | | origin, body frame
+orientation | orientation | | orientation, body frame
+world_at | vector3; length | | origin at the start, world
+world_orientation | orientation | | orientation at the start, world
+translation | translation law; length | | translation along the axes of its reference configuration
+rotation | rotation law; angle | | rotation about the axes of its reference configuration
 # attachment
-p | text | | the marker P, or a body that is given one
-s | text | | the marker S that P is seen from, or a body that is given one
-at | vector3; length | | where both new markers are at the start, world
-at_p | vector3; length | | where the new marker P is at the start, world
-at_s | vector3; length | | where the new marker S is at the start, world
+p | text | | marker P, or the body on which a new marker P is placed
+s | text | | marker S, from which P is measured, or the body on which a new marker S is placed
+at | vector3; length | | position of both new markers at the start, world
+at_p | vector3; length | | position of the new marker P at the start, world
+at_s | vector3; length | | position of the new marker S at the start, world
 axis | axis | | z axis of the new markers at the start, world
-orientation | orientation | | axes of the new markers at the start, in the world
-## link | links | a joint, a lock or any other constraint between bodies
-name | text | ! | its name, unique in the scene
-type | text | ! | what it is: see `lockstep list links`
+orientation | orientation | | orientation of the new markers at the start, world
+## link | links | a joint, a coupling or another constraint between bodies
+name | text | ! | name, unique in the scene
+type | text | ! | type, see `lockstep list links`
 < attachment
-pairs | list of names or objects; pair | | in place of p and s: links whose markers it couples, by name, or {"p":, "s":, ...} each
-drive | object or list of objects; drive | | laws on coordinates that the link leaves free
-move | translation law; length | | where P is held, S axes, on the rows x y z
-turn | rotation law; angle | | how far P is held turned against S
-active | boolean | true | whether it holds from the start
-hold | boolean | false | whether it closes where its bodies stand: what its mask holds then is P as it stands against S at that instant
-start | object; start | | how its free coordinates begin
-unilateral | object; unilateral | | its one row may push but not pull: C >= 0 instead of C = 0
-stops | list of objects; travel | | ends of the travel of its free coordinates; links named "A.stop_rz_low", ...
-friction | object; friction | | friction from its own reaction; a force named "A.friction"
+pairs | list of names or objects; pair | | for couplings, instead of p and s: names of the coupled joints, or {"p":, "s":, ...} each
+drive | object or list of objects; drive | | prescribed motions of free coordinates (motors)
+move | translation law; length | | prescribed position of P, S axes, for the constraints x y z
+turn | rotation law; angle | | prescribed rotation of P relative to S
+active | boolean | true | true: active from the start
+hold | boolean | false | true: when activated, the joint locks its constrained coordinates at their present values
+start | object; start | | initial conditions of the free coordinates
+unilateral | object; unilateral | | one-sided: the single constraint can push but not pull, C >= 0 instead of C = 0
+stops | list of objects; travel | | limits of the free coordinates; each is a one-sided joint named "A.stop_rz_low", ...
+friction | object; friction | | friction caused by the joint's own reaction; a force named "A.friction"
 ## pair | | two markers whose relative motion is coupled
 < attachment
-## force | forces | an applied force: it pushes or pulls, but does not hold
-name | text | ! | its name, unique in the scene
-type | text | ! | what it is: see `lockstep list forces`
+## force | forces | an applied force or torque; it does not constrain motion
+name | text | ! | name, unique in the scene
+type | text | ! | type, see `lockstep list forces`
 < attachment
-link | text | | the link in which it acts, for friction
-active | boolean | true | whether it acts from the start
-## rod | | a straight rod, its frame in the middle with x along it
-mass | number; mass | | mass; or "density"
-density | number; density | | mass by volume; or "mass"
+link | text | | joint in which it acts, for friction
+active | boolean | true | true: active from the start
+## rod | | a straight rod; its frame is at mid-length, x along the rod
+mass | number; mass | | mass, or "density"
+density | number; density | | density, or "mass"
 from | vector3; length | ! | one end (of a body: world; of a part: body frame)
 to | vector3; length | ! | the other end
-roll | number; angle | 0 | turns its frame about its axis, from z as near to the world's as can be
-radius | number; length | | of a solid cylinder; default: length / 50
-axial_inertia | number; moment of inertia | | a rod without thickness, with this inertia about its axis
+roll | number; angle | 0 | rotation of the frame about the rod; at 0, z is as near to the world z axis as possible
+radius | number; length | | radius of the solid cylinder; default: length / 50
+axial_inertia | number; moment of inertia | | moment of inertia about the axis, for a rod without thickness
 ## box | | a solid box
-mass | number; mass | | mass; or "density"
-density | number; density | | mass by volume; or "mass"
-size | vector3; length | ! | its three edges
+mass | number; mass | | mass, or "density"
+density | number; density | | density, or "mass"
+size | vector3; length | ! | edge lengths
 ## cylinder | | a solid cylinder along z
-mass | number; mass | | mass; or "density"
-density | number; density | | mass by volume; or "mass"
-radius | number; length | ! | its radius
-length | number; length | ! | its length
+mass | number; mass | | mass, or "density"
+density | number; density | | density, or "mass"
+radius | number; length | ! | radius
+length | number; length | ! | length
 ## sphere | | a solid sphere
-mass | number; mass | | mass; or "density"
-density | number; density | | mass by volume; or "mass"
-radius | number; length | ! | its radius
-## drive | | a law on one free coordinate of a link; adds exactly one row
-axis | choice; x; y; z; rx; ry; rz | ! | the coordinate of P seen from S
-law | law; quantity | | the coordinate as a function of time, m or rad
-speed | law; quantity | | its speed as a function of time, m/s or rad/s; the coordinate is integrated
-## start | | how the free coordinates of a link begin
-velocity | object; start_velocity | | their speeds
-position | object; start_position | | their values, exactly
-near | object; start_position | | their values, as near as all else that is asked for allows
-## start_velocity | | speeds of P against S at the start, S axes
-x | number; speed | | along x of S
-y | number; speed | | along y of S
-z | number; speed | | along z of S
-rx | number; angular speed | | about x of S
-ry | number; angular speed | | about y of S
-rz | number; angular speed | | about z of S
-## start_position | | coordinates of P against S at the start, S axes
-x | number; length | | along x of S
-y | number; length | | along y of S
-z | number; length | | along z of S
-rx | number; angle | | about x of S
-ry | number; angle | | about y of S
-rz | number; angle | | about z of S
-## unilateral | | impacts of a link that may push but not pull
-restitution | number | 0 | ratio of the speed after an impact to that before, 0 to 1
-rest_speed | number; quantity | 0.001 | impacts that leave less end at rest, m/s or rad/s
-side | choice; above; below | "above" | where its row is free: C >= 0, or C <= 0 as for a rope
-## travel | | where the travel of one coordinate of a link ends
-axis | choice; x; y; z; rx; ry; rz | ! | the coordinate of P seen from S
-low | number; quantity | | its lowest value, m or rad
-high | number; quantity | | its highest value, m or rad
-restitution | number | 0 | ratio of the speed after an impact to that before, 0 to 1
-rest_speed | number; quantity | 0.001 | impacts that leave less end at rest, m/s or rad/s
-## friction | | dry and viscous friction in a link, from its present reaction
+mass | number; mass | | mass, or "density"
+density | number; density | | density, or "mass"
+radius | number; length | ! | radius
+## drive | | an ideal motor: it prescribes the motion of one free coordinate of a joint by one constraint
+axis | choice; x; y; z; rx; ry; rz | ! | coordinate of P relative to S
+law | law; quantity | | coordinate as a function of time, m or rad
+speed | law; quantity | | rate as a function of time, m/s or rad/s; its integral is the coordinate
+## start | | initial conditions of the free coordinates of a joint
+velocity | object; start_velocity | | rates
+position | object; start_position | | values, met exactly
+near | object; start_position | | values, met as nearly as the other conditions allow
+## start_velocity | | velocity of P relative to S at the start, S axes
+x y z | number; speed | | along % of S
+rx ry rz | number; angular speed | | about % of S
+## start_position | | coordinates of P relative to S at the start, S axes
+x y z | number; length | | along % of S
+rx ry rz | number; angle | | about % of S
+## unilateral | | impacts of a one-sided joint
+restitution | number | 0 | ratio of the speed after an impact to the speed before, from 0 to 1
+rest_speed | number; quantity | 0.001 | an impact with a lower rebound speed ends at rest, m/s or rad/s
+side | choice; above; below | "above" | free side of the constraint: C >= 0 (above), or C <= 0 (below) as for a rope
+## travel | | limits of one coordinate of a joint
+axis | choice; x; y; z; rx; ry; rz | ! | coordinate of P relative to S
+low | number; quantity | | lower limit, m or rad
+high | number; quantity | | upper limit, m or rad
+restitution | number | 0 | ratio of the speed after an impact to the speed before, from 0 to 1
+rest_speed | number; quantity | 0.001 | an impact with a lower rebound speed ends at rest, m/s or rad/s
+## friction | | dry and viscous friction in a joint, from its present reaction
 < friction
-## event | | a change of the links and forces that act, between two steps
-name | text | ! | its name, unique among events
-at | number; time | | the instant; or "when"
-when | object; condition | | the condition; or "at"
-activate | list of texts | | links and forces that begin to act
-deactivate | list of texts | | links and forces that stop acting
-stop | boolean | false | whether the run ends there
-once | boolean | true | only the first time that the condition is met
+## event | | a change of the active joints and forces between two steps
+name | text | ! | name, unique among events
+at | number; time | | time of the event, or "when"
+when | object; condition | | condition of the event, or "at"
+activate | list of texts | | joints and forces to activate
+deactivate | list of texts | | joints and forces to deactivate
+stop | boolean | false | true: the run ends at the event
+once | boolean | true | true: the event occurs only the first time that the condition is met
 ## condition | | a channel that crosses a value
-channel | text | ! | a channel's name, such as "slider.x"
-crosses | number; quantity | 0 | the value
-direction | choice; any; rising; falling | "any" | the direction of crossing
-## run | | how the motion is computed and what is written
+channel | text | ! | name of a channel, such as "slider.x"
+crosses | number; quantity | 0 | value of the channel at the event
+direction | choice; any; rising; falling | "any" | direction of the crossing
+## run | | numerical method and output
 integrator | name or object; integrators | | a name of `lockstep list integrators`, or {"type": name, and its keys}; default "dopri5"
 step | number; time | | fixed step, or the largest step of an adaptive integrator
-tolerance | number | 1e-06 | relative tolerance of adaptive integrators; absolute: a hundredth of it, m
-until | number; time | | end of the run; 0: its start alone, one row
-output | number; time | | interval of the recorded instants; default: every step
-times | numbers; time | | or these instants, rising
-energy_limit | number | 0.001 | an energy balance off by more, relative to the energy exchanged, is an error of the run
-violation_limit | number; length | | a larger violation of the constraints is an error of the run; default: a thousandth of the mechanism's size
-max_steps | integer | | the run ends with an error after so many steps
-formulation | choice; omega; quaternion; joint; auto | "auto" | unknowns: 6 velocities per body, the paper's 7 coordinates, or the coordinates of the joints; auto: of the joints where that costs less and no solver is named, else omega
-stabilization | choice, or object; stabilization; project; baumgarte; none | | how drift off the constraints is corrected; default "project"
+tolerance | number | 1e-06 | relative tolerance of adaptive integrators; the absolute tolerance is a hundredth of it, m
+until | number; time | | end of the run; 0: the start alone, one row
+output | number; time | | interval of the recorded times; default: every step
+times | numbers; time | | recorded times, rising; instead of "output"
+energy_limit | number | 0.001 | limit of the energy error, relative to the energy exchanged; beyond it the run is in error
+violation_limit | number; length | | limit of the constraint violation; beyond it the run is in error; default: 0.001 of the mechanism's size
+max_steps | integer | | limit of the number of steps; the run then ends with an error
+formulation | choice; omega; quaternion; joint; auto | "auto" | unknowns: joint coordinates, 6 velocities per body (omega), or 7 coordinates per body (quaternion); auto: joint coordinates if they cost less and no solver is named, else omega
+stabilization | choice, or object; stabilization; project; baumgarte; none | | correction of the constraint violation (drift); default "project"
 solver | name or object; solvers | | a name of `lockstep list solvers`, or {"type": name, and its keys}; default "schur", with formulation quaternion "sparse"
-nearly_redundant | choice; auto; told; free; held | "auto" | rows that depend on others but for a singular value below 1e-3, as of two hinges whose axes nearly agree: held, left out (free), or told and not decided; auto: held as they are written, and told where that cannot be
-assemble | boolean | true | a start off the constraints is moved onto them
-record | list of channel names: see `lockstep check SCENE --channels` | | the channels, by name or as {"own name": "channel"}
+nearly_redundant | choice; auto; told; free; held | "auto" | treatment of nearly dependent constraints (relative singular value below 1e-3), such as two nearly coaxial hinges: kept (held), removed (free), or only reported (told); auto: kept if possible, else reported
+assemble | boolean | true | true: a start that violates the constraints is corrected
+record | list of channel names: see `lockstep check SCENE --channels` | | recorded channels, by name or as {"own name": "channel"}
 draw | list of lists of texts | | panels of the picture from top to bottom, each a list of recorded names; default: by unit
-pictures | list of objects; picture | | more pictures, each of one recorded column against another
-headers | choice; units; plain | "units" | names of the columns in the CSV file, with their units, "x [m]", or plain, "x"
-at_jumps | boolean | false | rows also just before and just after events, impacts and jumps of laws
-## picture | | a picture of one column against another, as the path of a point; lengths have equal scales
-x | text | ! | the column of the x axis, by its recorded name; "t": the time
-y | text | ! | the column of the y axis
-## stabilization | | how drift off the constraints is corrected
-kind | choice; project; baumgarte; none | "project" | the method
-alpha | number; frequency | 5 | Baumgarte's damping rate, 1/s
-beta | number; frequency | 5 | Baumgarte's stiffness rate, 1/s
-tolerance | number; length | 1e-10 | of the constraints, m
-)_";
+pictures | list of objects; picture | | further pictures, each of one recorded column against another
+headers | choice; units; plain | "units" | column names of the CSV file: with units, "x [m]", or plain, "x"
+at_jumps | boolean | false | true: also rows just before and after events, impacts and jumps of laws
+## picture | | a plot of one column against another, such as the path of a point; lengths have equal scales
+x | text | ! | column of the x axis, by its recorded name; "t" is the time
+y | text | ! | column of the y axis
+## stabilization | | correction of the constraint violation (drift)
+kind | choice; project; baumgarte; none | "project" | method
+alpha | number; quantity | 5 | damping rate of Baumgarte stabilisation, 1/s
+beta | number; quantity | 5 | stiffness rate of Baumgarte stabilisation, 1/s
+tolerance | number; length | 1e-10 | tolerance of the constraint violation)_";
 
 // The value of an enumeration that ends with `last` by its name; `last` for another name.
 template <class E>
@@ -246,10 +237,11 @@ E by_name(const std::string& name, E last) {
   return static_cast<E>(k);
 }
 
-void add_key(SceneTable& to, const std::vector<std::string>& columns) {
+void add_key(SceneTable& to, const std::string& name, const std::vector<std::string>& columns) {
   std::vector<std::string> holds = words_at(';', columns[1]);
   holds.resize(std::max<std::size_t>(2, holds.size()));
-  Key key{columns[0], by_name(holds[0], Form::any), Unit::none, kOptional, columns[3]};
+  Key key{name, by_name(holds[0], Form::any), Unit::none, kOptional, columns[3]};
+  std::ranges::replace(key.help, '%', name.back());
   if (const std::string& fallback = columns[2]; fallback == "!")
     key.fallback = kRequired;
   else if (!fallback.empty())
@@ -280,7 +272,7 @@ std::vector<SceneTable> all_tables() {
       to->info.keys.insert(to->info.keys.end(), group.info.keys.begin(), group.info.keys.end());
       to->parts.insert(to->parts.end(), group.parts.begin(), group.parts.end());
     } else if (!line.empty()) {
-      add_key(*to, columns);
+      for (const std::string& name : lines_of(columns[0], ' ')) add_key(*to, name, columns);
     }
   }
   for (const SceneTable& table : all) check_type_info(table.info);

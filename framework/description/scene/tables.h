@@ -10,8 +10,8 @@
 
 namespace lockstep {
 
-/// What a key of Form::any holds, in the words of `describe`: "list of objects", "object of quantities", ...; "choice"
-/// stands for the key's choices.
+/// The contents of a key of Form::any, in the words of `describe`: "list of objects", "object of quantities", ...;
+/// "choice" means the key's choices.
 struct Part {
   std::string key, holds, table{};  ///< the table of its objects, or the shelf of their types
 

@@ -11,25 +11,25 @@
 
 namespace lockstep {
 
-/// The member of an object; nullptr where there is none.
+/// The member of an object; nullptr if there is none.
 inline Value* member(Value& object, std::string_view key) {
   return const_cast<Value*>(std::as_const(object).find(key));
 }
-/// The text under a key of an object; nullptr where there is none.
+/// The text under a key of an object; nullptr if there is none.
 inline const std::string* text_under(const Value& object, std::string_view key) {
   const Value* v = object.find(key);
   return v != nullptr ? v->text() : nullptr;
 }
-/// The items of the list under a key; none where there is no list.
+/// The items of the list under a key; none if there is no list.
 LOCKSTEP_API std::span<Value> items(Value& object, std::string_view key);
-/// The members of the object under a key; none where there is no object.
+/// The members of the object under a key; none if there is no object.
 std::span<Value::Member> members(Value& object, std::string_view key);
 
 /// The value at a place, with the items of a list.
 LOCKSTEP_API Value placed_at(const SourceLocation&, Value);
 /// Gives a value another content at its place.
 inline void replace(Value& v, Value by) { v = placed_at(SourceLocation(v.where), std::move(by)); }
-/// The value of a key; where there is none, a fresh one at the place of the object.
+/// The value of a key; if there is none, a fresh one at the place of the object.
 LOCKSTEP_API Value& made_under(Value& object, const std::string& key, Value fresh);
 /// Gives a key another value, at the place of the old one or of the object.
 inline void put(Value& object, const std::string& key, Value v) { replace(made_under(object, key, {}), std::move(v)); }

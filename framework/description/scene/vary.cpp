@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kMostValues = 1'000'000;
 
-// The dimension of a text with a unit; nothing for one without a name here.
+// The dimension of a text with a unit; nothing for a dimension without a name.
 std::optional<Unit> unit_of(const std::string& text) {
   for (const Unit unit : units())
     if (read_quantity(text, unit).problem.empty()) return unit;
@@ -31,6 +31,11 @@ std::string symbol_of(const Value& v) {
   return unit == "1" ? "" : unit;
 }
 
+// A number as a text with this unit, if there is one.
+Value with_unit(const Value& v, const std::string& unit) {
+  return unit.empty() || v.number() == nullptr ? v : Value(text::number(*v.number()) + " " + unit);
+}
+
 const Value& written_root(const Scene& scene) { return scene.written.is_null() ? scene.root : scene.written; }
 
 // The path of a parameter or point, or of a component of one, that is asked for by its name alone.
@@ -42,7 +47,7 @@ std::string full_path(const std::string& path, const Scene& scene) {
   return path;
 }
 
-// What is known of a parameter at this place, or of its component: its value; nullptr where there is none.
+// The value of a parameter at this place, or of its component; nullptr if there is none.
 const Value* parameter_at(const std::string& place, const Scene& scene) {
   for (const SceneParameter& p : scene.parameters) {
     if (p.is_point || !place.starts_with("parameters." + p.name)) continue;
@@ -57,30 +62,22 @@ const Value* parameter_at(const std::string& place, const Scene& scene) {
 // Things that included and repeated parts bring are not in the scene as written: their values are set in its "set".
 const std::string kSet = "set.";
 
-// A place as in Variable::place; one in "set" is made where there is none.
+// A place as in Variable::place; one in "set" is created if necessary.
 Value& value_at(Value& root, const std::string& place, const Registry& registry) {
   if (!place.starts_with(kSet)) return *find_place(root, place, registry).value;
   Value& set = made_under(root, "set", Value::Object{});
-  if (set.object() == nullptr) throw ModelError("\"set\" of the scene is no object of values by path");
+  if (set.object() == nullptr) throw ModelError("\"set\" of the scene is not an object of values by path");
   return made_under(set, place.substr(kSet.size()), {});
 }
 
-// Whether a path that leads nowhere in the scene as written may lead to a thing of a part; a name alone does not.
+// Whether a path that is unknown in the scene as written may lead to a thing of a part; a name alone does not.
 bool may_be_in_parts(const std::string& path, const Scene& scene) {
   const Value& written = written_root(scene);
   const bool has_parts = written.find("include") != nullptr || written.find("repeat") != nullptr;
   return has_parts && scene.root.find(path.substr(0, path.find('.'))) != nullptr;
 }
 
-// Throws ModelError with the nearest path of the scene with its parts.
-ScenePlace place_in_parts(const std::string& path, const Scene& scene, const Registry& registry) {
-  Value expanded = scene.root;
-  ScenePlace place = find_place(expanded, path, registry);
-  place.path = kSet + place.path, place.value = nullptr;
-  return place;
-}
-
-// find_place(), where a name that is unknown may be a parameter's, or that of a thing of an included or repeated part;
+// find_place(), but an unknown name may be that of a parameter, or of a thing of an included or repeated part;
 // the place of such a thing holds no value.
 ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, const Registry& registry) {
   const Value before = root;
@@ -89,16 +86,20 @@ ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, co
     return find_place(root, full, registry);
   } catch (const ModelError&) {
     root = before;  // without the empty keys on the way to nowhere
-    if (path.find('.') != std::string::npos && may_be_in_parts(full, scene))
-      return place_in_parts(full, scene, registry);
+    if (path.find('.') != std::string::npos && may_be_in_parts(full, scene)) {
+      Value expanded = scene.root;
+      ScenePlace place = find_place(expanded, full, registry);  // else the nearest path of the scene with its parts
+      place.path = kSet + place.path, place.value = nullptr;
+      return place;
+    }
     std::vector<std::string> names;
     for (const SceneParameter& p : scene.parameters) names.push_back(p.name);
     const std::string near = path.find('.') == std::string::npos ? text::closest_name(path, names) : "";
     if (near == path)
-      throw ModelError("\"" + path + "\" is a vector; name one of its numbers (" + path + ".x), or give all by a " +
-                       "formula: --set " + path + "=\"=[1, 2, 3]\"");
+      throw ModelError("\"" + path + "\" is a vector; name a component (" + path +
+                       ".x), or set all by a formula: " + "--set " + path + "=\"=[1, 2, 3]\"");
     if (near.empty()) throw;
-    throw ModelError("\"" + path + "\" is no parameter of the scene; did you mean \"" + near + "\"?");
+    throw ModelError("\"" + path + "\" is not a parameter of the scene; did you mean \"" + near + "\"?");
   }
 }
 
@@ -114,7 +115,7 @@ class Reader {
     }
     const Form form = key_.form;
     numeric_ = form == Form::number || (form >= Form::vector3 && form <= Form::laws);
-    if (numeric_) return;  // else, where the tables do not know, it keeps its kind
+    if (numeric_) return;  // else, if the tables do not define it, it keeps its kind
     const bool open = form == Form::any && key_.choices.empty();
     const bool quantity = now.text() != nullptr && read_quantity(*now.text(), Unit::any).problem.empty();
     numeric_ = open && (now.number() != nullptr || quantity);
@@ -152,7 +153,7 @@ class Reader {
     if (!unit) return;
     if (given_ && *given_ != *unit)
       throw ModelError("\"" + path_ + "\": " + article_name_of(*given_) + " and " + article_name_of(*unit) + " (\"" +
-                       word + "\") are mixed; give all values of one kind");
+                       word + "\") are mixed; give all values the same dimension");
     given_ = unit;
   }
 
@@ -173,18 +174,18 @@ Value value_now(const std::string& place, Value& root, const Scene& scene, const
 // a:b:n. Both ends are met exactly.
 std::vector<Value> read_range(Reader& reader, const std::vector<std::string>& parts, const std::string& path) {
   if (parts.size() != 3)
-    throw ModelError("\"" + path + "\": expected a:b:n, n numbers evenly from a to b, as in 1:5:9");
+    throw ModelError("\"" + path + "\": expected a:b:n, n evenly spaced numbers from a to b, as in 1:5:9");
   if (!reader.numeric())
-    throw ModelError("\"" + path + "\" is not a number, so nothing lies between two values; list them: NAME=v1,v2");
+    throw ModelError("\"" + path + "\" is not a number and has no range; list the values: NAME=v1,v2");
   const double a = *reader.read(parts[0]).number(), b = *reader.read(parts[1]).number();
   const bool bare_a = read_word(parts[0]).number() != nullptr, bare_b = read_word(parts[1]).number() != nullptr;
   if (bare_a != bare_b && (bare_a ? a : b) != 0)
     throw ModelError("\"" + path + "\": one of " + parts[0] + " and " + parts[1] +
-                     " has a unit, the other has none; give both one");
+                     " has a unit, the other has none; give both a unit");
   const int n = number_in<int>(parts[2]).value_or(0);
   if (n < 2 || n > kMostValues)
     throw ModelError("\"" + path + "\": the number of values is \"" + parts[2] +
-                     "\"; it must be a whole one from 2 to " + std::to_string(kMostValues));
+                     "\"; it must be an integer from 2 to " + std::to_string(kMostValues));
   std::vector<Value> values;
   const double m = n - 1;
   for (int k = 0; k < n; ++k) {
@@ -198,7 +199,7 @@ std::vector<Value> read_range(Reader& reader, const std::vector<std::string>& pa
 void refuse_columns(const std::string& path) {
   for (const char* fixed : {"lockstep", "requires", "run.record", "run.draw"})
     if (path == fixed || path.rfind(std::string(fixed) + ".", 0) == 0)
-      throw ModelError("\"" + path + "\" cannot vary: plugins and columns are the same in all runs");
+      throw ModelError("\"" + path + "\" cannot vary; plugins and columns are the same in all runs");
 }
 
 // The whole of a vector parameter or point that is asked for by its name alone; nullptr for anything else.
@@ -223,17 +224,20 @@ void set_value(Value& root, const std::string& text, const Scene& scene, const R
   if (word.starts_with('='))
     if (Value* vector = vector_named(root, path, scene)) return replace(*vector, word);
   const ScenePlace place = place_of(root, path, scene, registry);
-  if (place.path.starts_with("requires"))
-    throw ModelError("\"" + path + "\" cannot be set: plugins are given by --plugin");
+  if (place.path.starts_with("requires")) throw ModelError("\"" + path + "\" cannot be set; give plugins by --plugin");
   const Value* parameter = parameter_at(place.path, scene);
   Value& old = value_at(root, place.path, registry);
   Value v = read_word(word);
-  if (parameter != nullptr && !word.starts_with('=')) {
-    v = Reader(place, old, parameter, path).read(word);
-    if (const std::string unit = symbol_of(*parameter); !unit.empty())
-      v = Value(text::number(*v.number()) + " " + unit);
-  }
+  if (parameter != nullptr && !word.starts_with('='))
+    v = with_unit(Reader(place, old, parameter, path).read(word), symbol_of(*parameter));
   replace(old, std::move(v));
+}
+
+// The scene with other values; meshes that were read stay.
+Scene with_values(const Scene& scene, Value root) {
+  Scene other = scene_from(std::move(root), scene.file, {}, true);
+  other.meshes = scene.meshes;
+  return other;
 }
 
 }  // namespace
@@ -272,32 +276,19 @@ std::vector<Variable> read_variables(const std::vector<std::string>& texts, cons
     for (const Variable& other : all)
       if (other.place == v.place)
         throw ModelError("\"" + v.path + "\" varies twice" +
-                         (other.path == v.path ? "" : " (the other time as \"" + other.path + "\")") +
-                         "; give all its values at once");
+                         (other.path == v.path ? "" : " (also as \"" + other.path + "\")") +
+                         "; give all its values together");
     all.push_back(std::move(v));
   }
   return all;
 }
 
-namespace {
-
-// The scene with other values; meshes that were read stay.
-Scene with_values(const Scene& scene, Value root) {
-  Scene other = scene_from(std::move(root), scene.file, {}, true);
-  other.meshes = scene.meshes;
-  return other;
-}
-
-}  // namespace
-
 Scene vary_scene(const Scene& scene, const std::vector<Variable>& variables, const std::vector<std::size_t>& choice,
                  const Registry& registry) {
   Value root = written_root(scene);
   for (std::size_t k = 0; k < variables.size(); ++k) {
-    Value& value = value_at(root, variables[k].place, registry);
-    const Value& chosen = variables[k].values[choice[k]];
-    const bool measured = !variables[k].given_unit.empty() && chosen.number() != nullptr;
-    replace(value, measured ? Value(text::number(*chosen.number()) + " " + variables[k].given_unit) : chosen);
+    const Variable& v = variables[k];
+    replace(value_at(root, v.place, registry), with_unit(v.values[choice[k]], v.given_unit));
   }
   return with_values(scene, std::move(root));
 }

@@ -18,53 +18,43 @@ struct Word {
 constexpr Word kForms[] = {
     {"number",
      R"_(a number in SI units, a text with a unit, or a formula of the scene's parameters
-  0.012    "12 mm"    "=2*crank + 5 mm"
-)_"},
+  0.012    "12 mm"    "=2*crank + 5 mm")_"},
     {"vector3",
      R"_(three numbers in SI units or texts with units, the name of one of the scene's "points", or a formula
-  [0, 0.2, 0]    [0, "20 cm", 0]    "A"    "=A + [crank, 0, 0]"
-)_"},
+  [0, 0.2, 0]    [0, "20 cm", 0]    "A"    "=A + [crank, 0, 0]")_"},
     {"axis",
-     R"_(a direction: "x", "y" or "z", one of these with a minus, or a vector of any length but zero
-  "z"    "-y"    [1, 1, 0]
-)_"},
+     R"_(a direction: "x", "y" or "z", one of these with a minus sign, or a vector of any length except zero
+  "z"    "-y"    [1, 1, 0])_"},
     {"orientation",
-     R"_(how axes lie in others, in one of five ways; a quaternion has its scalar first and length 1
+     R"_(an orientation of one frame in another, in one of five forms; a quaternion has its scalar first and length 1
   [1, 0, 0, 0]
   {"axis": "z", "angle": "30 deg"}
   {"angles": ["10 deg", "20 deg", "30 deg"], "sequence": "zxz"}
   {"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}
-  {"x": [1, 1, 0], "z": [0, 0, 1]}    two of x, y, z, at right angles: where these axes point
-)_"},
+  {"x": [1, 1, 0], "z": [0, 0, 1]}    directions of two of the axes x, y, z, at right angles)_"},
     {"law",
-     R"_(a law y(t): an object with its type and keys (`lockstep list laws`), or a number for a constant
+     R"_(a function of time y(t): an object with its type and keys (`lockstep list laws`), or a number for a constant
   {"type": "sine", "omega": "2 rad/s", "amplitude": "10 mm"}
   {"type": "formula", "y": "=0.1*sin(3*t)"}
-  "30 mm"
-)_"},
+  "30 mm")_"},
     {"translation law",
-     R"_(a law of a vector: an object with its type and keys (`lockstep list laws`), or [x, y, z] for a constant
-  {"type": "components", "x": {"type": "ramp", "slope": "1 m/s"}}
-)_"},
+     R"_(a vector as a function of time: an object with its type and keys (`lockstep list laws`), or [x, y, z] for a constant
+  {"type": "components", "x": {"type": "ramp", "slope": "1 m/s"}})_"},
     {"rotation law",
-     R"_(a law of a turn: an object with its type and keys (`lockstep list laws`), or an orientation for a constant
-  {"type": "axis_rotation", "axis": "z", "law": {"type": "ramp", "slope": "60 rpm"}}
-)_"},
+     R"_(a rotation as a function of time: an object with its type and keys (`lockstep list laws`), or an orientation for a constant
+  {"type": "axis_rotation", "axis": "z", "law": {"type": "ramp", "slope": "60 rpm"}})_"},
     {"channel",
-     R"_(a name of something that a scene can record, draw, and watch in an event: "crank.x", "A.reaction_x",
-"energy.total"; "crank.x@rocker" is seen from another body. `lockstep check SCENE --channels` lists all of a scene.
-  "record": ["crank.x", {"torque": "motor.drive_torque"}]
-)_"},
+     R"_(the name of a quantity that a scene can record, draw or use in an event: "crank.x", "A.force_on_p_world_x",
+"energy.total"; "crank.x@rocker" is relative to another body. `lockstep check SCENE --channels` lists all of a scene.
+  "record": ["crank.x", {"torque": "A.drive.torque_on_p_link_z"}])_"},
     {"formula",
-     R"_(a text that begins with "=": + - * / ^, comparisons, c ? a : b, functions and constants. As a value of a scene
-it reads "parameters", "points" and places of bodies and knows units; in a law it reads t, in a function joint x y z rx ry rz e1 e2 e3 and t.
-  "=sqrt(a^2 + b^2)"    "=A + crank*[cos(phi), sin(phi), 0]"    "=rod.to - rod.from"    "=0.1*sin(w*t) + (t > 1 ? 2*(t-1)^2 : 0)"
-)_"},
+     R"_(a text that begins with "=": + - * / ^, comparisons, c ? a : b, functions and constants. In a scene it can use
+"parameters", "points", positions of bodies, and units; in a law t; in a function joint x y z rx ry rz e1 e2 e3 and t.
+  "=sqrt(a^2 + b^2)"    "=A + crank*[cos(phi), sin(phi), 0]"    "=rod.to - rod.from"    "=0.1*sin(w*t) + (t > 1 ? 2*(t-1)^2 : 0)")_"},
     {"unit",
-     R"_(a text with a unit is converted to SI: m g s N Nm J W Hz rad with n u m c d k M before them; deg, rev, turn, rpm,
-min, h, t, in, ft; products, powers and one run of divisors. A unit of another quantity is refused at its place.
-  "12 mm"    "1200 rpm"    "0.3 g/cm^3"    "5 N m/rad"
-)_"}};
+     R"_(a text with a unit is converted to SI: m g s N Nm J W Hz rad with prefixes n u m c d k M; deg, rev, turn, rpm,
+min, h, t, in, ft; products, powers and one group of divisors. A unit of another quantity is an error.
+  "12 mm"    "1200 rpm"    "0.3 g/cm^3"    "5 N m/rad")_"}};
 
 // "stops, a key of link: list of objects: see ...", owners of the same meaning together.
 std::string key_lines(const Registry& registry, const std::string& word) {
@@ -88,7 +78,7 @@ std::string key_lines(const Registry& registry, const std::string& word) {
 std::string describe_word(const Registry& registry, const std::string& word) {
   std::string text;
   for (const Word& form : kForms)
-    if (word == form.name || word == std::string(form.name) + "s") text += word + ": " + form.text;
+    if (word == form.name || word == std::string(form.name) + "s") text += word + ": " + form.text + "\n";
   for (const Unit unit : units())
     if (word == name_of(unit))
       text += word + ": a quantity in " + si_unit(unit) + ", or a text with a unit: \"" + example_of(unit) + "\"\n";

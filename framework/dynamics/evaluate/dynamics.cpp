@@ -20,15 +20,14 @@ namespace lockstep {
 namespace {
 
 std::unique_ptr<LinearSolver> checked(std::unique_ptr<LinearSolver> solver) {
-  if (!solver) throw ModelError("dynamics: no solver was given; make one, for instance SparseSolver");
+  if (!solver) throw ModelError("dynamics: no solver is given; create one, such as SparseSolver");
   return solver;
 }
 
 void check(const Stabilization& s) {
   if (!(s.alpha >= 0) || !(s.beta >= 0) || !(s.tolerance > 0))
     throw ModelError("stabilisation: alpha " + text::brief(s.alpha) + ", beta " + text::brief(s.beta) + ", tolerance " +
-                     text::brief(s.tolerance) +
-                     "; the rates must not be negative and the tolerance must be above zero");
+                     text::brief(s.tolerance) + "; alpha and beta must be 0 or more, the tolerance must be above 0");
 }
 
 constexpr std::pair<Formulation, const char*> kFormulations[] = {{Formulation::omega, "omega"},
@@ -45,7 +44,7 @@ std::string to_string(Formulation f) {
 Formulation formulation_from(std::string_view word) {
   for (const auto& [formulation, name] : kFormulations)
     if (word == name) return formulation;
-  throw ModelError("there is no formulation '" + std::string(word) + "'; there are " +
+  throw ModelError("unknown formulation '" + std::string(word) + "'; use one of " +
                    fmt::format("{}", fmt::join(formulation_names(), ", ")));
 }
 
@@ -147,10 +146,8 @@ const Solution& Dynamics::evaluate(const State& state) {
 
 const Solution& Dynamics::rate(const State& state, StateRate& out) {
   if (state.coordinates)
-    throw ModelError(
-        "Dynamics::rate takes a state in the slots' own coordinates; this one has those of the "
-        "formulation '" +
-        std::string(state.coordinates->name()) + "': call rates()");
+    throw ModelError("Dynamics::rate takes a state in body coordinates; this one has those of the formulation '" +
+                     std::string(state.coordinates->name()) + "': call rates()");
   const Solution& solution = evaluate(state);
   kinematic_rate(state, out.q);
   out.v = a_;
@@ -168,7 +165,7 @@ double Dynamics::violation(const State& state) {
   return e.norm(C_);
 }
 
-// Where a number is not finite, all rows are gathered to name the culprit.
+// If a number is not finite, all rows are gathered to name its origin.
 double Dynamics::violation_of_closures(const State& state) {
   check_state(system_, state);
   if (!state.coordinates) return violation(state);
@@ -267,9 +264,9 @@ void Dynamics::load_state(State& state, SnapshotReader& in) {
   if (!fits || other_coordinates != (read.coordinates != nullptr) || read.q.size() != n_q || read.v.size() != n_v ||
       read.s.size() != own.s.size() || read.z.size() != own.z.size())
     throw ModelError(
-        "the saved state does not fit the system: it is of another mechanism, or other columns are recorded");
+        "the saved state does not fit the system; load it into the same mechanism with the same recorded columns");
   if (!std::isfinite(read.t) || !read.q.allFinite() || !read.v.allFinite())
-    throw ModelError("the saved state is not finite: the checkpoint is damaged");
+    throw ModelError("the saved state is not finite: the checkpoint is damaged; use an older one");
   state = std::move(read);
 }
 

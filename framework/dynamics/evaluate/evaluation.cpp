@@ -15,8 +15,8 @@ std::span<const double> view(const VecX& x) { return {x.data(), static_cast<std:
 
 void check_vector(const char* where, const VecX& x, Eigen::Index n) {
   if (x.size() != n)
-    throw ModelError(std::string(where) + ": a vector of " + std::to_string(x.size()) + " numbers where " +
-                     std::to_string(n) + " are needed; size it (6 per slot, 1 per row)");
+    throw ModelError(std::string(where) + ": a vector has " + std::to_string(x.size()) + " numbers, but " +
+                     std::to_string(n) + " are needed; resize it (6 per rigid group, 1 per constraint)");
 }
 
 // visit(row, Jh v + Ct) for every row; velocity(slot): its linear and angular velocity.

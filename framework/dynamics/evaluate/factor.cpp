@@ -50,11 +50,12 @@ SolveReport Factor::solve_motion(const Evaluation& e, const VecX& f, const VecX&
 
 SolveReport Factor::solve(const Evaluation& e, const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda) {
   if (!fits(e))
-    throw ModelError("a factor was computed with other links in force than it is asked to solve with; compute it anew");
+    throw ModelError("the factor was computed for other active joints than those of this evaluation; compute it again");
   if (f.size() != e.force().size() || c.size() != e.rows().n_rows)
-    throw ModelError("Factor::solve: right sides of " + std::to_string(f.size()) + " and " + std::to_string(c.size()) +
-                     " numbers where " + std::to_string(e.force().size()) + " (6 per slot) and " +
-                     std::to_string(e.rows().n_rows) + " (1 per row) are needed; size them");
+    throw ModelError("Factor::solve: the right-hand sides have " + std::to_string(f.size()) + " and " +
+                     std::to_string(c.size()) + " numbers, but " + std::to_string(e.force().size()) + " and " +
+                     std::to_string(e.rows().n_rows) +
+                     " are needed; resize them (6 per rigid group, 1 per constraint)");
   assembler_.read(e.rows());
   SolveReport report;
   if (assembler_.direct()) {
@@ -74,10 +75,10 @@ void Factor::check(const Evaluation& e, const VecX& a, const VecX& lambda, const
   const double t = e.inputs().t;
   const auto when = [&] { return "t = " + text::number(t) + " s: "; };
   if (!a.allFinite() || !lambda.allFinite()) {
-    e.check();  // names the culprit
-    throw NonFiniteError(when() + "the accelerations are not finite although every row and force is; solver '" +
-                             std::string(solver_->name()) +
-                             "' failed on this pose (try `dense`), or the motion has blown up: " + kShorterStep,
+    e.check();  // names the object at fault
+    throw NonFiniteError(when() + "the accelerations are not finite, but all constraints and forces are: solver '" +
+                             std::string(solver_->name()) + "' failed here (use `dense`), or the motion diverged; " +
+                             kShorterStep,
                          {.thing = {.kind = "mechanism"}, .t = t});
   }
   if (!report.contradictory) return;
@@ -86,12 +87,12 @@ void Factor::check(const Evaluation& e, const VecX& a, const VecX& lambda, const
   const double off = e.norm(C), relative = off / e.system().length();
   if (report.residual <= kLeftPerViolation * relative) return;
   throw SolveError(
-      when() + passes::row_name(e.system(), e.rows(), report.worst_row) + " cannot hold together with the others (" +
-          text::brief(100 * report.residual) + " % of its right side is left over); " +
-          (relative > kOnConstraints ? "this stage of a step is off the constraints by " + text::brief(off) +
+      when() + passes::row_name(e.system(), e.rows(), report.worst_row) + " contradicts the others (residual " +
+          text::brief(100 * report.residual) + " % of its right-hand side); " +
+          (relative > kOnConstraints ? "this stage of the step violates the constraints by " + text::brief(off) +
                                            " m: take a smaller step; or two laws drive one coordinate"
                                      : std::string("two laws may drive one coordinate")) +
-          or_against_stops(e.system(), e.rows()) + ": look at the drives and masks of this link and its neighbours",
+          or_against_stops(e.system(), e.rows()) + ": check the drives and masks of this joint and its neighbours",
       {.thing = thing_of_row(e.system(), e.rows(), report.worst_row), .t = t});
 }
 

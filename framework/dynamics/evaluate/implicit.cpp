@@ -22,7 +22,7 @@ struct NewtonMatrix::Work : NewtonNumbers {
   void copy_rows(const RowTable& rows);
   void add_inertia(const Inputs& in);
   void update_scales();
-  /// Refuses vectors of another size than theirs; null ones are not looked at.
+  /// Throws ModelError for vectors of another size than theirs; ignores null ones.
   void check(const VecX& of_slots, const VecX* of_slots_too, const VecX* of_rows) const;
 };
 
@@ -114,8 +114,8 @@ namespace {
 
 void check_size(const char* what, Eigen::Index size, Eigen::Index n) {
   if (size != n)
-    throw ModelError("NewtonMatrix: " + std::string(what) + " has " + std::to_string(size) + " numbers where " +
-                     std::to_string(n) + " are needed; size it (6 per slot, 1 per row)");
+    throw ModelError("NewtonMatrix: " + std::string(what) + " has " + std::to_string(size) + " numbers, but " +
+                     std::to_string(n) + " are needed; resize it (6 per rigid group, 1 per constraint)");
 }
 
 }  // namespace
@@ -154,9 +154,9 @@ void NewtonMatrix::gather(const Evaluation& e, const VecX& lambda) {
 
 void NewtonMatrix::Work::check(const VecX& of_slots, const VecX* of_slots_too, const VecX* of_rows) const {
   const auto size = 6 * static_cast<Eigen::Index>(mass.size());
-  check_size("a vector of the slots", of_slots.size(), size);
-  if (of_slots_too) check_size("a vector of the slots", of_slots_too->size(), size);
-  if (of_rows) check_size("a vector of the rows", of_rows->size(), m);
+  check_size("a vector of the bodies", of_slots.size(), size);
+  if (of_slots_too) check_size("a vector of the bodies", of_slots_too->size(), size);
+  if (of_rows) check_size("a vector of the constraints", of_rows->size(), m);
 }
 
 void NewtonMatrix::factor(double a, double b, double c) { work_->real.factor(*work_, a, b, c); }
@@ -167,8 +167,8 @@ SolveReport NewtonMatrix::solve(const VecX& f, const VecX& r, VecX& x, VecX& l) 
   return work_->real.solve(*work_, f, r, x, l);
 }
 SolveReport NewtonMatrix::solve(const VecXc& f, const VecXc& r, VecXc& x, VecXc& l) {
-  check_size("a vector of the slots", f.size(), 6 * static_cast<Eigen::Index>(work_->mass.size()));
-  check_size("a vector of the rows", r.size(), work_->m);
+  check_size("a vector of the bodies", f.size(), 6 * static_cast<Eigen::Index>(work_->mass.size()));
+  check_size("a vector of the constraints", r.size(), work_->m);
   return work_->complex.solve(*work_, f, r, x, l);
 }
 long NewtonMatrix::n_dense() const { return work_->real.n_dense() + work_->complex.n_dense(); }

@@ -37,9 +37,8 @@ Dynamics::~Dynamics() = default;
 Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   system_.setup();
   if (modes.size() != system_.links().size())
-    throw ModelError("a state of " + std::to_string(modes.size()) + " links does not fit the system, which has " +
-                     std::to_string(system_.links().size()) +
-                     " since it was changed; take a new one from System::start");
+    throw ModelError("a state of " + std::to_string(modes.size()) + " joints does not fit the system, which has " +
+                     std::to_string(system_.links().size()) + " after a change; take a new one from System::start");
   if (!tree_) tree_ = std::make_unique<Tree>();
   Tree& t = *tree_;
   if (t.revision == system_.revision() && t.modes == modes) return t;
@@ -59,7 +58,7 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
 Dynamics::Tree& Dynamics::Tree::of(const State& state) {
   if (state.coordinates == coordinates) return *this;
   throw ModelError(
-      "a state in joint coordinates of another mechanism, or of other links in force; convert it first "
+      "the state has joint coordinates of another mechanism, or of other active joints; convert it first "
       "(Dynamics::to_slots)");
 }
 
@@ -89,12 +88,12 @@ int axis_of(const TreeNode& n) {
 
 }  // namespace
 
-// In a plane all slots turn about its normal, in space two that a joint holds but for one axis about that: wherever the axis
+// In a plane all slots rotate about its normal, in space two slots with one free axis about that: wherever the axis
 // is fixed in both, with unit vectors a and b in their axes,
 //
 //     theta' = a . w_slot - b . w_other
 //
-// Across a hinge without laws theta is its coordinate, but for the sign and what it is where that is zero.
+// Across a hinge without laws theta is its coordinate, up to the sign and the value at its zero.
 void Dynamics::Tree::find_turn(const CountedAngle& angle, const CountedAngle::Turn& turn) {
   const int slot = coordinates->node_of(turn.slot), other = coordinates->node_of(turn.other);
   const bool outward = slot > other;
@@ -159,7 +158,7 @@ void Dynamics::set_up() {
   if (tree_) tree_->keeps = false;  // a host may have changed laws
 }
 
-// Null where the state has other coordinates.
+// Null if the state has other coordinates.
 Dynamics::Tree* Dynamics::tree_of(const State& y) const {
   const bool is_current = y.coordinates && tree_ && tree_->coordinates == y.coordinates;
   return is_current && tree_->revision == system_.revision() ? tree_.get() : nullptr;
@@ -179,7 +178,7 @@ const Inputs& Dynamics::read(const State& state) {
       });
 }
 
-// The rows that are gathered in joint coordinates: all of them if somebody reads accelerations or multipliers, those of
+// The rows that are gathered in joint coordinates: all of them if accelerations or multipliers are read, those of
 // links with laws if nothing but the power of laws is read.
 void Dynamics::lay_out_reactions(Tree& t) const {
   bool any = false, power = false;
@@ -264,7 +263,7 @@ void to_slot_coordinates(const System& system, State& state) {
   if (!state.coordinates) return;
   std::vector<Motion> motions;
   passes::motions(system, state, motions);
-  // Made beside: where memory ends, Eigen's resize leaves a vector that points to what it has freed.
+  // Made separately: if memory ends, Eigen's resize leaves a vector that points to freed memory.
   VecX q(7 * system.n_slots()), v(6 * system.n_slots());
   state.q = std::move(q), state.v = std::move(v);
   state.coordinates = nullptr;
@@ -303,7 +302,7 @@ const VecX& Dynamics::accelerations(const State& state) {
   if (t.coordinates->n_v() == 0) t.recursion->follow();
   t.recursion->accelerations(t.motions, asked_a_);
   ++work_.evaluations;
-  if (!asked_a_.allFinite()) gather(state);  // names the culprit
+  if (!asked_a_.allFinite()) gather(state);  // names the object at fault
   return asked_a_;
 }
 
@@ -316,7 +315,7 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   t.outward_once(state, inputs_.get());
   const Inputs in = t.inputs(state);
   const bool driven = t.coordinates->n_v() == 0;
-  passes::gather_forces(system_, in, t.f);  // and says what is wrong with them, where they move nothing too
+  passes::gather_forces(system_, in, t.f);  // and reports errors in them, even if they move nothing
   const Solution* solved = nullptr;
   t.multipliers_known = true;
   if (driven)
@@ -346,9 +345,9 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   ++work_.evaluations;
   if (out.v.allFinite() && out.followed.allFinite() && (!driven || t.f.allFinite()))
     return;       // what laws move does not feel its forces
-  gather(state);  // names the culprit
+  gather(state);  // names the object at fault
   throw NonFiniteError("t = " + text::number(state.t) +
-                           " s: the accelerations are not finite although every force is; the motion has blown up: "
+                           " s: the accelerations are not finite, but all forces are: the motion diverged; "
                            "take a smaller step (--step) or tolerance",
                        {.thing = {.kind = "mechanism"}, .t = state.t});
 }
@@ -394,8 +393,9 @@ void Dynamics::read_rates(const State& state, const StateRate& slots, StateRate&
   Tree& t = tree(state.modes).of(state);
   if (slots.v.size() != 6 * system_.n_slots() || slots.s.size() != state.s.size())
     throw ModelError("Dynamics::read_rates: rates of " + std::to_string(slots.v.size()) + " velocities and " +
-                     std::to_string(slots.s.size()) + " own states where " + std::to_string(6 * system_.n_slots()) +
-                     " (6 per slot) and " + std::to_string(state.s.size()) + " are needed; take those of rate()");
+                     std::to_string(slots.s.size()) + " integrated states, but " +
+                     std::to_string(6 * system_.n_slots()) + " and " + std::to_string(state.s.size()) +
+                     " are needed; take those of rate()");
   t.outward(state, t.motions);
   t.recursion->read_off(t.motions, slots.v, out.v);
   t.coordinates->kinematic_rate(state, out.q);

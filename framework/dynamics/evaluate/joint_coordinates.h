@@ -35,7 +35,7 @@ struct Dynamics::Tree {
   std::vector<AxisInBoth> turns;            // of counted angles whose axis is fixed in both slots
   std::size_t n_angles = 0;                 // all counted ones; 0 where none is such
   std::vector<double> angles, angle_rates;  // of a stage
-  RowTable rows;                            // of the links whose multipliers somebody reads, and of those with laws
+  RowTable rows;                            // of the links whose multipliers are read, and of those with laws
   bool solves = false;                      // integrated states read accelerations or multipliers,
   bool reads_all = false;                   // not only those of links with laws,
   bool reads_power = false;                 // or the power of laws alone
@@ -43,11 +43,11 @@ struct Dynamics::Tree {
   RowTable closure_rows;
   VecX C, Cd, correction, loaded;
   State before;                // a projection
-  bool velocities_met = true;  // the last projection brought them onto J v = -Ct, but for rounding
+  bool velocities_met = true;  // the last projection brought them onto J v = -Ct, up to rounding
 
   bool multipliers_known = true;  // those of the closures, by the last evaluation: not where redundant rows differ
 
-  // Itself; throws ModelError where the state has other joint coordinates.
+  // Itself; throws ModelError if the state has other joint coordinates.
   Tree& of(const State&);
   ClosureRows& closures() { return recursion->closures(); }
   // If it `keeps` them, the last inputs and what the recursion knows are of the motions of this state, which is often the
@@ -65,7 +65,7 @@ struct Dynamics::Tree {
   // Of all counted angles, and of one.
   void find_turns(const System&);
   void find_turn(const CountedAngle&, const CountedAngle::Turn&);
-  // What the pivots of the closures say at a state.
+  // The pivots of the closures at a state.
   void pivots(System&, const State&, SolveReport&);
   // Their rows, one a column, in the coordinates of the state.
   MatX rows_transposed(System&, const State&);

@@ -29,8 +29,8 @@ void KktAssembler::lay_out_direct(const RowTable& rows) {
 void KktAssembler::lay_out(const RowTable& rows, bool direct) {
   if (direct && formulation_ == Formulation::quaternion)
     throw ModelError(
-        "formulation quaternion keeps seven coordinates per body, and this solver reads rows of six velocities; use "
-        "solver sparse, block or dense with it");
+        "formulation quaternion has seven coordinates per body, which this solver does not support; use solver sparse, "
+        "block or dense");
   if (direct) return lay_out_direct(rows);
   if (system_.plane() && formulation_ == Formulation::quaternion)
     throw ModelError(

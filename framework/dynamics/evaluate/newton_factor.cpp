@@ -106,8 +106,8 @@ template <class T>
 void NewtonFactor<T>::factor_dense(const NewtonNumbers& N) {
   constexpr int kLargest = 3000;
   if (N.n + N.m > kLargest)
-    throw SolveError("the matrix of the implicit step has no pivot in a body's own block, and " +
-                     std::to_string(N.n + N.m) + " unknowns are too many to look for one elsewhere; reduce the step");
+    throw SolveError("the matrix of the implicit step has a singular block of a body, and " +
+                     std::to_string(N.n + N.m) + " unknowns are too many for a dense solution; reduce the step");
   ++n_dense_;
   Mat A = Mat::Zero(N.n + N.m, N.n + N.m);
   for (std::size_t p = 0; p < A_.size(); ++p) {

@@ -73,7 +73,7 @@ void ReactionIteration::add(const Unsettled& u, const VecX& load) {
 }
 
 // How a change grows from one solution to the next when each takes what the forces give at the one before: without
-// limit where they answer a change of reactions by a larger one, not at all where they jump to and fro. Ends early where
+// limit if they answer a change of reactions by a larger one, not at all if they jump between two values. Ends early if
 // nothing changes any more.
 double ReactionIteration::last_gain(const Unsettled& u) {
   constexpr int kRounds = 5;
@@ -111,8 +111,8 @@ void ReactionIteration::diagnose(const Unsettled& u, double left) {
           {.thing = thing, .t = in.t});
     if (share(*force) != first.back())
       throw SolveError(at_time(in.t) + thing.label() +
-                           " gives another force each time it is asked at the same reactions; let react() be a "
-                           "function of its inputs and of the reactions alone",
+                           " gives different forces at the same reactions; let react() depend on its inputs and on the "
+                           "reactions alone",
                        {.thing = thing, .t = in.t});
   }
   add(u, change_);
@@ -124,20 +124,19 @@ void ReactionIteration::diagnose(const Unsettled& u, double left) {
   const Force& force = *u.e.reacting()[worst];
   const Thing culprit = thing_of(force);
   std::string links;
-  for (const Lock* link : force.reacting()->reads()) links += (links.empty() ? "link '" : "', '") + link->name();
+  for (const Lock* link : force.reacting()->reads()) links += (links.empty() ? "joint '" : "', '") + link->name();
   const double gain = last_gain(u);
   const std::string cause =
-      gain < 0.9  // to and fro between two values it is 1, but for what is left of the way there
-          ? "a change of it comes back as " + text::brief(gain) +
-                " of it, so that it would settle, but too slowly or by turns; let it change less steeply with them"
-          : gain < 1 + kSlight
-                ? "it jumps as a function of them; let it pass from one value to the other over a range of reactions"
-                : "a change of it changes the reactions so that it changes by " + text::brief(gain) +
-                      " times as much, without limit: friction jams its joint in this way; reduce the coefficient, or "
-                      "the lever arm of the load";
+      gain < 0.9  // between two values it is 1, except for the rest of the way there
+          ? "each iteration leaves " + text::brief(gain) +
+                " of a change, which converges too slowly; let it depend less steeply on the reactions"
+          : gain < 1 + kSlight ? "it jumps as a function of them; let it change over a range of reactions"
+                               : "each iteration multiplies a change by " + text::brief(gain) +
+                                     " without limit, as friction that jams its joint; reduce the coefficient, or the "
+                                     "lever arm of the load";
   throw SolveError(at_time(in.t) + culprit.label() + " and the reactions of " + links +
-                       "' that it reads do not settle (after " + std::to_string(kMostSolutions) + " solutions " +
-                       text::brief(100 * left) + " % of it still changes): " + cause,
+                       "' that it reads do not converge (" + text::brief(100 * left) + " % still changes after " +
+                       std::to_string(kMostSolutions) + " solutions): " + cause,
                    {.thing = culprit, .t = in.t});
 }
 

@@ -162,7 +162,7 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
         if (few && (!agrees || dependent < look_off(beside).first)) found.on_constraints = true;
         const bool both = ++n == (of_here.rows > 0 ? 4 : 2) && angle < 0;
         if (both && found.rows == of_here.rows && of_here.regular >= near_singular_below(found.regular)) break;
-      } catch (const Error&) {  // what cannot be evaluated there answers nothing
+      } catch (const Error&) {  // poses that cannot be evaluated are skipped
       }
     return true;
   };

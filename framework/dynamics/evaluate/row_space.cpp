@@ -23,7 +23,8 @@ VecX lengths_of_rows(const Sparse& Jt) {
   VecX lengths(Jt.cols());
   for (Eigen::Index k = 0; k < Jt.cols(); ++k) {
     const double length = Jt.col(k).norm();
-    if (!std::isfinite(length)) throw NonFiniteError("a row is not finite, so that its rank is none", 0.0);
+    if (!std::isfinite(length))
+      throw NonFiniteError("a constraint is not finite; check the markers and laws of its joint", 0.0);
     lengths[k] = length > 0 ? length : 1;
   }
   return lengths;
@@ -104,7 +105,8 @@ void find_sparsely(const Sparse& Jt, Dependencies& out) {
   Sparse one(J.cols(), J.cols());
   one.setIdentity();
   const Eigen::SimplicialLDLT<Sparse> ldlt(Sparse(Sparse(J.transpose()) * J) - kTheta * one);
-  if (ldlt.info() != Eigen::Success) throw SolveError("the rank of the rows could not be found: a pivot is zero");
+  if (ldlt.info() != Eigen::Success)
+    throw SolveError("the rank of the constraints cannot be computed: a pivot is zero");
   out.rank = static_cast<int>((ldlt.vectorD().array() > 0).count());
   out.circuits.resize(J.cols(), 0);
   if (out.rank == J.cols()) return;

@@ -24,7 +24,7 @@ namespace lockstep {
 // A multiplier that grows as p/e has no limit. Its half difference o(d) = (x(d) - x(-d))/2 is odd, so that e o(e) is even
 // with the value p at e = 0, by the same weights.
 
-/// Whether more rows depend on others at this state, at least nearly, than beside it. Masses do not count, as they do in
+/// Whether more rows depend on others at this state, at least nearly, than near it. Masses do not count, as they do in
 /// the pivots of solvers. True of more than kDenseRows rows, whose rank is not found.
 bool loses_rank(Dynamics&, const State&);
 
@@ -52,15 +52,15 @@ class LOCKSTEP_API SingularRate {
   /// one from which several motions continue.
   enum class Sides { agree, farther, differ };
   /// Finds the rates from states d to 4 d (or parts of System::length) away on both sides along the velocity, and the
-  /// state on the constraints that they are of. `detector`: SolveReport::detector at the state, from which those beside
+  /// state on the constraints that they are of. `detector`: SolveReport::detector at the state, from which those near
   /// it show how far the position is. With the state untouched `differ` is also the answer when the mechanism
   /// is at rest, or when it cannot be brought onto the constraints or evaluated there (a law begins or ends).
   Sides find(Dynamics&, State&, double detector, StateRate& out);
-  /// Of the position by the last find(), rad: by the detector alone if no state beside could be evaluated; HUGE_VAL at
+  /// Of the position by the last find(), rad: by the detector alone if no state near it could be evaluated; HUGE_VAL at
   /// rest.
   double distance() const { return distance_; }
   double error() const { return error_; }  ///< relative, of the accelerations that it found
-  /// The multipliers that it found, of a state in the slots' own coordinates; NaN where one has no limit.
+  /// The multipliers that it found, of a state in the slots' own coordinates; NaN if one has no limit.
   const VecX& multipliers() const { return lambda_; }
   double multiplier_error() const { return multiplier_error_; }  ///< relative, of those that have one
   /// Whether the root of the detector grows from d to 2 d: else no position is near, or proximal terms cover it.

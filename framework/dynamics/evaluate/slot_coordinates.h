@@ -7,7 +7,7 @@
 
 namespace lockstep {
 
-/// Sets up the system if need be; throws ModelError where the state is of another one.
+/// Sets up the system if need be; throws ModelError if the state is of another one.
 inline void check_state(System& system, const State& state) {
   system.setup();
   system.check_size(state);

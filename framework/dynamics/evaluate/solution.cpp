@@ -53,7 +53,7 @@ const Solution& Dynamics::solution_at(const State& state) {
   StateRate rate = sized_like(here);
   const WorkCount before = work_;
   const bool agree = both.find(*this, here, detector, rate) == SingularRate::Sides::agree;
-  evaluate_here();  // what is looked at beside the state is no work of the run, and has left its own solution
+  evaluate_here();  // the states near it are no work of the run, and leave their solution
   work_ = before;
   if (refused && !(agree && both.grows())) std::rethrow_exception(refused);
   const double direct = SingularRate::round_off(agree ? both.distance_by_sides() : both.distance(), off);

@@ -26,7 +26,7 @@ inline double speed_of(std::span<const Motion> motions, double L) {
   return std::sqrt(w2);
 }
 
-/// Of the body that turns fastest, rad/s; the same velocities.
+/// Of the body that rotates fastest, rad/s; the same velocities.
 inline double fastest_turn(const VecX& v) {
   double w2 = 0;
   for (Eigen::Index i = 3; i < v.size(); i += 6) w2 = std::max(w2, v.segment<3>(i).squaredNorm());

@@ -20,19 +20,19 @@ constexpr int kMostFailures = 8;  // attempts that cannot be evaluated before th
 
 namespace {
 
-// How far to look for who makes steps short, s.
+// How far to look for what makes steps short, s.
 double a_while_after(double t) { return 1e-9 * std::max(1.0, std::abs(t)); }
 
-// Why steps from `start` become short, in words: who changes most there, what the last try failed by, and advice.
-// `landed`: the end of the last try that had one.
+// Why steps from `start` become short, in words: what changes most there, how the last attempt failed, and advice.
+// `landed`: the end of the last attempt that had one.
 std::string reason(Dynamics& dynamics, const State& start, const State& landed, const std::string& failure,
                    const std::string& advice) {
   std::string words = who_varies(dynamics, start, a_while_after(start.t));
   if (!words.empty()) return words;
   if (failure.empty()) return advice;
   const std::string row = most_violated(dynamics, landed);
-  return "the last try failed: " + failure + (row.empty() ? "" : " (most of all " + row + ")") +
-         "; two laws or links may part there, or the mechanism is locked: " + advice;
+  return "the last attempt failed: " + failure + (row.empty() ? "" : " (worst: " + row + ")") +
+         "; two laws or joints may contradict each other, or the mechanism is locked: " + advice;
 }
 
 }  // namespace
@@ -56,14 +56,14 @@ StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
   const double asked = h;
   int failures = 0;
   bool rejected = false;
-  std::string failure;                                          // of the last try, in words
-  const auto longer_fails = [&]() -> std::string {  // steps that went on shrinking leave no failure: longer ones do
+  std::string failure;                              // of the last attempt, in words
+  const auto longer_fails = [&]() -> std::string {  // short steps leave no failure, longer ones do
     for (const double longer : {1.0, 1e3, 1e6}) {
       try {
         attempt(dynamics, longer * a_while_after(start_.t));
         copy_motion(end_, landed_);
         if (const ProjectReport end = project_end(dynamics, landed_); !end.converged)
-          return fmt::format("its end is {:.2g} m off the constraints and cannot be brought back", end.after);
+          return fmt::format("its end violates the constraints by {:.2g} m and cannot be projected", end.after);
       } catch (const Error& error) {
         return error.what();
       }
@@ -89,7 +89,7 @@ StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
       }
       if (made.accepted)
         failure =
-            fmt::format("its end is {:.2g} m off the constraints and cannot be brought back", report.violation_after);
+            fmt::format("its end violates the constraints by {:.2g} m and cannot be projected", report.violation_after);
       rejected = true;
       if (made.next > 0)
         next = made.next;
@@ -106,7 +106,7 @@ StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
     if (step_vanished(state.t, h, asked)) {
       if (failure.empty()) failure = longer_fails();
       throw StepError(
-          fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s after {} rejections; {}", info().name, h,
+          fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s after {} rejected steps; {}", info().name, h,
                       state.t, report.rejected + 1, reason(dynamics, start_, landed_, failure, advice())),
           state.t);
     }
@@ -125,7 +125,7 @@ bool AdaptiveStepper::land(Dynamics& dynamics, double h, StepReport& report) {
 ProjectReport AdaptiveStepper::project_end(Dynamics& dynamics, State& y) { return lockstep::project_end(dynamics, y); }
 
 std::string AdaptiveStepper::advice() const {
-  return "use another method (--integrator), a wider tolerance, or look for a singular position (lockstep check)";
+  return "use another method (--integrator), a larger tolerance, or find a singular configuration (lockstep check)";
 }
 
 void AdaptiveStepper::newton_failed(double h, const char* advice) const {

@@ -18,12 +18,12 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kContradict = 1e-6;     // residual of a row that cannot hold together with others
+constexpr double kContradict = 1e-6;     // residual of a row that contradicts others
 constexpr double kNotableChange = 1e-2;  // relative change
 constexpr double kSmall = 1e-3;          // of the largest of its kind: what is smaller changes little
 
-// What links and forces give at one state: of each force its wrenches, 6 per slot; of each row its jacobian, slot by slot;
-// of each row Qhat, the acceleration that it asks for.
+// What links and forces give at one state: of each force its wrenches, 6 per slot; of each row its Jacobian, slot by
+// slot, and Qhat, the acceleration that it prescribes.
 using Given = std::array<std::vector<VecX>, 3>;
 
 Given given_at(Dynamics& dynamics, const State& state) {
@@ -67,8 +67,8 @@ std::string words_of(Dynamics& dynamics, const State& state, const Force& force,
                         x[1], x[2]);
   }
   return fmt::format(
-      "force '{}' ({}) changes most there: from {:.4g} to {:.4g} (N, N m) within {:.2g} s{}; if it is that "
-      "stiff, take an implicit method (--integrator radau5), if it jumps, let it change smoothly",
+      "force '{}' ({}) changes most: from {:.4g} to {:.4g} (N, N m) within {:.2g} s{}; if it is stiff, use an implicit "
+      "method (--integrator radau5); if it jumps, let it change smoothly",
       force.name(), force.type(), from.lpNorm<Eigen::Infinity>(), to.lpNorm<Eigen::Infinity>(), after, place);
 }
 
@@ -90,11 +90,11 @@ std::string in_words(Dynamics& dynamics, const State& state, const Given& from, 
   const VecX &was = from[kind][which], &is = to[kind][which];
   if (kind == 0) return words_of(dynamics, state, *dynamics.system().forces()[which], was, is, after);
   return fmt::format(
-      "{} changes most there, {} within {:.2g} s; look at its laws, and whether its markers come to where it "
-      "has no direction",
+      "{} changes most: {} within {:.2g} s; check its laws, and whether its markers reach a place where its direction "
+      "is undefined",
       passes::row_name(dynamics.system(), dynamics.gather(state).rows(), static_cast<int>(which)),
-      kind == 1 ? fmt::format("its direction by {:.2g} of itself", most)
-                : fmt::format("the acceleration that it asks for from {:.4g} to {:.4g}", was[0], is[0]),
+      kind == 1 ? fmt::format("its direction by {:.2g} %", 100 * most)
+                : fmt::format("the acceleration that it prescribes from {:.4g} to {:.4g}", was[0], is[0]),
       after);
 }
 
@@ -119,10 +119,12 @@ std::string why_contradict(const std::vector<std::string>& moved, const std::str
   std::vector<std::string> names = moved;
   if (names.size() > kNamed) names.resize(kNamed), names.push_back("others");
   if (moved.size() > 1)
-    return fmt::format("two laws may part{}, or the mechanism is locked (laws move {})", stops, text::join(names));
-  return (moved.empty() ? std::string("the mechanism is locked")
-                        : fmt::format("the law that moves {} leads into a dead centre, or the mechanism is locked",
-                                      moved.front())) +
+    return fmt::format("the laws of joints {} may contradict each other, or the mechanism is locked{}",
+                       text::join(names), stops);
+  return (moved.empty()
+              ? std::string("the mechanism is locked")
+              : fmt::format("the law of joint {} leads to a limit position (dead centre), or the mechanism is locked",
+                            moved.front())) +
          stops;
 }
 
@@ -134,7 +136,7 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after) {
     const Solution& now = dynamics.evaluate(state);
     if (const SolveReport report = now.full_report();
         report.worst_row >= 0 && report.residual > std::max(kContradict, kLeftPerViolation * off))
-      return fmt::format("{} cannot hold together with the others there ({:.2g} % of its right side is left over): {}",
+      return fmt::format("{} contradicts the others (residual {:.2g} % of its right-hand side): {}",
                          passes::row_name(dynamics.system(), now.rows, report.worst_row), 100 * report.residual,
                          why_contradict(moved_by_laws(dynamics, state), or_against_stops(dynamics.system(), now.rows)));
     const Given from = given_at(dynamics, state);
@@ -147,10 +149,10 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after) {
     dynamics.normalize(then);
     std::string words = in_words(dynamics, state, from, given_at(dynamics, then), after);
     if (const std::vector<std::string> moved = moved_by_laws(dynamics, state); moved.size() == 1 && !words.empty())
-      words += "; a law moves " + moved.front();
+      words += "; a law drives joint " + moved.front();
     return words;
   } catch (const Error& error) {
-    return fmt::format("within {:.2g} s from there: {}", after, error.what());
+    return fmt::format("within {:.2g} s after that: {}", after, error.what());
   }
 }
 
@@ -173,7 +175,7 @@ std::string most_violated(Dynamics& dynamics, const State& state) {
 StepError end_not_projected_by(Dynamics& dynamics, const State& end, const ProjectReport& report,
                                const std::string& method, double t, double h) {
   const std::string row = most_violated(dynamics, end);
-  return StepError(end_not_projected(report, method, t, h).what() + (row.empty() ? "" : "; most of all " + row), t);
+  return StepError(end_not_projected(report, method, t, h).what() + (row.empty() ? "" : "; worst: " + row), t);
 }
 
 }  // namespace lockstep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who makes steps short: the link or force that changes most right after a state.
+// What makes steps short: the joint or force that changes most right after a state.
 #pragma once
 
 #include <string>
@@ -9,15 +9,15 @@
 
 namespace lockstep {
 
-/// In words for the end of a message: which row contradicts others at this state; or which force or link changes most
-/// within `after` seconds from it, with its values and the place; "" where nothing changes much. What an evaluation
-/// throws there is said instead.
+/// For the end of a message: the constraint that contradicts others at this state; or the force or joint that changes
+/// most within `after` seconds from it, with its values and the place; "" if nothing changes much. If an evaluation
+/// throws, the text of its error.
 LOCKSTEP_API std::string who_varies(Dynamics&, const State&, double after);
 
-/// The row that is violated most at this state, "row z of link 'H' by 1e-05 m"; "" where there are no rows.
+/// The constraint that is violated most at this state, "constraint z of joint 'H' by 1e-05 m"; "" if there is none.
 LOCKSTEP_API std::string most_violated(Dynamics&, const State&);
 
-/// end_not_projected() with that row, at the end of the step.
+/// end_not_projected() with that constraint, at the end of the step.
 StepError end_not_projected_by(Dynamics&, const State& end, const ProjectReport&, const std::string& method, double t,
                                double h);
 

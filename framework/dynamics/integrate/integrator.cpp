@@ -24,12 +24,10 @@ void check_tolerance(const Tolerance& t) {
     throw ModelError("the absolute tolerance is " + text::brief(t.atol_x) + " m; it must be greater than 0");
   if (t.relative > 100)
     throw ModelError("the tolerance of " + text::brief(t.relative) +
-                     " allows errors many times larger than the motion; take 1 or less, as 1e-6");
+                     " allows errors many times larger than the motion; take 1 or less, such as 1e-6");
   if (const double rounding = std::numeric_limits<double>::epsilon(); t.relative > 0 && t.relative < rounding)
-    throw ModelError("the tolerance of " + text::brief(t.relative) +
-                     " is less than rounding leaves of numbers of 16 "
-                     "digits (" +
-                     text::brief(rounding) + "), and no step meets it; take 1e-13 or more");
+    throw ModelError("the tolerance of " + text::brief(t.relative) + " is below the round-off of double precision (" +
+                     text::brief(rounding) + "); take 1e-13 or more");
 }
 
 void UnmetTolerance::count(const StepReport& step, double t) {

@@ -109,7 +109,7 @@ void Stages::put(int i, const StateRate& k) {
   const auto at = static_cast<std::size_t>(i);
   for (const auto part : {&StateRate::q, &StateRate::v, &StateRate::s, &StateRate::followed})
     if ((k.*part).size() != (k_[at].*part).size())
-      throw ModelError("Stages::put: rates of another size than those of begin(); make them by sized_like()");
+      throw ModelError("Stages::put: the rates have another size than those of begin(); create them by sized_like()");
   k_[at] = k;
   conditioning_[at] = {};
 }
@@ -138,14 +138,11 @@ ProjectReport project_end(Dynamics& dynamics, State& y, StagesOn on) {
 }
 
 StepError end_not_projected(const ProjectReport& report, const std::string& method, double t, double h) {
-  return StepError(
-      fmt::format(
-          "{}: the step of {:.6g} s from t = {:.9g} s left the constraints by {:.3g} m and could not be brought back "
-          "({:.3g} m remain after {} rounds); take a smaller step (--step), a method that chooses its own "
-          "(--integrator dopri5), an implicit one where dampers are stiff (radau5, generalized_alpha), or look for a "
-          "singular position (lockstep check)",
-          method, h, t, report.before, report.after, report.rounds),
-      t);
+  return StepError(fmt::format("{}: the step of {:.6g} s from t = {:.9g} s violates the constraints by {:.3g} m, and "
+                               "projection fails ({:.3g} m remain after {} iterations); take a smaller step (--step), "
+                               "or --integrator dopri5, or radau5 if dampers are stiff",
+                               method, h, t, report.before, report.after, report.rounds),
+                   t);
 }
 
 ProjectReport project_end_or_throw(Dynamics& dynamics, State& y, const char* method, double t, double h, StagesOn on) {

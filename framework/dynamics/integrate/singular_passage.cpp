@@ -93,10 +93,9 @@ bool SingularPassage::evaluate(Dynamics& dynamics, const State& y, double h, int
   const bool inside = c.detector < 10 * kProximalOfMatrix;  // no more than proximal terms leave
   if (sides != Sides::differ || begun_ || i > 0 || !inside || !loses_rank(dynamics, y)) return true;
   throw StepError(
-      fmt::format("{}: at t = {:.9g} s the links do not determine how the motion continues (smallest relative pivot "
-                  "{:.2g}): it is a singular position, from which several motions continue or none, or rows nearly "
-                  "depend on others; start slightly off it, with the intended velocity, take away a link that "
-                  "repeats another (lockstep check names them), or take --solver dense",
+      fmt::format("{}: at t = {:.9g} s the mechanism is in a singular configuration, or constraints are nearly "
+                  "redundant: several motions continue, or none (smallest relative pivot {:.2g}); start slightly off "
+                  "it with the intended velocity, remove a redundant joint (lockstep check), or use --solver dense",
                   method_, y.t, c.pivot),
       y.t);
 }

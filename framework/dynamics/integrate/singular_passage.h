@@ -34,10 +34,10 @@ class LOCKSTEP_API SingularPassage {
   /// Evaluates the stages first ... last - 1 of a step of h, s, from y. False: one could not be brought onto the
   /// constraints. Throws StepError if several motions continue from the start of a run.
   bool evaluate(Dynamics&, const State& y, double h, int first, int last, Stages&);
-  /// The step to attempt, s, at most h: on the constraints a step turns no body by more than 0.5 rad.
+  /// The step to attempt, s, at most h: on the constraints a step rotates no body by more than 0.5 rad.
   double longest(double h) const;
   /// Whether an attempt came near a singular position and must be repeated with its stages on the constraints, as
-  /// stages_on() then says.
+  /// stages_on() then reports.
   bool enters();
   /// Whether an attempt of h, s, with this error, in tolerances, is accepted: also with what its stages leave
   /// uncertain, if a longer attempt of this step had such an error too.

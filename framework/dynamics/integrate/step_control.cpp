@@ -81,7 +81,7 @@ void ErrorNorm::Moving::at(const State& y, int n_s) {
 void ErrorNorm::scale(const State& y0, const StateRate& k0, double h, const State& y1) {
   if (y0.coordinates) {
     if (now_.are_of(y0)) std::swap(before_, now_);  // the end of the step before
-    if (!before_.are_of(y0)) before_.at(y0, n_s_);  // else the step is attempted anew
+    if (!before_.are_of(y0)) before_.at(y0, n_s_);  // else the step is attempted again
     now_.at(y1, n_s_);
   }
   weights_ = weights_of(tolerance_, y0.coordinates ? change_of_motions(before_.motions, k0, h, now_.motions)

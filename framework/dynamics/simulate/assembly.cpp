@@ -21,10 +21,10 @@
 namespace lockstep {
 namespace {
 
-constexpr double kMuch = 0.1;     // of the mechanism's length, a turn, or the start's energy: more was hardly meant
-constexpr double kLittle = 1e-3;  // of its length, turns times it, of speeds or energies: less is not worth a word
+constexpr double kMuch = 0.1;  // of the mechanism's length, a revolution, or the start's energy: more is hardly meant
+constexpr double kLittle = 1e-3;  // of its length, rotations times it, of speeds or energies: less is not reported
 
-// What a run would refuse, m, m/s.
+// The limit of a run for its start, m, m/s.
 double start_limit() { return StepLoopOptions{}.start_limit; }
 
 // Projects first, then corrects along the free motions only: W = M^-1-orthogonal responses to each target's row. Again
@@ -51,8 +51,8 @@ void meet(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& t
       std::vector<std::string> names;
       for (const VelocityTarget& t : targets) names.push_back(t.link + "." + std::string(to_string(t.axis)));
       throw AssemblyError("start velocity: " + text::join(names) +
-                          (targets.size() > 1 ? " cannot be met together; the" : " cannot be met; the") +
-                          " mechanism does not move that way: ask for fewer coordinates, or for one that is free");
+                          (targets.size() > 1 ? " are incompatible" : " is impossible") +
+                          ": the joints do not allow this motion; give fewer coordinates, or one that is free");
     }
     before = left;
     const Evaluation& e = dynamics.gather_rows(state);
@@ -76,7 +76,8 @@ void assemble_velocities(Dynamics& dynamics, State& state, const std::vector<Vel
   else
     meet(dynamics, state, targets);
   report.after_v = dynamics.violation_v(state);
-  check_velocities(dynamics, state, report.after_v, start_limit(), "assembly", "start off the dead centre, or ");
+  check_velocities(dynamics, state, report.after_v, start_limit(), "assembly",
+                   "start away from the limit position, or ");
 }
 
 double kinetic_energy(Dynamics& dynamics, const State& state) {
@@ -90,7 +91,7 @@ double kinetic_energy(Dynamics& dynamics, const State& state) {
 }
 
 // Bodies that have a velocity now, by what was not given of it: "no start velocity is given for 'coupler', 'rocker'; ...";
-// "" where all are given.
+// "" if all are given.
 std::string not_given(const System& system, const State& given, const State& assembled) {
   const double L = system.length(),
                rounding = kLittle * std::max(given.v.lpNorm<Eigen::Infinity>(), assembled.v.lpNorm<Eigen::Infinity>());
@@ -110,20 +111,20 @@ std::string not_given(const System& system, const State& given, const State& ass
     }
   }
   std::string words;
-  const auto say = [&](const char* what, std::vector<std::string> names) {
+  const auto add = [&](const char* what, std::vector<std::string> names) {
     constexpr std::size_t kMost = 5;
     if (names.empty()) return;
     if (names.size() > kMost) names.resize(kMost), names.emplace_back("...");
     words += (words.empty() ? "" : "; ") + std::string(what) + text::join(names);
   };
-  say("no start velocity is given for ", all);
-  say("an angular velocity, but no \"velocity\" of the frame's origin is given for ", velocity);
-  say("a \"velocity\", but no angular one (\"omega_world\") is given for ", omega);
+  add("no start velocity is given for ", all);
+  add("an angular velocity but no \"velocity\" of the frame's origin is given for ", velocity);
+  add("a \"velocity\" but no angular velocity (\"omega_world\") is given for ", omega);
   return words;
 }
 
-// Whether the start poses fit the links but for their drives: a mechanism drawn in its zero position, which its drives
-// take to where they begin.
+// Whether the start poses fit the links except for their drives: a mechanism drawn in its zero position, which its
+// drives take to where they begin.
 bool only_laws_move(Dynamics& dynamics, const State& given) {
   const Evaluation& e = dynamics.gather_rows(given);
   VecX C = Residuals(e).C;
@@ -135,11 +136,11 @@ bool only_laws_move(Dynamics& dynamics, const State& given) {
   return e.norm(C) < start_limit();
 }
 
-// What assembling changed so much that the start was hardly meant so.
+// Changes by assembly that are too large to be meant.
 void add_warnings(Dynamics& dynamics, const State& given, const State& assembled, const AssemblyOptions& options,
                   AssemblyReport& report) {
   const System& system = dynamics.system();
-  // Poses count no more where coordinates are asked for, nor that of a body that may go anywhere.
+  // Poses do not count if coordinates are requested, nor that of a body that may go anywhere.
   const auto meant = [&](const std::string& body) {
     return options.coordinates.empty() &&
            std::ranges::none_of(options.poses, [&](const PoseWeight& w) { return w.body == body && w.weight == 0; });
@@ -149,30 +150,30 @@ void add_warnings(Dynamics& dynamics, const State& given, const State& assembled
   const bool by_laws = (moved || turned) && only_laws_move(dynamics, given);
   if (moved && !by_laws)
     report.findings.push_back({&finding::start_moved, "body '" + report.moved_most + "'",
-                               fmt::format("assembly moved body '{}' by {:.3g} m from where its start pose puts it",
+                               fmt::format("assembly moved body '{}' by {:.3g} m from its start pose",
                                            report.moved_most, report.largest_move),
-                               "give it a position that fits its links (`lockstep assemble` prints one)",
+                               "give it a position that fits its joints (`lockstep assemble` prints one)",
                                report.largest_move, kMuch * system.length(), "m"});
   else if (turned && !by_laws)
     report.findings.push_back({&finding::start_moved, "body '" + report.turned_most + "'",
-                               fmt::format("assembly turned body '{}' by {:.3g} rad from its start pose",
+                               fmt::format("assembly rotated body '{}' by {:.3g} rad from its start pose",
                                            report.turned_most, report.largest_turn),
-                               "give it an orientation that fits its links (`lockstep assemble` prints one)",
+                               "give it an orientation that fits its joints (`lockstep assemble` prints one)",
                                report.largest_turn, kMuch * kTwoPi, "rad"});
   const double lost = report.kinetic_before - report.kinetic_after;
   if (!(lost > kMuch * report.kinetic_before)) return;
   const std::string missing = not_given(system, given, assembled);
   report.findings.push_back(
       {&finding::start_speed_lost, "",
-       fmt::format("assembly took {:.3g} J of the {:.3g} J that the start velocities give, as the links do not allow "
-                   "them: {}",
-                   lost, report.kinetic_before, missing.empty() ? "no such motion is free" : missing),
-       missing.empty() ? "lockstep check counts the freedoms"
-                       : "give fitting ones, or one start speed of a link (\"start\")",
+       fmt::format(
+           "assembly removed {:.3g} J of the {:.3g} J of the start velocities, which the joints do not allow: {}", lost,
+           report.kinetic_before, missing.empty() ? "no such motion is free" : missing),
+       missing.empty() ? "lockstep check counts the degrees of freedom"
+                       : "give compatible ones, or one start speed of a joint (\"start\")",
        lost, kMuch * report.kinetic_before, "J"});
 }
 
-// What was asked for by a weight and is not there: against it count the start poses of the bodies, and other coordinates.
+// Coordinates requested by a weight that begin elsewhere: start poses and other coordinates count against them.
 void add_missed(Dynamics& dynamics, const State& assembled, const AssemblyOptions& options, AssemblyReport& report) {
   for (const StartTarget& target : targets_of(dynamics.system(), assembled, options)) {
     if (target.exact()) continue;
@@ -181,14 +182,13 @@ void add_missed(Dynamics& dynamics, const State& assembled, const AssemblyOption
     if ((turns ? 1 : 1 / dynamics.system().length()) * std::abs(off) <= kLittle) continue;
     const auto shown = [&](double x) { return turns ? degrees(x) : x; };
     const char* const unit = turns ? "deg" : "m";
-    report.findings.push_back(
-        {&finding::start_missed, "link '" + target.link->name() + "'",
-         fmt::format("link '{}': {} begins at {:.4g} {}, near {:.4g} {} was asked for: what else is asked for, start "
-                     "poses of bodies among it, counts against it",
-                     target.link->name(), to_string(target.axis), shown(target.asked + off), unit, shown(target.asked),
-                     unit),
-         "ask for it exactly (\"position\"), or let its body go anywhere (\"assembled\": \"free\")",
-         shown(target.asked + off), shown(target.asked), unit});
+    report.findings.push_back({&finding::start_missed, "joint '" + target.link->name() + "'",
+                               fmt::format("joint '{}': {} begins at {:.4g} {} instead of near {:.4g} {}, because of "
+                                           "start poses of bodies or other coordinates",
+                                           target.link->name(), to_string(target.axis), shown(target.asked + off), unit,
+                                           shown(target.asked), unit),
+                               "request it exactly (\"position\"), or free its body (\"assembled\": \"free\")",
+                               shown(target.asked + off), shown(target.asked), unit});
   }
 }
 
@@ -203,8 +203,9 @@ void measure_move(const System& system, const State& from, const State& to, Asse
 
 }  // namespace
 
+LOCKSTEP_API bool AssemblyReport::is_moved() const { return std::max(largest_move, largest_turn) > start_limit(); }
 LOCKSTEP_API bool AssemblyReport::is_notable() const {
-  return std::max({before, before_v, largest_move, largest_turn}) > start_limit();
+  return is_moved() || std::max(before, before_v) > start_limit();
 }
 
 LOCKSTEP_API std::string AssemblyReport::text() const {
@@ -213,7 +214,7 @@ LOCKSTEP_API std::string AssemblyReport::text() const {
                   before, before_v, after, after_v);
   if (largest_move == 0 && largest_turn == 0) text += "; only velocities changed";
   if (largest_move > 0) text += fmt::format("; moved '{}' by {:.3g} m", moved_most, largest_move);
-  if (largest_turn > 0) text += fmt::format("; turned '{}' by {:.3g} rad", turned_most, largest_turn);
+  if (largest_turn > 0) text += fmt::format("; rotated '{}' by {:.3g} rad", turned_most, largest_turn);
   if (std::abs(kinetic_after - kinetic_before) > kLittle * std::max(kinetic_before, kinetic_after))
     text += fmt::format("; kinetic energy {:.3g} J, now {:.3g} J", kinetic_before, kinetic_after);
   return text;

@@ -39,8 +39,8 @@ void Clock::begin(double t, double guess) {
   if (!(advised_ > 0)) advised_ = options_.step > 0 ? options_.step : 1e-3;
 }
 
-// Where a law jumps at t, the step ends slightly before t, so that no stage sees the right side; the rest is crossed
-// with the rates there (StepLoop::cross_jump).
+// Where a law jumps at t, the step ends slightly before t, so that no stage sees the right-hand side; the rest is
+// crossed with the rates there (StepLoop::cross_jump).
 Clock::Target Clock::next_target(double t, double limit, double event, double largest, bool interpolates) {
   refresh_breakpoints(t, limit, largest);
   while (next_breakpoint_ < breakpoints_.size() && breakpoints_[next_breakpoint_] <= t) ++next_breakpoint_;
@@ -66,9 +66,8 @@ double Clock::step_towards(double t, const Target& target, double largest) const
   if (step_is_round_off(h, t, span()))
     throw StepError(
         fmt::format(
-            "{}: the step shrank to {:.3g} s at t = {:.9g} s, which is lost beside a run of {:.3g} s; use another "
-            "method (--integrator), a wider tolerance, an earlier end, or look for a singular position "
-            "(lockstep check)",
+            "{}: the step shrank to {:.3g} s at t = {:.9g} s, which is round-off of a run of {:.3g} s; use another "
+            "method (--integrator), a larger tolerance, or find a singular configuration (lockstep check)",
             info_.name, h, t, span()),
         t);
   return step_within(left, h, same_instant(t));
@@ -114,7 +113,7 @@ bool Clock::end_due(double t) const {
   return options_.output_times.empty() && options_.output > 0 && last_output_ != t;
 }
 
-// The jumps that are known of are kept: asked for anew from here they might differ in the last bit.
+// The known jumps are kept: computed again from here they might differ in the last bit.
 void Clock::save(Snapshot& out) const {
   for (const double x : {t_start_, t_end_, advised_, anchor_, last_output_, breakpoints_to_}) out.put(x);
   for (const long n : {n_from_anchor_, next_output_}) out.put(static_cast<double>(n));
@@ -125,7 +124,8 @@ void Clock::save(Snapshot& out) const {
 void Clock::load(SnapshotReader& in) {
   for (double* x : {&t_start_, &t_end_, &advised_, &anchor_, &last_output_, &breakpoints_to_}) *x = in.get();
   for (long* n : {&n_from_anchor_, &next_output_}) *n = in.get_count();
-  if (next_output_ < 0) throw ModelError("the saved number of outputs is below zero: the checkpoint is damaged");
+  if (next_output_ < 0)
+    throw ModelError("the saved number of outputs is negative: the checkpoint is damaged; use an older one");
   in.get_all(breakpoints_), next_breakpoint_ = 0;
 }
 

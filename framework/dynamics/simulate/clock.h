@@ -37,14 +37,14 @@ class LOCKSTEP_API Clock {
   double advised() const { return advised_; }  ///< length of the next step
   /// The longest first step of a method that begins at t.
   double horizon(double t) const;
-  /// The method begins anew at t. `guess`: its first step, or 0.
+  /// The method begins again at t. `guess`: its first step, or 0.
   void begin(double t, double guess);
   /// Fixed steps are counted from here.
   void set_anchor(double t) { anchor_ = t, n_from_anchor_ = 0; }
   /// The nearest of `limit`, `event`, the laws' jumps and, unless they are interpolated, the output times. `largest`: a
   /// step length, by which to look ahead where no end is known.
   Target next_target(double t, double limit, double event, double largest, bool interpolates);
-  /// The length of the next step. Throws StepError where it is round-off.
+  /// The length of the next step. Throws StepError if it is round-off.
   double step_towards(double t, const Target&, double largest) const;
   /// Counts a step of requested length `asked`.
   void count_step(double asked, const StepReport&);
@@ -53,7 +53,7 @@ class LOCKSTEP_API Clock {
   const LastSteps& last() const { return last_; }
   /// Of a run that has made n steps and reached t, as LastSteps::check.
   void check(double t, long n) const { last_.check({info_.name, info_.adaptive, t, t_end_, n, options_.max_steps}); }
-  /// How far apart two instants about t may be and are the same: rounding beside the time and the length of the run, s.
+  /// How far apart two equal times about t may be: rounding of the time and of the length of the run, s.
   double same_instant(double t) const;
   /// Whether an instant lies before t by more than that.
   bool is_past(double instant, double t) const { return instant < t - same_instant(t); }

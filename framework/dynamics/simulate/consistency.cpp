@@ -21,7 +21,7 @@ namespace lockstep {
 
 namespace {
 
-// The gradient of each row of an entry as its size, turns as lengths.
+// The size of the gradient of each row of an entry, rotations as lengths.
 template <class Act>
 void for_each_gradient(const Evaluation& e, const Act& act) {
   const double L = e.system().length();
@@ -55,12 +55,12 @@ std::string worst_rows(const Evaluation& e, const VecX& sizes) {
   std::vector<std::string> words;
   for (std::size_t i = 0; i < order.size() && i < 3; ++i)
     words.push_back(passes::row_name(e.system(), e.rows(), order[i]) + " (" + text::brief(sizes[order[i]]) + ")");
-  return words.empty() ? "no row" : text::join(words);
+  return words.empty() ? "no constraint" : text::join(words);
 }
 
 namespace {
 
-// A row of the rotation alone, e3 = 0, holds the turn about z by e0/2 (4.21). That is zero half a turn away about an axis
+// A row of the rotation alone, e3 = 0, holds the rotation about z by e0/2 (4.21). That is zero at 180 deg about an axis
 // normal to z.
 void check_not_folded(const Evaluation& e, const Lock& link) {
   const Jointed* const joint = link.jointed();
@@ -68,9 +68,10 @@ void check_not_folded(const Evaluation& e, const Lock& link) {
   const auto [p, s] = link.pairs().front();
   const MarkerFrame P(*p), S(*s);
   if (std::abs(MovingPair<Reads::rotation>(P, S, e.inputs()).y()[3]) > kSlight) return;
-  throw AssemblyError(fmt::format(
-      "link '{}' is folded back by half a turn at the start: there it holds no turn about its axis; start it elsewhere",
-      link.name()));
+  throw AssemblyError(
+      fmt::format("joint '{}' is folded by 180 deg at the start, where its constraint of a rotation has no effect; "
+                  "start it elsewhere",
+                  link.name()));
 }
 
 }  // namespace
@@ -79,8 +80,8 @@ void check_gradients(const Evaluation& e) {
   for_each_gradient(e, [&](int row, RowKind, double size) {
     if (size == 0)
       throw AssemblyError(
-          fmt::format("{} has no gradient at the start: no motion of its bodies changes it here, as at the centre of "
-                      "a curve or on the axis of a cam; start them elsewhere",
+          fmt::format("{} has no gradient at the start, as at the centre of a curve or on the axis of a cam; start its "
+                      "bodies elsewhere",
                       passes::row_name(e.system(), e.rows(), row)));
   });
 }
@@ -105,10 +106,9 @@ void check_start(Dynamics& dynamics, const State& s, double limit) {
   const VecX C = Residuals(at).C;
   const double c = start_distance(at, C);
   if (!(c <= limit))
-    throw AssemblyError(
-        fmt::format("the start at t = {:.9g} s violates the constraints by {:.3g} m (limit {:.3g} m), most of "
-                    "all {}; assemble it first",
-                    s.t, c, limit, worst_rows(at, start_distances(at, C))));
+    throw AssemblyError(fmt::format(
+        "the start at t = {:.9g} s violates the constraints by {:.3g} m (limit {:.3g} m), worst: {}; assemble it first",
+        s.t, c, limit, worst_rows(at, start_distances(at, C))));
   check_velocities(dynamics, s, dynamics.violation_v(s), limit, "the start", "assemble it first, or ");
 }
 
@@ -118,8 +118,8 @@ void check_velocities(Dynamics& dynamics, const State& state, double left, doubl
   const Evaluation& at = dynamics.gather_rows(state);
   throw AssemblyError(fmt::format(
       "{} at t = {:.9g} s leaves inconsistent velocities: they violate the constraints by {:.3g} m/s (limit {:.3g} "
-      "m/s), most of all {}; two laws may drive one coordinate{}, or the position is a dead centre, where a driven "
-      "coordinate cannot move: {}look at the drives of these links",
+      "m/s), worst: {}; two laws may drive one coordinate{}, or a drive is in a limit position (dead centre): {}check "
+      "the drives of these joints",
       cause, state.t, left, limit, worst_rows(at, row_sizes(at, Residuals(at).Cd)),
       or_against_stops(dynamics.system(), at.rows()), advice));
 }
@@ -152,7 +152,7 @@ void engage_links(Dynamics& dynamics, State& state, const std::vector<std::strin
 
 namespace {
 
-// Whether all that is wanting where its markers are apart is to hold them as they stand.
+// Whether it could hold its markers in their present pose.
 bool could_hold(const Lock& link) {
   const Jointed* joint = link.jointed();
   return joint != nullptr && joint->imposed().empty() && joint->mask() != Mask::none && !link.unilateral() &&
@@ -173,11 +173,10 @@ void check_links(Dynamics& dynamics, const State& state, const std::vector<std::
     const RowEntry& e = rows.entries[entry];
     const double violation = sizes.segment(e.first_row, e.m).lpNorm<Eigen::Infinity>();
     if (!(violation <= limit))
-      throw AssemblyError(
-          fmt::format("{} activates link '{}' at t = {:.9g} s, where it is {:.3g} m apart (limit {:.3g} m); "
-                      "activate it when its markers meet{}",
-                      cause, name, state.t, violation, limit,
-                      could_hold(link) ? ", or let it \"hold\" where its bodies stand" : ""));
+      throw AssemblyError(fmt::format(
+          "{} activates joint '{}' at t = {:.9g} s, when it is {:.3g} m apart (limit {:.3g} m); activate it when its "
+          "markers meet{}",
+          cause, name, state.t, violation, limit, could_hold(link) ? ", or let it \"hold\" the present pose" : ""));
   }
 }
 
@@ -188,8 +187,8 @@ void make_consistent(Dynamics& dynamics, State& state, const std::string& cause,
     const bool near = violation <= limit;
     const ProjectReport report = near ? dynamics.project(state) : ProjectReport{};
     if (!near || !report.converged)
-      throw AssemblyError(fmt::format("{} leaves the constraints violated by {:.3g} m at t = {:.9g} s (limit {:.3g} m)",
-                                      cause, violation, state.t, limit));
+      throw AssemblyError(fmt::format("{} violates the constraints by {:.3g} m at t = {:.9g} s (limit {:.3g} m)", cause,
+                                      violation, state.t, limit));
     left = report.after_v;
   } else {
     left = dynamics.project_velocity(state);
@@ -210,8 +209,8 @@ std::string PositionJump::refusal(Dynamics& dynamics, const State& state, double
   const double jump = at.norm(C);
   if (jump <= limit) return "";
   return fmt::format(
-      "a law jumps in position at t = {:.9g} s by {:.3g} m (limit {:.3g} m), most of all {}, which no motion follows; "
-      "let it pass from one value to the other in a time (types ramp, cycloid, spline)",
+      "a law jumps in position at t = {:.9g} s by {:.3g} m (limit {:.3g} m), worst: {}; use a continuous law (ramp, "
+      "cycloid, spline)",
       state.t, jump, limit, worst_rows(at, row_sizes(at, C)));
 }
 

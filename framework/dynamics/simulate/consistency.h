@@ -20,14 +20,14 @@ struct Residuals {
 VecX row_sizes(const Evaluation&, const VecX&);
 /// Names of the three rows with the largest sizes, with these.
 std::string worst_rows(const Evaluation&, const VecX& sizes);
-/// Throws AssemblyError for a row whose gradient vanishes here, as that of a distance to the centre of a curve: nothing
-/// can be said of which way its bodies move.
+/// Throws AssemblyError for a row whose gradient vanishes here, as that of a distance to the centre of a curve: the
+/// direction of motion of its bodies is undefined.
 void check_gradients(const Evaluation&);
 /// How far each row is from being met, m: its residual C as Evaluation::norm counts it, or |C| / |grad C|, the distance to
-/// the nearest pose that meets it, where that is more. A function with a small gradient is off by far more than it says.
-/// Rotations are as they are, for a half turn has no gradient. C: one number a row, of this evaluation.
+/// the nearest pose that meets it, if that is more. A function with a small gradient is off by far more than its value.
+/// Rotations are as they are, since 180 deg has no gradient. C: one number a row, of this evaluation.
 VecX start_distances(const Evaluation&, const VecX& C);
-/// The largest of them; NaN where one is.
+/// The largest of them; NaN if one is.
 double start_distance(const Evaluation&, const VecX& C);
 /// Throws AssemblyError, naming the row that is violated most, if a start violates the constraints.
 LOCKSTEP_API void check_start(Dynamics&, const State&, double limit);
@@ -45,7 +45,7 @@ void check_links(Dynamics&, const State&, const std::vector<std::string>& links,
 LOCKSTEP_API void make_consistent(Dynamics&, State&, const std::string& cause, double limit);
 
 /// The time before the jump of a law at `jump` at which a step ends, so that no stage sees its far side, s; `span`: of the
-/// run. Wider than the part of its own duration by which a law may count an instant as the jump (motionlaws/side.h), for
+/// run. Wider than the part of its own duration by which a law may count a time as the jump (motionlaws/side.h), for
 /// laws up to a hundred times as long as the run.
 LOCKSTEP_API double before_jump(double jump, double span);
 /// Crosses what is left to t with the rates now, in the slots' own coordinates. `rate`: scratch.

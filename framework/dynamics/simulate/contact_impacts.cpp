@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Contact of unilateral links: the impact, which links stay in contact and which are released.
+// Contact of one-sided joints: the impact, and which joints stay in contact or are released.
 //
 // Impact. With the touching rows that push, and all rows in force,
 //
@@ -8,7 +8,7 @@
 //   push = -(+-z) >= 0,   Cd+ >= target,   one of the two an equality      for every touching row
 //
 // Accelerations of the rows left at rest: the same with forces and C''. Both complementarity problems are solved by
-// pivoting the first row that does not fit (Murty's least index), which is finite where the rows are independent.
+// pivoting the first row that does not fit (Murty's least index), which is finite if the rows are independent.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -156,7 +156,7 @@ std::string ContactManager::rest(State& state, bool here) {
   });
   for (const Touch& touch : touching_)
     if (touch.active) add_name(names, *contacts_[touch.of].link);
-  return names.empty() ? names : "the contact of link " + names;
+  return names.empty() ? names : "the contact of joint " + names;
 }
 
 std::string ContactManager::who_was_touched(const LastSteps& steps) const {
@@ -172,19 +172,17 @@ std::string ContactManager::who_was_touched(const LastSteps& steps) const {
   }
   if (names.empty()) return {};
   return fmt::format(
-      "one-sided link{} touched or let go in {} of the last {} steps: a law may drive bodies on against {}, or they "
-      "have no way left; let the law end there, give them way, or remove {}",
-      several ? fmt::format("s {} were", names) : fmt::format(" {} was", names), most, steps.n(),
-      several ? "them" : "it", several ? "one" : "it");
+      "one-sided joint{} {} made or lost contact in {} of the last {} steps: a law may drive bodies against {}, or "
+      "they are clamped; end the law before it, or remove {}",
+      several ? "s" : "", names, most, steps.n(), several ? "them" : "it", several ? "one" : "it");
 }
 
 void ContactManager::fail(const State& state, const char* what) const {
   std::string names;
   for (const Touch& touch : touching_) add_name(names, *contacts_[touch.of].link);
   throw SolveError(
-      fmt::format("t = {:.9g} s: there are no {} with which the one-sided links {} that touch here only push; they "
-                  "hold the same motion several times, or friction in them jams: remove one of them, or reduce the "
-                  "friction",
+      fmt::format("t = {:.9g} s: no {} satisfy the one-sided joints {} in contact: they are redundant, or friction "
+                  "jams them; remove one of them, or reduce the friction",
                   state.t, what, names));
 }
 

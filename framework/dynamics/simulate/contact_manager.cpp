@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
+#include <lockstep/joints.h>
 #include "framework/dynamics/simulate/contact_manager.h"
 #include "framework/dynamics/solvers/scales.h"
 #include "framework/foundation/math/limits.h"
@@ -58,16 +59,16 @@ void ContactManager::check_side(std::size_t i, const State& state, const std::st
   const double length = dynamics_.system().length();
   const double depth = -g.c * length_per_unit(contact.link->row_kind(0), length);
   if (!(depth > limit_)) return;
-  const std::string advice =
-      contact.link->type() == "stop"  // its side is that of its limit
-          ? std::string("its range leaves this position out: widen the range (\"low\", \"high\"), or start within it")
-          : fmt::format("move its bodies apart, or reverse the side (\"side\": \"{}\")",
-                        contact.sign > 0 ? "below" : "above");
+  const bool stop = contact.link->type() == "stop";  // its side is that of its limit
+  const std::string depth_text = dynamic_cast<const TurnStop*>(contact.link) != nullptr
+                                     ? fmt::format("{:.4g} deg", std::abs(g.c) * 180 / kPi)
+                                     : fmt::format("{:.4g} m", depth);
   throw AssemblyError(
-      fmt::format("{} has the one-sided link '{}' (row {}) on its forbidden side: C = {:.6g}, and C {} 0 is free "
-                  "(limit {:.3g} m); {}",
-                  cause, contact.link->name(), contact.link->row_name(0), contact.sign * g.c,
-                  contact.sign > 0 ? ">=" : "<=", limit_, advice));
+      stop ? fmt::format("{} lies {} beyond the stop '{}'; widen its range (\"low\", \"high\"), or start within it",
+                         cause, depth_text, contact.link->name())
+           : fmt::format("{} lies {} on the wrong side of the one-sided joint '{}'; move its bodies apart, or reverse "
+                         "the side (\"side\": \"{}\")",
+                         cause, depth_text, contact.link->name(), contact.sign > 0 ? "below" : "above"));
 }
 
 void ContactManager::note(const State& state, bool moved) {
@@ -106,7 +107,7 @@ double ContactManager::guard(std::size_t i, const Sample& sample) {
   return -contacts_[i].sign * v.lambda[contacts_.row(i, v.rows)];
 }
 
-// The step may hide a hit if a body turns far, or if a gap is closed at its largest rate.
+// The step may hide a hit if a body rotates far, or if a gap is closed at its largest rate.
 void ContactManager::add_gaps(const State& end) {
   const auto is_free = [&](std::size_t i) { return contacts_.watched(i, end) && !contacts_.in_force(i, end); };
   std::size_t i = 0;

@@ -35,16 +35,15 @@ class ContactManager : public GuardOwner {
   struct Settled {
     bool impact = false;        ///< velocities jumped
     bool restart = false;       ///< the method must restart
-    std::uint64_t touched =
-        0;  ///< bits of the links that were touched or let go (the first 64), but for those that rest
+    std::uint64_t touched = 0;  ///< bits of the links that made or lost contact (the first 64), except those at rest
     std::string resting;        ///< names the links that stay in contact, whose rows must be made consistent
   };
   /// Resolves impacts, contacts and releases at this state. What a row or a force throws leaves the contacts as they
-  /// were, to be settled when the run goes on.
+  /// were, to be settled when the run continues.
   Settled settle(State&);
 
-  /// Names those that were touched or let go in at least a tenth of these steps, "one-sided link 'floor' was touched in 998
-  /// of the last 1000 steps; ..."; "" if none was.
+  /// Names those that made or lost contact in at least a tenth of these steps, "one-sided joint 'floor' made or lost
+  /// contact in 998 of the last 1000 steps: ..."; "" if none did.
   std::string who_was_touched(const LastSteps&) const;
 
   // -- checkpoints

@@ -47,7 +47,9 @@ Gap Contacts::gap(std::size_t i, const Inputs& in) {
   }
   if (!std::isfinite(block.C(0) + cd))
     throw NonFiniteError(
-        fmt::format("the gap of one-sided link '{}' is not finite at t = {:.9g} s", contact.link->name(), in.t), in.t);
+        fmt::format("the gap of one-sided joint '{}' is not finite at t = {:.9g} s; check its markers and laws",
+                    contact.link->name(), in.t),
+        in.t);
   return {contact.sign * block.C(0), contact.sign * cd};
 }
 

@@ -7,8 +7,8 @@
 namespace lockstep {
 
 /// Whether anything may take energy out of motions at this state: Baumgarte's terms, a force that dissipates or supplies a
-/// power, or one that says nothing of its energy or throws where it is asked. Where nothing does, a mode that decays has one
-/// that grows as fast beside it, and no step is short for damped modes.
+/// power, or one that reports no energy or throws. If nothing does, a mode that decays has one
+/// that grows as fast, and no step is short for damped modes.
 bool may_damp(Dynamics&, const State&);
 
 }  // namespace lockstep

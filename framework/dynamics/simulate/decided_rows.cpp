@@ -43,10 +43,9 @@ void refuse_switch_of_decided(const System& system, const std::vector<bool>& mod
                               const std::string& who) {
   const Lock* const link = switched_of_decided(system, modes, event);
   if (link == nullptr) return;
-  throw ModelError(who + " switches link '" + link->name() + "', on whose loop " +
-                       (system.held_down_to() > 0 ? "rows hold that nearly depend on others" : "rows were left out") +
-                       ": what was decided at the start is wrong then; leave it told "
-                       "(\"nearly_redundant\", decide_nearly_redundant())",
+  throw ModelError(who + " switches joint '" + link->name() + "' in a loop with constraints that were " +
+                       (system.held_down_to() > 0 ? "kept as nearly redundant" : "left out as redundant") +
+                       " at the start; set \"nearly_redundant\" to \"told\" (decide_nearly_redundant())",
                    {.thing = event.name.empty() ? thing_of(*link) : Thing{.kind = "event", .name = event.name}});
 }
 

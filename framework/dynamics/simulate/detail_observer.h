@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// DetailObserver: an observer that is also told what lies between the outputs of a run.
+// DetailObserver: an observer that also receives states between the outputs of a run.
 #pragma once
 
 #include <lockstep/step_loop.h>

@@ -26,7 +26,7 @@ const Lock* link_named(const System& system, const std::string& name) {
   return nullptr;
 }
 
-// `events`: what else the name might have been of.
+// `events`: other objects that the name may refer to.
 [[noreturn]] void refuse_unknown(const System& system, const std::string& name, const std::string& who,
                                  const std::deque<Event>& events) {
   std::vector<std::string> names;
@@ -34,7 +34,7 @@ const Lock* link_named(const System& system, const std::string& name) {
   for (const auto& force : system.forces()) names.push_back(force->name());
   for (const Event& event : events) names.push_back(event.name);
   throw ModelError(fmt::format("{}: unknown {} \"{}\"{}", who,
-                               events.empty() ? "link or force" : "link, force or event", name,
+                               events.empty() ? "joint or force" : "joint, force or event", name,
                                text::suggestion(name, names)));
 }
 
@@ -49,13 +49,14 @@ const Force* force_named(const System& system, const std::string& name) {
 Event& EventLocator::add(Event event) {
   if (!event.value && !(event.at >= 0))
     throw ModelError(
-        fmt::format("event '{}' has neither an instant (at >= 0) nor a condition (value); give one", event.name));
+        fmt::format("event '{}' has neither a time (at >= 0) nor a condition (value); give one", event.name));
   if (event.value && event.at >= 0)
     throw ModelError(fmt::format(
-        "event '{}' has an instant (at {} s) and a condition (value); give one, and make a second event of the other",
+        "event '{}' has a time (at {} s) and a condition (value); give one, and make a second event for the other",
         event.name, event.at));
   if (!(event.tolerance > 0))
-    throw ModelError(fmt::format("event '{}': its tolerance of {} s must be > 0", event.name, event.tolerance));
+    throw ModelError(
+        fmt::format("event '{}': its tolerance of {} s must be greater than 0", event.name, event.tolerance));
   check_switched(event, "event '" + event.name + "'");
   events_.push_back(std::move(event));
   return events_.back();
@@ -73,8 +74,8 @@ void EventLocator::check_switched(const Event& event, const std::string& who) co
         refuse_unknown(system, name, who, {});
       else if (system.merged(*link))
         throw ModelError(
-            fmt::format("{}: link '{}' is merged into one slot and cannot be switched; keep it, as in "
-                        "set_merge(true, {{&link}})",
+            fmt::format("{}: joint '{}' is merged into one rigid group and cannot be switched; exclude it, as in "
+                        "set_merge(true, {{&joint}})",
                         who, name));
 }
 
@@ -250,16 +251,16 @@ void EventLocator::save(Snapshot& out) const {
 void EventLocator::load(SnapshotReader& in) {
   const long n = in.get_count();
   if (n != static_cast<long>(events_.size()))
-    throw ModelError(fmt::format("the run was saved with {} events and has {}; add the same before it is loaded", n,
+    throw ModelError(fmt::format("the run was saved with {} events and has {}; add the same events before load()", n,
                                  events_.size()));
   std::vector<Watched> watched(events_.size());
   std::vector<bool> on(events_.size());
   for (std::size_t i = 0; i < events_.size(); ++i) {
     Watched& w = watched[i];
     if (const std::string name = in.get_text(); name != events_[i].name)
-      throw ModelError(
-          fmt::format("the run was saved with the event '{}' where it has '{}' now; add the same in the same order",
-                      name, events_[i].name));
+      throw ModelError(fmt::format(
+          "the run was saved with event '{}' and has '{}' in its place; add the same events in the same order", name,
+          events_[i].name));
     for (double* x : {&w.value, &w.last, &w.nearest.t, &w.nearest.g}) *x = in.get();
     w.over = in.get_flag(), w.first = in.get_flag(), w.met = in.get_flag();
     on[i] = in.get_flag(), w.off = in.get_flag();

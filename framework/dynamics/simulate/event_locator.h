@@ -24,7 +24,7 @@ class EventLocator : public GuardOwner {
 
   /// Throws ModelError for an event without instant and condition, or with a link that cannot be switched.
   Event& add(Event);
-  /// Throws ModelError for a link or force that `who`, in words, cannot switch.
+  /// Throws ModelError for a link or force that cannot be switched; `who` switches it, in words.
   void check_switched(const Event&, const std::string& who) const;
   /// Turns the events of this name on or off; false for the name of a link or force. Throws ModelError for an unknown name.
   bool turn(const std::string& name, bool on);
@@ -57,13 +57,13 @@ class EventLocator : public GuardOwner {
   /// Names of the events that wait for a crossing in one sense whose far side the run starts on.
   std::vector<std::string> past_at_start() const;
   /// Names of the events whose condition was zero at the start, or where they joined the run, and that wait for a
-  /// crossing in either sense, or in one sense to whose far side it went in the first step: told once, after it.
+  /// crossing in either sense, or in one sense to whose far side it went in the first step: reported once, after it.
   std::vector<std::string> take_left_zero();
   std::vector<EventCourse> courses() const;
 
   // -- checkpoints
   void save(Snapshot&) const;
-  /// Throws ModelError where the events have other names or another order.
+  /// Throws ModelError if the events have other names or another order.
   void load(SnapshotReader&);
 
  private:

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kLeast = 4;          // parts at least, where a step is looked at inside
 constexpr double kMost = 1e6;      // parts at most
-constexpr double kEighth = 0.125;  // of half a turn, that a body makes in a part; of the time since the start of a step
+constexpr double kEighth = 0.125;  // of 180 deg, rotation of a body in a part; of the time since the start of a step
 
 double fastest_turn_at(Dynamics& dynamics, const State& state) {
   return state.coordinates ? fastest_turn(dynamics.inputs(state).motions) : fastest_turn(state.v);
@@ -38,8 +38,8 @@ void GuardFinder::measure() {
 
 void GuardFinder::refuse() const {
   const double t0 = interval_.from().t;
-  throw StepError(fmt::format("a body turns by {:.3g} rad in the step of {:.3g} s from t = {:.9g} s, beyond {:.2g} rad "
-                              "no events or contacts are found inside; bound the step (--step)",
+  throw StepError(fmt::format("a body rotates by {:.3g} rad in the step of {:.3g} s from t = {:.9g} s; events and "
+                              "contacts are found up to {:.2g} rad; limit the step (--step)",
                               turn_parts_ * kEighth * kPi, end_->t - t0, t0, kMost * kEighth * kPi),
                   t0);
 }
@@ -91,8 +91,8 @@ void GuardFinder::place_evenly() {
   for (int k = 1; k < n; ++k) inside_.push_back(t0 + h * k / n);
 }
 
-// Down to a part from the start of the step, each by an eighth of its time before the next. Whatever turns steadily
-// makes half a turn or more between some of them, whichever its speed.
+// Down to a part from the start of the step, each by an eighth of its time before the next. A steady rotation
+// makes half a revolution or more between some of them, whichever its speed.
 void GuardFinder::place_sparsely() {
   const double t0 = interval_.from().t, h = end_->t - t0;
   inside_.clear();
@@ -171,7 +171,7 @@ void GuardFinder::meet(Guard& g, Sampled a, Sampled b) {
   if (t > g.after) g.at = std::min(g.at, std::max(t, g.least));
 }
 
-// Moves the ends of a bracket onto states of the method; false where these do not cross.
+// Moves the ends of a bracket onto states of the method; false if these do not cross.
 bool GuardFinder::of_method(const Guard& g, Sampled& a, Sampled& b) {
   const Sampled start{interval_.from().t, g.from}, end{end_->t, g.to};
   if (a.t != start.t) a = own(g, a.t);

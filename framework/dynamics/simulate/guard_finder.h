@@ -3,7 +3,7 @@
 //
 // A guard g is a function of the states inside a step, which is looked at in
 //
-//   parts = 4, or one for each pi/8 that the body which turns fastest turns by: h max |w| / (pi/8), w at both ends;
+//   parts = 4, or one for each pi/8 that the body which rotates fastest rotates by: h max |w| / (pi/8), w at both ends;
 //           256 where laws alone move all and there is dense output, since nothing then limits the step
 //
 // g passes zero between two instants where its sign differs, or about a turning point towards zero (comes_to_zero). If a
@@ -37,7 +37,7 @@ struct Guard {
   GuardOwner* owner = nullptr;
   std::size_t of = 0;  ///< its number, for its owner
   Event::Crossing crossing = Event::Crossing::falling;
-  double tolerance = 0;     ///< of the instant, s, but for rounding
+  double tolerance = 0;     ///< of the time, s, except rounding
   double after = -kNever;   ///< instants up to this one do not count
   double least = -kNever;   ///< one before this counts as this
   double from = 0, to = 0;  ///< values at the ends of the step
@@ -51,7 +51,7 @@ struct Guard {
   }
 };
 
-/// Who has guards.
+/// Owners of guards.
 class GuardOwner {
  public:
   virtual ~GuardOwner() = default;
@@ -74,10 +74,10 @@ class GuardFinder {
   }
   void add(const Guard& g) { guards_.push_back(g); }
   /// Whether no more than the ends needs to be looked at if a guard is far from zero there by its rates. Throws StepError
-  /// if a body turns by more than numbers hold.
+  /// if a body rotates by more than numbers hold.
   bool is_short() { return measure(), turn_parts_ <= 1 && !along_; }
   /// Finds where each guard is met, and ends the step at the first instant; false if that is its end, or none. Throws
-  /// as is_short(), and if a body turns by more than can be looked at.
+  /// as is_short(), and if a body rotates by more than can be looked at.
   bool find_and_cut(State& end);
   std::span<Guard> guards() { return guards_; }
   /// Its value at t, by the method.

@@ -9,7 +9,7 @@
 namespace lockstep {
 
 /// to = from. Eigen frees a vector before it asks for one of another size, and points to what is freed where it gets none:
-/// then the copy is made beside and moved in. Takes no memory where the sizes are the same.
+/// then the copy is made first and moved in. Takes no memory if the sizes are the same.
 inline void keep_state(const State& from, State& to) {
   const bool fits = to.q.size() == from.q.size() && to.v.size() == from.v.size() && to.s.size() == from.s.size() &&
                     to.z.size() == from.z.size();

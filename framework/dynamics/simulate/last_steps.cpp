@@ -31,19 +31,18 @@ void LastSteps::check(const RunSoFar& run) const {
   const double left = run.end - run.t, step = mean();
   const bool is_finite = std::isfinite(left);
   const auto rest = [&] {
-    return fmt::format("its last {} steps were of {:.2g} s on average, by which the rest of the run would take {:.2g}",
+    return fmt::format("the last {} steps are {:.2g} s long on average, so the rest of the run would take {:.2g} steps",
                        n(), step, left / step);
   };
   const char* const longer =
-      run.adaptive ? "make them longer (a wider tolerance, another integrator)" : "take a larger step (--step)";
+      run.adaptive ? "use a larger tolerance or another integrator" : "use a larger step (--step)";
   if (run.max_steps > 0 && run.steps >= run.max_steps && run.t < run.end)
-    throw StepError(
-        fmt::format("{}: the run has made its {} steps and is at t = {:.9g} s{}; allow more (max_steps), or {}",
-                    run.method, run.steps, run.t, is_finite && n() > 0 ? "; " + rest() : "", longer),
-        run.t);
+    throw StepError(fmt::format("{}: the run has used its {} steps at t = {:.9g} s{}; allow more (max_steps), or {}",
+                                run.method, run.steps, run.t, is_finite && n() > 0 ? "; " + rest() : "", longer),
+                    run.t);
   if (!is_finite || n() < kKept || !(left > kMostSteps * step)) return;
   throw StepError(fmt::format("{}: at t = {:.9g} s {}; {}{}", run.method, run.t, rest(), longer,
-                              run.adaptive ? ", or look for a singular position (lockstep check)" : ""),
+                              run.adaptive ? ", or find a singular configuration (lockstep check)" : ""),
                   run.t);
 }
 

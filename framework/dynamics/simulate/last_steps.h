@@ -27,7 +27,7 @@ class LOCKSTEP_API LastSteps {
   void begin(double t) { t_begin_ = t, n_ = 0; }
   /// A step ended at t, s.
   void add(double t) { ends_[place(n_++)] = {t, 0}; }
-  /// At the end of the last step one-sided links were touched or let go: a bit for each of the first 64.
+  /// At the end of the last step one-sided joints made or lost contact: a bit for each of the first 64.
   void touch(std::uint64_t links) {
     if (n_ > 0) ends_[place(n_ - 1)].touched |= links;
   }

@@ -61,7 +61,7 @@ const LinkWrench& Sample::wrench(const Lock& link, const Marker& at, int part) c
 
 namespace {
 
-// Errors of lockstep's own code keep their words; anything else it throws is told like the host's.
+// Errors of lockstep's own code keep their text; anything else it throws is reported like the host's.
 [[noreturn]] void rethrow_of(ErrorContext context, const std::type_info& whose) {
   if (!is_of_lockstep(whose)) rethrow_in(context);
   try {

@@ -37,8 +37,8 @@ bool turns_begin(const System& system, const State& state) {
                              [&](const auto& angle) { return expected(*angle, state) == expected(*angle, home); });
 }
 
-/// Takes the branches nearest to those of another state, or, of angles on which no rows depend, within half a turn of
-/// zero.
+/// Takes the branches nearest to those of another state, or, of angles on which no rows depend, within half a
+/// revolution of zero.
 void count(Dynamics& dynamics, State& state, const State& from, bool from_zero) {
   const auto& angles = dynamics.system().counted_angles();
   if (angles.empty()) return;
@@ -102,7 +102,7 @@ Approach approach(Dynamics& dynamics, StartRows& rows, State& state, double goal
     search_line(state, [&](double share) {
       cayley_move(state, share, d);
       at.off = rows.look(state);
-      return at.off < before || share == kLeastShare;  // a little uphill leads out of many a corner
+      return at.off < before || share == kLeastShare;  // a little uphill often leaves a local minimum
     });
     count(dynamics, state, from, false);
     stalls = at.off < kFalls * before ? 0 : stalls + 1;
@@ -154,7 +154,7 @@ class StartSearch {
     count_turns();
   }
 
-  /// Counts the turns of the way from the poses given to this state, by all that is asked for.
+  /// Counts the revolutions of the way from the given poses to this state, by all that is requested.
   void count_turns() {
     if (system_.counted_angles().empty()) return;
     if (counted_ || !begins_) return count(dynamics_, state_, state_, false);
@@ -167,7 +167,7 @@ class StartSearch {
     for (const StartTarget& target : targets_) {
       const CountedAngle* angle = angle_of(system_, target);
       if (!open && is_beyond(target))
-        warn(target, "the way there from the poses given is longer than 10000 turns or not open; give others");
+        warn(target, "the way from the given poses is blocked, or longer than 10000 revolutions; give other poses");
       else if (angle != nullptr)
         angle->set(dynamics_.inputs(state_), target.asked, state_.s);
     }
@@ -179,21 +179,21 @@ class StartSearch {
     return start_distance(links_.evaluation(), links_.residuals());
   }
 
-  /// Where a target is in the poses given, and what is asked of it.
+  /// The value of a target in the given poses, and the value that is requested.
   void take_value(StartTarget& target) {
     const CountedAngle* angle = angle_of(system_, target);
     target.now = target.value(dynamics_, given_, angle != nullptr ? expected(*angle, given_) : 0);
     if (begins_ && !is_beyond(target) &&
         std::abs(target.value(dynamics_, given_, target.asked) - target.asked) <= goal_) {
-      target.now = target.asked;  // half a turn has two names
+      target.now = target.asked;  // half a revolution has two values
       if (angle != nullptr) angle->set(dynamics_.inputs(given_), target.asked, given_.s);
     }
     target.near = target.turns() ? nearest_branch(target.asked, target.now) : target.asked;
     const bool has_turns = turns_about_one_axis(target);
     if (!has_turns && is_beyond(target))
-      warn(target,
-           "P turns about other axes of S, too, so that its turns about one have no number; ask for an angle "
-           "within half a turn");
+      warn(
+          target,
+          "P also rotates about other axes of S, so revolutions about one are undefined; give an angle within 180 deg");
     if (!has_turns || (!begins_ && angle == nullptr)) target.asked = target.near;
   }
 
@@ -201,14 +201,13 @@ class StartSearch {
 
   void warn(const StartTarget& target, const char* why) {
     const double taken = degrees(nearest_branch(target.asked, 0));
-    report_.findings.push_back(
-        {&finding::start_missed, target.who(),
-         fmt::format("{}: {:.9g} deg is asked for and {:.9g} deg taken by what counts its turns: {}", target.who(),
-                     degrees(target.asked), taken, why),
-         "", taken, degrees(target.asked), "deg"});
+    report_.findings.push_back({&finding::start_missed, target.who(),
+                                fmt::format("{}: {:.9g} deg is requested, but counted angles start at {:.9g} deg: {}",
+                                            target.who(), degrees(target.asked), taken, why),
+                                "", taken, degrees(target.asked), "deg"});
   }
 
-  /// Whether a target is elsewhere than in the poses given.
+  /// Whether a target is elsewhere than in the given poses.
   bool asks() const {
     return std::ranges::any_of(targets_, [&](const StartTarget& t) { return std::abs(t.asked - t.now) > goal_; });
   }
@@ -220,18 +219,19 @@ class StartSearch {
     return at;
   }
 
-  /// Onto all rows. Returns why it did not get there.
+  /// Onto all rows. Returns why it failed, or "".
   std::string onto_links() {
     links_.look(state_);
     check_gradients(links_.evaluation());
     const Approach at = bring(links_, state_);
     if (at.met) return "";
-    return "assembly stopped after " + std::to_string(at.rounds) + " iterations at |C| = " + text::brief(at.off) +
-           " m; worst: " + worst_rows(links_.evaluation(), row_sizes(links_.evaluation(), links_.residuals())) +
-           ". Check the start poses of these links' bodies, their markers and masks";
+    return "assembly stopped after " + std::to_string(at.rounds) + " iterations: the joints are still open by " +
+           text::brief(at.off) +
+           " m, worst: " + worst_rows(links_.evaluation(), row_sizes(links_.evaluation(), links_.residuals())) +
+           "; check the start poses of their bodies, their markers and masks";
   }
 
-  /// Without weights and coordinates. The rows first, unless they count turns.
+  /// Without weights and coordinates. The rows first, unless they count revolutions.
   void alone() {
     if (whole_ && asks() && lead_there() && onto_links().empty()) return;
     state_ = given_, counted_ = false;
@@ -241,10 +241,10 @@ class StartSearch {
     if (targets_.empty() || !lead_there() || !onto_links().empty()) throw AssemblyError(why + farthest_drive());
   }
 
-  /// Leads a state along the ways of the targets, in shares that turn no body by more than an eighth of a turn;
-  /// `whole`: by all turns that are asked for. Returns whether it got there.
+  /// Leads a state along the ways of the targets, in shares that rotate no body by more than an eighth of a revolution;
+  /// `whole`: by all revolutions that are requested. Returns whether it arrived.
   bool lead(State& state, bool whole) try {
-    constexpr double kLeastPart = 1 / 8e4;  // of a way: an eighth of a turn of 10000
+    constexpr double kLeastPart = 1 / 8e4;  // of a way: an eighth of a revolution of 10000
     if (state.v.size() > TargetRows::kMostUnknowns) return false;
     std::vector<StartTarget> targets = targets_;
     TargetRows rows(dynamics_, given_, options_, targets);
@@ -283,7 +283,7 @@ class StartSearch {
     return false;
   }
 
-  /// Leads the state. Its turns are counted then, unless more of them are asked for. Returns whether it got there.
+  /// Leads the state. Its revolutions are counted then, unless more are requested. Returns whether it arrived.
   bool lead_there() {
     const bool arrived = lead(state_, whole_);
     counted_ =
@@ -315,7 +315,7 @@ class StartSearch {
     }
   }
 
-  /// The drive about an axis that begins farthest from the poses given, more than a quarter turn, in words.
+  /// The drive about an axis that begins farthest from the given poses, more than 90 deg, in words.
   std::string farthest_drive() const {
     const StartTarget* farthest = nullptr;
     double most = 2 * kWayTurn;
@@ -323,7 +323,7 @@ class StartSearch {
       if (const double way = std::abs(target.near - target.now); target.drive >= 0 && target.turns() && way > most)
         most = way, farthest = &target;
     if (farthest == nullptr) return "";
-    return fmt::format(" ({} begins at {:.6g} deg, {:.6g} deg from the poses given: put its bodies there)",
+    return fmt::format(" ({} begins at {:.6g} deg, {:.6g} deg from the given poses: place its bodies there)",
                        farthest->who(), degrees(farthest->asked), degrees(most));
   }
 
@@ -337,7 +337,7 @@ class StartSearch {
   double goal_;
   std::vector<StartTarget> targets_;
   bool begins_;           // counts are those of System::start()
-  bool whole_;            // rows count turns: positions depend on all turns that are asked for
+  bool whole_;            // rows count revolutions: positions depend on all that are requested
   bool counted_ = false;  // the way to the state was counted
 };
 

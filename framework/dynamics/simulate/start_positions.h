@@ -16,9 +16,9 @@ namespace lockstep {
 ///     least: sum over bodies of w (|dx|^2 + L^2 |turn|^2) + sum over coordinates of w (c - asked)^2
 ///
 /// One Gauss-Newton with one line search. Without weights and coordinates it is the least mass-weighted move onto all
-/// rows, and drives are led only if that fails or if rows count turns. Counted angles follow the way. `report`: takes
-/// iterations, how far off the start was and is, and warnings. Throws AssemblyError with the rows or targets that are
-/// not met, ModelError for a target without a meaning.
+/// rows, and drives are led only if that fails or if rows count revolutions. Counted angles follow the way. `report`:
+/// takes iterations, how far off the start was and is, and warnings. Throws AssemblyError with the rows or targets that
+/// are not met, ModelError for a target without a meaning.
 void find_positions(Dynamics&, State&, const AssemblyOptions&, AssemblyReport& report);
 
 /// The same without a word.
@@ -28,12 +28,12 @@ LOCKSTEP_API void assemble_positions(Dynamics&, State&, const AssemblyOptions&);
 /// NonFiniteError of rows on the way. The state is in the slots' own coordinates.
 LOCKSTEP_API bool approach_links(Dynamics&, State&, double goal);
 
-/// Of a start that is not assembled: counted angles begin in the turn that the laws of drives ask for. Logs what has
-/// none.
+/// Of a start that is not assembled: counted angles begin in the revolution that the laws of drives ask for. Logs what
+/// has none.
 LOCKSTEP_API void begin_turns(Dynamics&, State&);
 
 /// Takes the branches of all counted angles nearest to those before. In a state that is as System::start() left them,
-/// those on which no rows depend begin within half a turn of zero.
+/// those on which no rows depend begin within half a revolution of zero.
 void count_from(Dynamics&, State&);
 
 }  // namespace lockstep

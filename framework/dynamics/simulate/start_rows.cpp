@@ -20,8 +20,8 @@ double nearest_branch(double angle, double about) { return angle + kTwoPi * std:
 const Lock& paired_link(const System& system, const std::string& name, Axis axis) {
   const Lock& link = system.link(name);
   if (link.pairs().empty())
-    throw ModelError("link '" + name + "' has no pair of markers, and so no coordinate " +
-                     std::string(to_string(axis)) + " to start from; name a link between two bodies");
+    throw ModelError("joint '" + name + "' has no pair of markers, so it has no coordinate " +
+                     std::string(to_string(axis)) + "; use a joint between two bodies");
   return link;
 }
 
@@ -60,7 +60,7 @@ CoordinateRow coordinate_row(Dynamics& dynamics, const State& state, const Lock&
 std::string StartTarget::name() const { return link->name() + "." + std::string(to_string(axis)); }
 
 std::string StartTarget::who() const {
-  return drive >= 0 ? fmt::format("drive {} of link '{}'", to_string(axis), link->name()) : "start by " + name();
+  return drive >= 0 ? fmt::format("drive {} of joint '{}'", to_string(axis), link->name()) : "start by " + name();
 }
 
 double StartTarget::value(Dynamics& dynamics, const State& state, double about) const {
@@ -84,8 +84,9 @@ std::vector<StartTarget> targets_of(const System& system, const State& state, co
   }
   for (const CoordinateTarget& t : options.coordinates) {
     const StartTarget target{&paired_link(system, t.link, t.axis), t.axis, t.value, t.weight};
-    if (!(t.weight >= 0)) throw ModelError(fmt::format("{}: the weight {} is not 0 or more", target.who(), t.weight));
-    if (!std::isfinite(t.value)) throw ModelError(fmt::format("{}: the value {} is not finite", target.who(), t.value));
+    if (!(t.weight >= 0)) throw ModelError(fmt::format("{}: the weight {} must be 0 or more", target.who(), t.weight));
+    if (!std::isfinite(t.value))
+      throw ModelError(fmt::format("{}: the value {} must be finite", target.who(), t.value));
     if (t.weight > 0) all.push_back(target);
   }
   return all;
@@ -118,13 +119,13 @@ TargetRows::TargetRows(Dynamics& dynamics, const State& given, const AssemblyOpt
       length_(system_.length()) {
   if (n_ > kMostUnknowns)
     throw ModelError(
-        fmt::format("weights and coordinates of starts are solved for densely: {} unknowns are more than {}; "
-                    "leave them out and give poses that fit",
+        fmt::format("weights and coordinates of a start allow at most {1} unknowns, this mechanism has {0}; remove "
+                    "them and give poses that fit",
                     n_, kMostUnknowns));
   weights_ = VecX::Ones(system_.n_slots());
   for (const PoseWeight& w : options.poses) {
     if (!(w.weight >= 0))
-      throw ModelError(fmt::format("start of body '{}': the weight {} is not 0 or more", w.body, w.weight));
+      throw ModelError(fmt::format("start of body '{}': the weight {} must be 0 or more", w.body, w.weight));
     const int slot = system_.body(w.body).slot;
     if (slot != kGround) weights_[slot] = w.weight;
   }
@@ -233,13 +234,13 @@ std::string TargetRows::missed(int rounds) const {
     if (std::isinf(w.weight)) asked.push_back("body " + w.body);
   if (asked.empty())
     return fmt::format(
-        "assembly stopped after {} rounds at {:.3g} m off the links: the links cannot be met together from "
-        "this start; give poses nearer to ones that fit, or look for links that contradict each other",
+        "assembly stopped after {} iterations: the joints are still open by {:.3g} m; give poses closer to an "
+        "assembled configuration, or find joints that contradict each other",
         rounds, links_);
   return fmt::format(
-      "assembly stopped after {} rounds at {:.3g} m off the links, and {:.3g} m off what is asked for exactly{}: {} "
-      "cannot hold together with the links; ask for fewer of them, or make them approximate",
-      rounds, links_, off_, worst_.empty() ? "" : " (most of all " + worst_ + ")", text::join(asked));
+      "assembly stopped after {} iterations: the joints are still open by {:.3g} m, the exact values are missed by "
+      "{:.3g} m{}: {} contradict the joints; request fewer of them, or make them approximate",
+      rounds, links_, off_, worst_.empty() ? "" : " (worst: " + worst_ + ")", text::join(asked));
 }
 
 }  // namespace lockstep

@@ -31,13 +31,13 @@ struct StartTarget {
   double weight = std::numeric_limits<double>::infinity();  ///< infinite: exact
   int drive = -1;                                           ///< number of the drive in its link; -1: a coordinate
   double near = 0;                                          ///< the same, on the branch nearest to the poses given
-  double now = 0;                                           ///< the value with its turns, m or rad
+  double now = 0;                                           ///< the value with its revolutions, m or rad
   double led = 0;                                           ///< the value for the present, m or rad
 
   bool turns() const { return is_rotation(axis); }
   bool exact() const { return std::isinf(weight); }
   std::string name() const;  ///< "A.rz"
-  std::string who() const;   ///< "drive rz of link 'A'", "start by A.rz"
+  std::string who() const;   ///< "drive rz of joint 'A'", "start by A.rz"
   /// Value at this state, on the branch nearest to `about`.
   double value(Dynamics&, const State&, double about) const;
 };
@@ -73,7 +73,7 @@ class LinkRows final : public StartRows {
   VecX C_, Cd_;
 };
 
-/// Rows of links, poses and coordinates by weights; the targets of drives stand for the drives' rows. Turns count as
+/// Rows of links, poses and coordinates by weights; the targets of drives replace the drives' rows. Rotations count as
 /// displacements at L = System::length(). Solved densely.
 class TargetRows final : public StartRows {
  public:

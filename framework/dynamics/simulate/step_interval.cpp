@@ -13,7 +13,7 @@ namespace lockstep {
 
 namespace {
 
-// Whether a message says which link, force or body it is about.
+// Whether a message names the joint, force or body that it is about.
 bool names_thing(std::string_view message) { return message.find(" '") != std::string_view::npos; }
 
 }  // namespace
@@ -40,7 +40,7 @@ void StepInterval::make(State& state, double h, bool has_guards) {
   } catch (const StepError& error) {
     state = from_;
     if (info_.adaptive || method_.origin() != "built in" || names_thing(error.what())) throw;
-    const std::string who = who_varies(dynamics_, from_, h);  // adaptive methods have said it
+    const std::string who = who_varies(dynamics_, from_, h);  // adaptive methods have reported it
     if (who.empty()) throw;
     throw StepError(std::string(error.what()) + "; " + who, static_cast<const ErrorData&>(error));
   } catch (...) {
@@ -55,11 +55,10 @@ const State& StepInterval::at(double t) {
     if (dynamics_.options().stabilization.kind != Stabilization::Kind::project) return inside_;
     const ProjectReport report = dynamics_.project(inside_);
     if (!report.converged)
-      throw StepError(
-          fmt::format("the state interpolated at t = {:.9g} s is {:.3g} m off the constraints and could not be "
-                      "brought back; take a smaller tolerance",
-                      t, report.before),
-          from_.t);
+      throw StepError(fmt::format("the interpolated state at t = {:.9g} s violates the constraints by {:.3g} m and "
+                                  "cannot be projected; use a smaller tolerance",
+                                  t, report.before),
+                      from_.t);
     return inside_;
   }
   inside_ = from_;
@@ -87,7 +86,7 @@ void StepInterval::cut(double t, State& state) {
   report_.h = t - from_.t;
 }
 
-// False where it cannot be had: the next step says why.
+// False if it cannot be computed: the next step reports why.
 bool StepInterval::read_acting(const State& state, VecX& out) try {
   const bool held_rows = dynamics_.holds_rows();
   slots_ = state;
@@ -130,8 +129,8 @@ void StepInterval::load(const State& state, SnapshotReader& in) {
   begin(state);
   named(method_, state.t, [&] { method_.restore(method); });
   if (!method.at_end())
-    throw ModelError(fmt::format(
-        "{}: restore() reads less than save() wrote; it must read all of it, in the same order", method_.info().name));
+    throw ModelError(fmt::format("{}: restore() reads less than save() wrote; let it read everything in the same order",
+                                 method_.info().name));
 }
 
 }  // namespace lockstep

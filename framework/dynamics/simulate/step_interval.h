@@ -17,15 +17,15 @@ class StepInterval {
   /// Restarts the method at this state.
   void begin(const State&);
   /// One step of the method, at most h, from `state`, which becomes its end; checked. What it throws leaves the state as
-  /// it was. Without guards nobody asks for states inside it but of dense output.
+  /// it was. Without guards only dense output needs states inside it.
   void make(State& state, double h, bool has_guards);
 
   /// After n steps: see measure_violation().
   void measure(const State& at, long n) { measure_violation(dynamics_, method_, at, n, report_); }
 
   const IntegratorInfo& method() const { return info_; }
-  /// Whether the method may keep accelerations from step to step. Those with a scheme() evaluate each stage anew, and so do
-  /// the explicit ones of the library that take joint coordinates.
+  /// Whether the method may keep accelerations from step to step. Those with a scheme() evaluate each stage again, and
+  /// so do the explicit ones of the library that take joint coordinates.
   bool keeps_accelerations() const {
     return method_.scheme() == nullptr && (info_.implicit || !info_.joint || method_.origin() != "built in");
   }
@@ -42,14 +42,14 @@ class StepInterval {
   void cut(double t, State& state);
 
   /// Remembers what acts at the state that a call ends with, where the method may keep accelerations from step to step:
-  /// forces but for those that depend on reactions, and what rows ask for. Whoever calls again may have changed it,
+  /// forces except those that depend on reactions, and what rows prescribe. The caller may have changed it,
   void note_acting(const State&);
   /// which this says.
   bool acts_otherwise(const State&);
 
   // -- checkpoints: the report of the last step, and the method
   void save(Snapshot&) const;
-  /// In place of start() and begin(). Throws ModelError where the method reads less than it saved.
+  /// In place of start() and begin(). Throws ModelError if the method reads less than it saved.
   void load(const State&, SnapshotReader&);
 
  private:

@@ -24,16 +24,17 @@ namespace {
 
 void check_options(const StepLoopOptions& options, const IntegratorInfo& info) {
   const auto bad = [](double x) { return !std::isfinite(x) || x < 0; };
-  if (bad(options.step))
-    throw ModelError(fmt::format("the step of {} s must be a number of seconds > 0", options.step));
-  if (bad(options.output)) throw ModelError(fmt::format("the output interval of {} s must be > 0", options.output));
+  if (bad(options.step)) throw ModelError(fmt::format("the step of {} s must be greater than 0", options.step));
+  if (bad(options.output))
+    throw ModelError(fmt::format("the output interval of {} s must be greater than 0", options.output));
   check_tolerance(options.tolerance);
   const std::vector<double>& times = options.output_times;
   if (!std::is_sorted(times.begin(), times.end()) ||
       !std::all_of(times.begin(), times.end(), [](double t) { return std::isfinite(t); }))
-    throw ModelError("the output times must be finite and rising; sort them");
+    throw ModelError("the output times must be finite and ascending; sort them");
   if (!info.adaptive && options.step == 0)
-    throw ModelError(fmt::format("{} works with a fixed step; give it by StepLoopOptions::step, or --step", info.name));
+    throw ModelError(
+        fmt::format("{} uses a fixed step, and none is given; set StepLoopOptions::step, or --step", info.name));
 }
 
 // Without rows nothing else would notice it before the first step.
@@ -46,7 +47,7 @@ void check_finite(const System& system, const State& state) {
                                        system.body_of_slot(k).name),
                            state.t);
   if (!state.s.allFinite())
-    throw NonFiniteError("StepLoop::set_state: an integrated state of a link, force or auxiliary is not finite",
+    throw NonFiniteError("StepLoop::set_state: an integrated state of a joint, force or auxiliary is not finite",
                          state.t);
 }
 
@@ -94,7 +95,7 @@ Event& StepLoop::add_event(Event event) {
   if (begun_ && !event.value && event.at >= 0 && parts_->clock.is_past(event.at, state_.t))
     throw ModelError(
         {.thing = {.kind = "event", .name = event.name},
-         .problem = fmt::format("its instant of {:.9g} s is past, the run stands at {:.9g} s", event.at, state_.t),
+         .problem = fmt::format("its time of {:.9g} s is past, the run is at {:.9g} s", event.at, state_.t),
          .advice = "give the present time (state().t) or a later one",
          .t = state_.t});
   Event& added = parts_->events.add(std::move(event));
@@ -121,8 +122,8 @@ const SimulationReport& StepLoop::run_until(double t) {
 const SimulationReport& StepLoop::advance(double h) {
   const double t = state_.t + h;
   if (!std::isfinite(t) || h < 0 || (h > 0 && t == state_.t))
-    throw ModelError(
-        fmt::format("an advance of {} s from t = {} s must be > 0 and not lost beside the time", h, state_.t));
+    throw ModelError(fmt::format(
+        "an advance of {} s from t = {} s must be greater than 0 and than the round-off of the time", h, state_.t));
   exclusively("advance", [&] { go_to(t, false); });
   return report_;
 }
@@ -156,7 +157,7 @@ void StepLoop::go_to(double t, bool with_output) try {
 
 StepReport StepLoop::step(double h) {
   if (!std::isfinite(h) || h < 0)
-    throw ModelError(fmt::format("a step of {} s must be > 0, or 0 for the method's own", h));
+    throw ModelError(fmt::format("a step of {} s must be greater than 0, or 0 for the method's choice", h));
   exclusively("step", [&] {
     aim_at(kNever);
     start();
@@ -166,7 +167,7 @@ StepReport StepLoop::step(double h) {
   return parts_->interval.report();
 }
 
-// What an error left due comes first. What a call switches is to change before the method `begins` with it.
+// What an error left due comes first. A switching call acts before the method `begins`.
 void StepLoop::start(bool begins) {
   dynamics_.set_up();
   system().check_size(state_);  // the system may have grown since
@@ -214,7 +215,7 @@ void StepLoop::make_start() {
   }
   if (p.clock.output_due(state_.t)) p.fall_due(Due::only_row), deliver();
   to_coordinates(p.before_change);
-  dynamics_.forget_rows(state_);  // only the start was asked for all of them
+  dynamics_.forget_rows(state_);  // only the start needs all of them
   begin_inputs();
   begin_method();
   stale_ = false;
@@ -228,21 +229,21 @@ void StepLoop::warn_at_start() {
   if (state_.coordinates && !state_.coordinates->has_rows() &&
       dynamics_.options().stabilization.kind != Stabilization::Kind::project)
     add_finding({&finding::setting_unused, "",
-                 "nothing to stabilise: in joint coordinates the links hold by themselves",
-                 "take the formulation omega to see drift"});
+                 "stabilisation has no effect: joint coordinates satisfy the joints exactly",
+                 "use formulation omega to see drift"});
   if (const double between = parts_->clock.shortest_output();
       !method.adaptive && !parts_->interval.has_dense() && options_.step > (1 + kNegligible) * between)
     add_finding({&finding::long_steps, "",
-                 fmt::format("{} steps of {:g} s end at the outputs, {:g} s apart, since it cannot interpolate",
+                 fmt::format("{} cannot interpolate: its steps of {:g} s are cut at the outputs, {:g} s apart",
                              method.name, options_.step, between),
-                 "ask for outputs less often, or for smaller steps", options_.step, between, "s"});
+                 "request fewer outputs, or use smaller steps", options_.step, between, "s"});
   for (const std::string& name : parts_->events.past_at_start())
     add_finding({&finding::event_at_zero, "event '" + name + "'",
-                 fmt::format("event '{}': its condition has passed zero at the start already", name),
-                 "it falls due only when it does so again"});
+                 fmt::format("event '{}': its condition has already passed zero at the start", name),
+                 "it happens only when the condition passes zero again"});
 }
 
-// The step is computed, then it stands: from there on what is due of it is kept until it is done.
+// The step is computed, then it is final: from there on what is due of it is kept until it is done.
 void StepLoop::make_step(double limit, double largest) {
   Parts& p = *parts_;
   StepInterval& interval = p.interval;
@@ -274,8 +275,8 @@ void StepLoop::make_step(double limit, double largest) {
   deliver(sample);
 }
 
-// Where the step ends: at its target, or before it where a contact or an event cuts it; and what is due there. What throws
-// takes the step back.
+// The end of the step: its target, or before it if a contact or an event cuts it; and what is due there. An error takes
+// the step back.
 const Inputs* StepLoop::end_step(double wanted) {
   Parts& p = *parts_;
   const Clock::Target& target = p.target;
@@ -302,14 +303,14 @@ const Inputs* StepLoop::end_step(double wanted) {
   }
 }
 
-// What the report says of a step that began at t0.
+// The report of a step that began at t0.
 void StepLoop::note_step(double t0, const Sample& sample) {
   const StepReport& step = sample.report;
   for (const std::string& name : parts_->events.take_left_zero())
     add_finding({&finding::event_at_zero, "event '" + name + "'",
-                 fmt::format("event '{}': its condition is zero at {}, from where it did not cross", name,
+                 fmt::format("event '{}': its condition is zero at {}, which is no crossing", name,
                              report_.steps == 1 ? "the start" : fmt::format("t = {:.9g} s, when it was added", t0)),
-                 "it falls due only when it passes zero again"});
+                 "it happens only when the condition passes zero again"});
   measure_turns(step.h, sample);
   parts_->interval.measure(state_, report_.steps);
   report_.rejected += step.rejected;
@@ -334,7 +335,7 @@ void StepLoop::begin_method() {
   parts_->events.watch(state_);
 }
 
-// Where the state is that of the last step, and what acts is not.
+// For a state of the last step on which other forces or joints act.
 void StepLoop::begin_steps() {
   Clock& clock = parts_->clock;
   to_coordinates(parts_->before_change);

@@ -93,7 +93,7 @@ void StepLoop::hand_over(Delivery& now, const Sample& sample) {
   }
 }
 
-// The states are made anew from the step where a call goes on with them.
+// A call that continues makes the states again from the step.
 void StepLoop::output_inside(Delivery& now) {
   Clock& clock = parts_->clock;
   StepInterval& interval = parts_->interval;
@@ -113,7 +113,7 @@ void StepLoop::output(Delivery& now, const Sample& sample) {
   parts_->clock.note_output(t);
 }
 
-// On the grid of its spacing. A state that cannot be made is left out: no result hangs on it.
+// On the grid of its spacing. A state that cannot be made is left out: no result depends on it.
 void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1) {
   const double h = to.spacing();
   if (!std::isfinite(h)) return;
@@ -133,14 +133,14 @@ void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double
 
 namespace {
 
-// Who keeps steps short in joint coordinates whatever the state is; "" for nobody.
+// The body that keeps steps short in joint coordinates in any state; "" if there is none.
 std::string below_rounding(const System& system, const State& state, double tolerance) {
   const auto* tree = dynamic_cast<const JointTree*>(state.coordinates.get());
   const std::string body = tree == nullptr ? "" : slender_body(*tree, system, slenderness_at(tolerance));
   if (body.empty()) return {};
   return fmt::format(
-      "; the tolerance of {:g} is below what rounding allows in joint coordinates: {}; take the formulation omega, or "
-      "a looser tolerance",
+      "; the tolerance of {:g} is below the round-off in joint coordinates: {}; use formulation omega, or a larger "
+      "tolerance",
       tolerance, body);
 }
 
@@ -154,7 +154,7 @@ std::string StepLoop::Parts::why_steps_end(Dynamics& dynamics, const State& stat
   State slots = state;
   dynamics.to_slots(slots);
   if (clock.advised() * speed_of(slots.v, dynamics.system().length()) > kLongStep)
-    return "; its motion needs steps of that length: end it earlier (until)";
+    return "; the motion needs steps of this length: end the run earlier (until)";
   const std::string varies =
       who_varies(dynamics, state, std::max(10 * clock.advised(), kNegligible * std::max(1.0, std::abs(state.t))));
   return below_rounding(dynamics.system(), state, tolerance) + (varies.empty() ? "" : "; " + varies);
@@ -182,7 +182,7 @@ std::exception_ptr StepLoop::finish() {
   return first;
 }
 
-// Methods that control their error see what a turn does to it, implicit ones only what it does to their Newton steps.
+// Methods that control their error account for rotation; implicit ones only in their Newton steps.
 void StepLoop::measure_turns(double h, const Sample& sample) {
   if (const IntegratorInfo& method = parts_->interval.method(); method.adaptive && !method.implicit) return;
   const Inputs& in = sample.inputs();
@@ -197,28 +197,28 @@ void StepLoop::measure_turns(double h, const Sample& sample) {
 void StepLoop::warn_of_turns() {
   if (!(report_.largest_turn > kLongTurn) || warned_of_turns_) return;
   warned_of_turns_ = true;
-  const char* next = method_->info().adaptive ? "bound them (--step)"
-                                              : "take a smaller step (--step), or a method that chooses its own "
+  const char* next = method_->info().adaptive ? "limit the step (--step)"
+                                              : "use a smaller step (--step), or a method with step control "
                                                 "(--integrator dopri5)";
-  add_finding({&finding::long_turn, "body '" + report_.turned_most + "'",
-               fmt::format("body '{}' turned by up to {:.3g} rad within a step of {}; beyond {:g} rad steps of this "
-                           "kind are seldom accurate",
-                           report_.turned_most, report_.largest_turn, method_->info().name, kLongTurn),
-               next, report_.largest_turn, kLongTurn, "rad"});
+  add_finding(
+      {&finding::long_turn, "body '" + report_.turned_most + "'",
+       fmt::format("body '{}' rotates by up to {:.3g} rad in one step of {}, which is seldom accurate beyond {:g} rad",
+                   report_.turned_most, report_.largest_turn, method_->info().name, kLongTurn),
+       next, report_.largest_turn, kLongTurn, "rad"});
 }
 
 void StepLoop::warn_of_drift(double largest_before) {
   const double limit = options_.limits.of(system().length()).violation, now = report_.largest_violation;
   if (now <= limit || !(largest_before <= limit)) return;
   add_finding({&finding::violated_in_run, "",
-               fmt::format("{}: the constraints are violated by {:.2g} m after the step to t = {:.9g} s (limit {:.2g} "
-                           "m), so the result is wrong",
+               fmt::format("{}: the constraint violation is {:.2g} m after the step to t = {:.9g} s (limit {:.2g} m), "
+                           "so the result is wrong",
                            method_->info().name, now, state_.t, limit),
-               "project the end of each step (stabilization project, Dynamics::project)", now, limit, "m", state_.t});
+               "project after each step (stabilization project, Dynamics::project)", now, limit, "m", state_.t});
 }
 
 void StepLoop::add_finding(Finding f) {
-  f.kind = &finding_kind(f.code());  // of others a checkpoint could not be read
+  f.kind = &finding_kind(f.code());  // a checkpoint could not be read with others
   report_.findings.push_back(f);
   report_finding(f);
 }

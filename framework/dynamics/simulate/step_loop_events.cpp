@@ -25,8 +25,8 @@ void refuse_contradictions(const EventLocator& events, const std::vector<std::si
         if (std::ranges::find(events[off].deactivate, name) != events[off].deactivate.end())
           throw ModelError(
               {.thing = {.kind = "event", .name = events[on].name},
-               .problem = fmt::format("it activates '{}' at t = {:.9g} s, and event '{}' deactivates it at the "
-                                      "same instant; remove '{}' from one of them, or let one come later",
+               .problem = fmt::format("it activates '{}' at t = {:.9g} s, and event '{}' deactivates it at the same "
+                                      "time; remove '{}' from one of them, or let one happen later",
                                       name, t, events[off].name, name)});
 }
 
@@ -35,7 +35,7 @@ void refuse_contradictions(const EventLocator& events, const std::vector<std::si
 void check_change(const System& system, const Event& e, const State& before, const State& after) {
   const auto refuse = [&](const std::string& what) {
     throw ModelError(fmt::format(
-        "event '{}': its change {}; it may change coordinates, velocities and integrated states", e.name, what));
+        "event '{}': its change {}; only coordinates, velocities and integrated states may change", e.name, what));
   };
   if (after.t != before.t) refuse(fmt::format("set the time from {:.9g} s to {:.9g} s", before.t, after.t));
   const std::tuple<const char*, std::ptrdiff_t, std::ptrdiff_t> sizes[] = {
@@ -43,18 +43,18 @@ void check_change(const System& system, const Event& e, const State& before, con
       {"velocities", before.v.size(), after.v.size()},
       {"integrated states", before.s.size(), after.s.size()},
       {"remembered numbers", before.z.size(), after.z.size()},
-      {"links", std::ssize(before.modes), std::ssize(after.modes)},
-      {"links", std::ssize(before.watched), std::ssize(after.watched)}};
+      {"joints", std::ssize(before.modes), std::ssize(after.modes)},
+      {"joints", std::ssize(before.watched), std::ssize(after.watched)}};
   for (const auto& [what, was, is] : sizes)
-    if (was != is) refuse(fmt::format("at t = {:.9g} s left {} {} where there were {}", before.t, is, what, was));
+    if (was != is) refuse(fmt::format("at t = {:.9g} s left {} {} instead of {}", before.t, is, what, was));
   const auto switched = [&](const std::string& thing) {
-    refuse(fmt::format("switched {} at t = {:.9g} s, which only the event's lists may (activate, deactivate)", thing,
+    refuse(fmt::format("switched {} at t = {:.9g} s, which only its lists may do (activate, deactivate)", thing,
                        before.t));
   };
   for (const auto& link : system.links())
     if (const auto k = static_cast<std::size_t>(link->number());
         after.modes[k] != before.modes[k] || after.watched[k] != before.watched[k])
-      switched("link '" + link->name() + "'");
+      switched("joint '" + link->name() + "'");
   for (const auto& force : system.forces())
     if (const int k = force->switch_memory(); k >= 0 && after.z[k] != before.z[k])
       switched("force '" + force->name() + "'");
@@ -97,7 +97,7 @@ void StepLoop::switch_now(const char* call, const Event& change) {
   });
 }
 
-// Fires the events that are due at the present state. All of an instant or none.
+// Fires the events that are due at the present state: all of a time or none.
 void StepLoop::fire_events() {
   EventLocator& events = parts_->events;
   const std::vector<std::size_t>& due = events.due(state_.t);
@@ -166,7 +166,7 @@ void StepLoop::apply(const Event& e, const std::string& who) {
   parts_->contacts.check_sides(state_, engaged, who + " at t = " + fmt::format("{:.9g}", state_.t) + " s");
 }
 
-// Impacts are those of the bodies; where nothing comes of it, the state is what it was.
+// Impacts are those of the bodies; if nothing changes, the state is what it was.
 void StepLoop::settle_contacts() {
   const ContactManager::Settled settled = parts_->or_as_before(state_, [&] {
     parts_->to_slots(dynamics_, state_);

@@ -17,7 +17,7 @@ namespace lockstep {
 
 namespace {
 
-/// While it lives, the inputs are as they were seen, and what was set stands in `seen`.
+/// While it lives, the inputs are as they were seen, and `seen` has what was set.
 class AsSeen {
  public:
   AsSeen(std::deque<ControlInput>& inputs, std::vector<double>& seen) : inputs_(inputs), seen_(seen) { swap(); }
@@ -40,7 +40,7 @@ std::string set_of(const std::deque<ControlInput>& inputs, const std::vector<dou
   std::string words;
   for (std::size_t k = 0; k < seen.size(); ++k)
     if (inputs[k].value() != seen[k])
-      words += fmt::format("{}input '{}' was set from {:g} to {:g}", words.empty() ? "" : ", ", inputs[k].name(),
+      words += fmt::format("{}input '{}' was changed from {:g} to {:g}", words.empty() ? "" : ", ", inputs[k].name(),
                            seen[k], inputs[k].value());
   return words;
 }
@@ -76,8 +76,8 @@ bool StepLoop::cross_inputs() {
   if (!jump.changes_rows(dynamics_, slots)) return false;
   if (const std::string why = jump.refusal(dynamics_, slots, options_.start_limit); !why.empty())
     throw AssemblyError(set_of(system().control_inputs(), inputs_seen_) + ": " + why +
-                        "; set the input back, or let it give the speed of the drive");
-  note_inputs();  // what fails from here on is gone on with
+                        "; reset the input, or let it prescribe the speed of the drive");
+  note_inputs();  // an error from here on does not undo this
   if (state_.coordinates) keep_state(state_, parts_->before_change);
   keep_state(slots, state_);
   parts_->fall_due(Due::before_jump, {.acted = true, .jump = true, .cause = "the jump of a law"});

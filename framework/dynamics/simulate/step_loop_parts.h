@@ -50,7 +50,7 @@ struct StateChange {
   bool acted = false;     ///< something did,
   bool jump = false;      ///< a law jumps
   std::string cause{};    ///< and what, in words
-  std::string refusal{};  ///< why no motion follows the jump of a law; "" where one does
+  std::string refusal{};  ///< why no motion follows the jump of a law; "" if one does
 };
 
 struct StepLoop::Parts {
@@ -67,11 +67,11 @@ struct StepLoop::Parts {
   EventLocator events;
   ContactManager contacts;
   StateRate crossing;       // scratch for cross_jump
-  State before_change;      // in the coordinates of the formulation: turns are counted on from there
+  State before_change;      // in the coordinates of the formulation: revolutions are counted on from there
   State kept;               // of or_as_before
   Clock::Target target;     // of the present step
   std::size_t started = 0;  // observers that were started
-  Delivery due;             // after the last step; what threw stays until the run goes on
+  Delivery due;             // after the last step; what threw stays until the run continues
   StateChange change;       // at its end
 
   const Event* by_call = nullptr;  // what a call switches
@@ -94,15 +94,15 @@ struct StepLoop::Parts {
       throw;
     }
   }
-  /// To the slots' own coordinates, from where turns are counted on.
+  /// To the slots' own coordinates, from where revolutions are counted on.
   void to_slots(Dynamics& dynamics, State& state) {
     if (state.coordinates) keep_state(state, before_change), dynamics.to_slots(state);
   }
   /// Shows states inside of the last step, from t0 to t1.
   void show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1);
-  /// Why the last steps do not reach the end of the run: the one-sided links that cut them; its length, if something turns by
-  /// kLongStep radians in the next, or moves by as much of its size; else the body whose turn rounding keeps from this relative
-  /// tolerance (infinite for fixed steps), and what varies most. For the end of a message: "" or "; ...".
+  /// Why the last steps do not reach the end of the run: the one-sided joints that cut them; its length, if something
+  /// rotates by kLongStep rad in the next step, or moves by as much of its size; else the body whose rotation cannot
+  /// meet this relative tolerance (infinite for fixed steps), and what varies most. Ends a message: "" or "; ...".
   std::string why_steps_end(Dynamics& dynamics, const State& state, double tolerance) const;
   /// Whether something acts at the end of the last step, t: an impact, a law's jump, an event that changes something, a call.
   bool acts(double t);
@@ -112,7 +112,7 @@ template <class Act>
 void StepLoop::exclusively(const char* what, Act&& act) {
   if (running_)
     throw ModelError(fmt::format(
-        "{} was called from inside the run, by an observer, an event or progress; call it when run_until has returned",
+        "{} was called inside the run, by an observer, an event or progress; call it after run_until has returned",
         what));
   struct Running {
     bool &running, &stale;

@@ -62,7 +62,7 @@ std::string signature_of(const StepLoopOptions& options, const DynamicsOptions& 
          numbers_of(options.output_times) + "; start limit" + numbers_of(std::array{options.start_limit});
 }
 
-// What must be the same where a run goes on. Of links, forces and laws it has names and types, not their parameters.
+// What must be the same when a run continues. Of links, forces and laws it has names and types, not their parameters.
 std::string signature(const System& system, const Integrator& method, const Dynamics& dynamics,
                       const StepLoopOptions& options) {
   const IntegratorInfo info = method.info();
@@ -94,29 +94,29 @@ std::string difference(const std::string& saved, const std::string& now) {
   const auto item = [&](const std::string& text) {
     return from < text.size() ? text.substr(from, text.find(';', from) - from) : std::string("nothing");
   };
-  return fmt::format("it has \"{}\" where the run has \"{}\"", item(saved), item(now));
+  return fmt::format("it has \"{}\", the run has \"{}\"", item(saved), item(now));
 }
 
 }  // namespace
 
 void StepLoop::save(Snapshot& out) {
-  if (!begun_) throw ModelError("a run that has not begun cannot be saved; call run_until() or step() first");
+  if (!begun_) throw ModelError("a run that has not started cannot be saved; call run_until() or step() first");
   if (parts_->due.what != Due::nothing)
     throw ModelError(
-        "the run cannot be saved: what follows its last step is not done, after an error or in the midst of it; run on "
-        "first");
+        "the run cannot be saved: its last step is not completed, because of an error or a call inside it; continue "
+        "the run first");
   if (!method_->saves_all())
     throw ModelError(fmt::format(
-        "integrator '{}' keeps a history that cannot be saved, so its runs have no checkpoints; take another "
+        "integrator '{}' has a history that cannot be saved, so its runs have no checkpoints; use another one "
         "(--integrator)",
         method_->info().name));
   for (std::size_t i = 0; i < observers_.size(); ++i)
     if (const Observer& o = *observers_[i]; !o.saves_all())
       throw ModelError(
-          fmt::format("observer {} ({}) keeps what cannot be saved, so runs with it have no checkpoints; leave it out",
+          fmt::format("observer {} ({}) has data that cannot be saved, so runs with it have no checkpoints; remove it",
                       i + 1, boost::core::demangle(typeid(o).name())));
   if (!dynamics_.has_current_coordinates(state_))
-    throw ModelError("the run cannot be saved: the system was changed since its last step; run on first");
+    throw ModelError("the run cannot be saved: the system has changed since its last step; continue the run first");
   const auto& parts = *parts_;
   out.put_text(signature(system(), *method_, dynamics_, options_));
   dynamics_.save_state(state_, out);
@@ -142,7 +142,7 @@ void StepLoop::save(Snapshot& out) {
 void StepLoop::load(SnapshotReader in) {
   dynamics_.set_up();
   const std::string saved = in.get_text(), now = signature(system(), *method_, dynamics_, options_);
-  if (saved != now) throw ModelError("the checkpoint is of another run: " + difference(saved, now));
+  if (saved != now) throw ModelError("the checkpoint belongs to another run: " + difference(saved, now));
   exclusively("load", [&] {
     State before = state_;
     try {
@@ -154,7 +154,7 @@ void StepLoop::load(SnapshotReader in) {
   });
 }
 
-// Until what hosts may have made otherwise is read, nothing is changed; a run that fails later has not begun.
+// Nothing is changed until all parts that hosts may have made otherwise are read; a run that fails later has not begun.
 void StepLoop::load_parts(SnapshotReader& in) {
   Parts& p = *parts_;
   State state, before;
@@ -174,28 +174,29 @@ void StepLoop::load_parts(SnapshotReader& in) {
   begin_inputs();
   p.clock.load(of_clock), p.clock.last().begin(state_.t);
   p.contacts.load(in), p.interval.load(state_, in);
-  if (options_.output > 0 && !(p.clock.next_output() >= state_.t))  // what lies behind is past between two steps
-    throw ModelError("the saved outputs do not belong to the time of the saved state: the checkpoint is damaged");
+  if (options_.output > 0 && !(p.clock.next_output() >= state_.t))  // between two steps earlier ones are past
+    throw ModelError(
+        "the saved outputs do not fit the time of the saved state: the checkpoint is damaged; use an older one");
   SnapshotReader work = in.get_part();
   p.change = {}, p.due = {};
   p.started = 0;
   if (const long n = in.get_count(); n != static_cast<long>(observers_.size()))
-    throw ModelError(fmt::format("the run was saved with {} observers and has {}; add the same, in the same order", n,
-                                 observers_.size()));
+    throw ModelError(
+        fmt::format("the run was saved with {} observers and has {}; add the same observers in the same order", n,
+                    observers_.size()));
   const Sample sample(dynamics_, state_, p.interval.report());
   for (; p.started < observers_.size(); ++p.started) {
     Observer& o = *observers_[p.started];
     SnapshotReader own = in.get_part();
     observer_code(o, p.started, state_.t, [&] { o.start(sample), o.load(own); });
     if (!own.at_end())
-      throw ModelError(
-          fmt::format("observer {}: load() reads less than save() wrote; it must read all of it, in the same order",
-                      p.started + 1));
+      throw ModelError(fmt::format(
+          "observer {}: load() reads less than save() wrote; let it read everything in the same order", p.started + 1));
   }
   if (!in.at_end())
-    throw ModelError("the checkpoint holds more numbers than the run reads: it is of another run, or damaged");
-  dynamics_.restore(work);        // after all that evaluates: what was done to get here was counted before
-  dynamics_.forget_rows(state_);  // steps that need them lay them out anew
+    throw ModelError("the checkpoint has more numbers than the run reads: it belongs to another run, or is damaged");
+  dynamics_.restore(work);        // after all evaluations: the work to get here was counted before
+  dynamics_.forget_rows(state_);  // steps that need them lay them out again
   begun_ = true;
 }
 

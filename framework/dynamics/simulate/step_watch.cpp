@@ -26,9 +26,9 @@ bool same_sizes(const State& a, const State& b) {
 // What a method must not touch.
 std::string wrong_parts(const State& from, const State& to) {
   if (!same_sizes(from, to)) return "changed the sizes of the state";
-  if (to.modes != from.modes || to.watched != from.watched) return "switched links, which only events do";
+  if (to.modes != from.modes || to.watched != from.watched) return "switched joints, which only events may do";
   if (to.z.size() > 0 && std::memcmp(to.z.data(), from.z.data(), sizeof(double) * to.z.size()) != 0)
-    return "changed the memory of links and forces, which only an accepted step does";
+    return "changed the memory of joints and forces, which only an accepted step may do";
   return {};
 }
 
@@ -38,9 +38,9 @@ std::string wrong_time(double t0, double t1, double h, const StepReport& report)
   const double rounding = 1e-14 * std::max(std::abs(t0), std::abs(t1));
   if (!(t1 > t0) || !(report.h > 0)) return fmt::format("ended at t = {:.17g} s and did not advance", t1);
   if (t1 - t0 > (1 + kNegligible) * h + rounding)
-    return fmt::format("made {:.9g} s, more than the {:.9g} s asked for", t1 - t0, h);
+    return fmt::format("is {:.9g} s long, more than the {:.9g} s requested", t1 - t0, h);
   if (std::abs(t1 - t0 - report.h) > kNegligible * report.h + rounding)
-    return fmt::format("made {:.9g} s and reports {:.9g} s", t1 - t0, report.h);
+    return fmt::format("is {:.9g} s long and reports {:.9g} s", t1 - t0, report.h);
   return {};
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the step loop finds out about each step itself, whatever the method reports. Internal to the step loop.
+// Checks of each step by the step loop, independent of the report of the method. Internal to the step loop.
 #pragma once
 
 #include <lockstep/author/integrator.h>

@@ -92,7 +92,7 @@ void BlockFactorization::measure_pivots(const Kkt& kkt) {
 }
 
 TypeInfo BlockSolver::info() {
-  return {"block", "LDL^T in blocks over slots and links, leaves first: linear on trees, handles redundant rows", {}};
+  return {"block", "LDL^T in blocks, leaves first: linear cost on open chains, handles redundant constraints", {}};
 }
 std::unique_ptr<LinearSolver> BlockSolver::make(const Params&) { return std::make_unique<BlockSolver>(); }
 

@@ -45,7 +45,7 @@ class ConjugateGradients {
       solve(r_, z_);
       const double rz = r_.dot(z_);
       if (!std::isfinite(rz)) break;
-      if (i == 0 || idle > 0) p_.setZero();  // round-off spoils directions: begin anew where one brought nothing
+      if (i == 0 || idle > 0) p_.setZero();  // round-off spoils directions: begin again where one brought nothing
       p_ = z_ + (i == 0 ? 0.0 : rz / before) * p_;
       before = rz;
       step(p_, 1.0);

@@ -150,7 +150,7 @@ void DenseFactorization::solve_once(const Kkt& kkt, const VecX& f, const VecX& c
 
 TypeInfo DenseSolver::info() {
   return {"dense",
-          "rank-revealing QR: exact for redundant rows and reports the rank; for small systems and as a reference",
+          "rank-revealing QR: exact for redundant constraints, reports the rank; for small systems, as a reference",
           {}};
 }
 std::unique_ptr<LinearSolver> DenseSolver::make(const Params&) { return std::make_unique<DenseSolver>(); }
@@ -174,8 +174,8 @@ void DenseFactorization::compute(const Kkt& kkt) {
   for (std::size_t slot = 0; slot < kkt.pattern.width.size(); ++slot)
     if (!cholesky(&L_[kkt.pattern.M[slot]], kkt.pattern.width[slot]))
       throw SolveError(
-          fmt::format("solver dense: the mass block of slot {} is not positive definite; "
-                      "give its body a mass and an inertia above zero",
+          fmt::format("solver dense: the mass matrix of rigid group {} is not positive definite; give its body a mass "
+                      "and an inertia above zero",
                       slot));
   rank_ = 0;
   if (Rt_.cols() == 0) return;

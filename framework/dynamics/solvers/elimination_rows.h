@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What goes into the elimination (elimination.h), node by node: S + E from the rows and masses, and right sides.
+// What goes into the elimination (elimination.h), node by node: S + E from the rows and masses, and right-hand sides.
 #pragma once
 
 #include "framework/dynamics/solvers/elimination.h"
@@ -154,7 +154,7 @@ void fill_hub(const Node& node, const Numbers& z) {
   for (int i = 0; i < node.m; ++i) z.diagonal[node.x + i] = -D[i * ld + i];
 }
 
-// ------------------------------------------------------------------------------------------------- right sides
+// ------------------------------------------------------------------------------------------------- right-hand sides
 
 /// J a of one link and slot, in the axes that its rows are kept in.
 template <class X, int M, bool kTurned, int ld = pack_size(M)>

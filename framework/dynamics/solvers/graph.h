@@ -22,7 +22,7 @@ using Neighbours = std::vector<std::vector<int>>;  ///< of each node, sorted, wi
 void couple(Neighbours&, int a, int b);
 
 /// Disjoint sets that are merged (union-find).
-class Parts {
+class LOCKSTEP_API Parts {
  public:
   explicit Parts(int n);
   /// The representative of the part of k.

@@ -204,7 +204,7 @@ Operations count_operations(const Plan& plan) {
     sum.add(m * (m + 2 + 2 * solutions) + node.n_sides * side, 1 + 2 * m + node.n_sides);
     int rows = 0, visits = 1;
     for (const Later& later : plan.later_of(node)) {
-      const bool on_hub = node.link < 0 || plan.nodes[later.node].link < 0;  // a jacobian
+      const bool on_hub = node.link < 0 || plan.nodes[later.node].link < 0;  // a Jacobian
       const int numbers = m * (on_hub ? later.m : node.turned && later.m == m ? columns : columns * later.m);
       rows += later.m;
       sum.add(later.n_terms * numbers + m * (m + solutions * (1 + later.m) + rows), ++visits);

@@ -79,7 +79,7 @@ class SchurFactorization final : public Factorization {
 };
 
 TypeInfo SchurSolver::info() {
-  return {"schur", "Schur complement on the graph of the links: any topology and size, the default", {}};
+  return {"schur", "Schur complement on the graph of the joints: any topology and size, the default", {}};
 }
 std::unique_ptr<LinearSolver> SchurSolver::make(const Params&) { return std::make_unique<SchurSolver>(); }
 
@@ -165,7 +165,7 @@ std::array<double, 3> SchurFactorization::pivot_floors() const {
   return floors.by_kind();
 }
 
-/// Adds the residual of the last solution, and what the pivots say.
+/// Adds the residual of the last solution, and the pivots.
 void SchurFactorization::complete(SolveReport& report) {
   find_worst();
   report.residual = worst_;

@@ -114,7 +114,7 @@ void SparseFactorization::measure_pivots(const Kkt& kkt) {
 }
 
 TypeInfo SparseSolver::info() {
-  return {"sparse", "sparse LDL^T with proximal corrections: any topology, handles redundant rows", {}};
+  return {"sparse", "sparse LDL^T with proximal corrections: any topology, handles redundant constraints", {}};
 }
 std::unique_ptr<LinearSolver> SparseSolver::make(const Params&) { return std::make_unique<SparseSolver>(); }
 

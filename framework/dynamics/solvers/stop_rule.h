@@ -34,7 +34,7 @@ inline constexpr double kClosureProximal = 1e-9, kProximalOfMatrix = 1e-8;
 inline constexpr double kFalling = 0.5;
 inline constexpr double kSmallPivot = 1e-6;     ///< relative; smaller ones count as redundant or singular
 inline constexpr double kRedundantPivot = 100;  ///< in proximal terms: pivots of redundant rows are smaller
-inline constexpr double kMostLeft = 1e-3;  ///< of the diagonal: larger pivots are regular whatever the proximal terms
+inline constexpr double kMostLeft = 1e-3;       ///< of the diagonal: larger pivots are regular for any proximal terms
 
 /// Pivots of a row below this count as small. `diagonal`: of the row before the elimination; `left`: what proximal terms
 /// leave of the pivot of a redundant row.
@@ -46,7 +46,7 @@ LOCKSTEP_INLINE T what_counts_as_small(const T& diagonal, const T& left) {
 }
 /// What proximal terms leave, by kind of row. The pivot of a redundant row j is n' E n / n_j^2, with n the dependency:
 /// its own proximal term and those of the rows that it depends on. Those are measured in the scales of their links, and
-/// moments become forces by lever arms: beside slender rods, whose moments about their axes have a scale a thousand times
+/// moments become forces by lever arms: near slender rods, whose moments about their axes have a scale a thousand times
 /// as large as others, a redundant force row leaves a thousand times its own term.
 struct PivotFloors {
   std::array<double, 3> E{};  ///< largest proximal term by RowKind

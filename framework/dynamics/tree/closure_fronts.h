@@ -11,8 +11,8 @@
 
 namespace lockstep {
 
-/// The rows at a node: first those that go on to its parent, then those that end here. Rows stand in the order in which
-/// they are eliminated, the last one first: those of a node follow each other at its parent in the same order.
+/// The rows at a node: first those that continue to its parent, then those that end here. Rows are in the order in
+/// which they are eliminated, the last one first: those of a node follow each other at its parent in the same order.
 struct ClosureFront {
   int first = 0, n_open = 0, n = 0;  ///< places
   int Lambda = 0;                    ///< where its n x n numbers begin

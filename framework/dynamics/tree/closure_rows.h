@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ClosureRows: the rows of links that are not in the tree, but for what the recursion makes of them.
+// ClosureRows: the rows of links that are not in the tree, without their use in the recursion.
 #pragma once
 
 #include <array>

@@ -8,12 +8,12 @@
 #include <lockstep/author/jet.h>
 #include <lockstep/math.h>
 
-// As arguments of templates packs lose that they may alias, which nobody counts on there.
+// As arguments of templates packs lose that they may alias, which is not needed there.
 #pragma GCC diagnostic ignored "-Wignored-attributes"
 
 namespace lockstep::bodies {
 
-/// The fourth number is zero. Where a struct holds columns they come first, and it says alignas(kColumn): the compiler
+/// The fourth number is zero. If a struct holds columns they come first, and it has alignas(kColumn): the compiler
 /// takes 16 bytes where it does not count on AVX, and 32 where it does.
 using Column = Pack<4>;
 inline constexpr std::size_t kColumn = 32;  ///< bytes
@@ -37,7 +37,7 @@ LOCKSTEP_INLINE Column operator*(const Columns& A, const Vec3& b) {
   return A.c[0] * b[0] + A.c[1] * b[1] + A.c[2] * b[2];
 }
 
-/// r~: one side of a cross product, with its two turns by one place.
+/// r~: one side of a cross product, with its two rotations by one place.
 struct Skew {
   Column yzx, zxy, r;
   LOCKSTEP_INLINE explicit Skew(const Column& v)

@@ -61,10 +61,10 @@ std::string why_dearer(const JointTree& tree, const ClosureFronts& fronts, const
   for (const auto& own : system.auxiliaries())
     if (tree.may_be_redundant() && own->reads_solution() && !own->vanishes_without_laws())
       return "the states of '" + own->name() +
-             "' read accelerations or reactions, which omega gives at every evaluation";
+             "' read accelerations or reactions, which only formulation omega computes in every evaluation";
   const double along = count_operations(tree, fronts, closures).total(),
                omega = count_in_omega(system, modes, closures).total();
-  return along <= omega ? "" : fmt::format("{:.0f} operations along joints, {:.0f} in omega", along, omega);
+  return along <= omega ? "" : fmt::format("joint coordinates need {:.0f} operations, omega {:.0f}", along, omega);
 }
 
 }  // namespace lockstep

@@ -14,9 +14,9 @@ LOCKSTEP_API Operations count_operations(const JointTree&, const ClosureFronts&,
 /// neither.
 LOCKSTEP_API Operations count_in_omega(const System&, const std::vector<bool>& modes, const RowTable& closures);
 
-/// What makes joint coordinates the dearer ones, with these links in force; "" where they are not. They are where they take more
-/// operations than omega, or rows may be redundant and integrated states read accelerations or reactions, which omega gives at
-/// every evaluation (framework/docs/solvers.md, section 9).
+/// What makes joint coordinates the dearer ones, with these links in force; "" if they are not. They are where they
+/// take more operations than omega, or rows may be redundant and integrated states read accelerations or reactions,
+/// which omega gives at every evaluation (framework/docs/solvers.md, section 9).
 std::string why_dearer(const JointTree&, const ClosureFronts&, const RowTable& closures, const System&,
                        const std::vector<bool>& modes);
 

@@ -13,8 +13,8 @@ namespace lockstep {
 template <class L, class W = L>
 struct Carried {
   L slides[3],  ///< directions of the translations
-      d1,       ///< from the parent's mass centre to that point, m
-      d2,       ///< from there to the slot's mass centre, m
+      d1,       ///< from the parent's centre of mass to that point, m
+      d2,       ///< from there to the slot's centre of mass, m
       slide;    ///< velocity of the translations, laws included, m/s
   W turns[3],   ///< angular velocities against the parent per unit of the turn's velocities: three of a ball
       turn,     ///< angular velocity against the parent, rad/s: of the coordinates
@@ -25,7 +25,7 @@ struct Carried {
 /// Variation of a node's motion, world axes.
 template <class L, class W = L>
 struct Variation {
-  L x;    ///< of the mass centre
+  L x;    ///< of the centre of mass
   W phi;  ///< rotation vector
   L v;    ///< of its velocity
   W w;    ///< of the angular velocity
@@ -100,7 +100,7 @@ struct JointMotion {
     if (j.has_laws()) c.law = S * j.w(), c.w = c.w + c.law;
     return c;
   }
-  /// Velocity of the mass centre beyond the parent's own.
+  /// Velocity of the centre of mass beyond the parent's own.
   LOCKSTEP_INLINE L velocity(const Carried<L, W>& c, const W& w_p) const {
     return L(cross(w_p, c.d1) + c.slide + cross(c.w, c.d2));
   }

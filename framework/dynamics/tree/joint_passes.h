@@ -44,7 +44,7 @@ struct JointPasses {
 
   LOCKSTEP_INLINE int n_v() const { return kN < 0 ? n : kN; }
 
-  /// U = IA S, D = S' U, u = -S' p, then IA <- IA - U D^-1 U', p <- p + U D^-1 u. `at_root`: nobody reads IA afterwards.
+  /// U = IA S, D = S' U, u = -S' p, then IA <- IA - U D^-1 U', p <- p + U D^-1 u. `at_root`: IA is not read afterwards.
   LOCKSTEP_INLINE void eliminate(Inertia& IA, bool at_root) const {
     for (int i = 0; i < n_v(); ++i) {
       Coordinate<Space>& d = dof[i];
@@ -94,7 +94,7 @@ struct JointPasses {
     own += c;
     return own;
   }
-  /// vd = D^-1 (u - U' a') - less: who was eliminated last comes first. less: V' lambda of closures, null without.
+  /// vd = D^-1 (u - U' a') - less: in reverse order of elimination. less: V' lambda of closures, null without.
   template <class Numbers>
   LOCKSTEP_INLINE Twist solve(const Twist& p, const Number* less, Numbers vd) const {
     Twist own = carried(p);

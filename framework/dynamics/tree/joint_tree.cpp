@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A tree is grown: what joints it has, and what stands in its way. States along it: tree_states.cpp.
+// A tree is grown: its joints, and what prevents it. States along it: tree_states.cpp.
 #include "framework/dynamics/tree/joint_tree.h"
 
 #include <algorithm>
@@ -55,9 +55,9 @@ std::string refusal_of_particle(const Lock& link) {
     for (const auto& [m, other] : {std::pair{p, s}, std::pair{s, p}}) {
       if (!is_particle(*m->body)) continue;
       if (!other->body->fixed)
-        return "link '" + link.name() + "' ties the particle '" + m->body->name + "' to a body that moves";
+        return "joint '" + link.name() + "' connects the particle '" + m->body->name + "' to a moving body";
       if (!link.jointed()->imposed().empty() || is_moving(*p) || is_moving(*s))
-        return "link '" + link.name() + "' has laws on a particle";
+        return "joint '" + link.name() + "' has laws on a particle";
     }
   return "";
 }
@@ -83,7 +83,7 @@ Free free_in_space(Mask held, const MarkerFrame& S) {
   return f;
 }
 
-// The axis of the turn in the plane, axes of S; null where rows hold it. A row of one turn does, unless its axis lies in
+// The axis of the turn in the plane, axes of S; null if rows hold it. A row of one turn does, unless its axis lies in
 // the plane.
 std::optional<Vec3> hinge_in_plane(Mask held, const MarkerFrame& S, const Vec3& normal) {
   const Free space = free_in_space(held, S);
@@ -136,28 +136,28 @@ bool is_tilted(const Lock& link, Plane plane) {
 
 // Why a link is no tree joint; "" for one that is.
 std::string refusal(const Lock& link, Plane plane) {
-  const auto who = [&](const char* what) { return "link '" + link.name() + "' " + what; };
+  const auto who = [&](const char* what) { return "joint '" + link.name() + "' " + what; };
   const Jointed* joint = link.jointed();
-  if (!joint) return who("is not a lock of a mask");
+  if (!joint) return who("is not a joint with a mask");
   if (link.unilateral()) return who("is one-sided");
-  if (joint->imposed().hold) return who("holds where its bodies stood");
+  if (joint->imposed().hold) return who("holds the pose of its activation");
   if (plane)
     for (const auto& [p, s] : link.pairs())
       if (is_moving(*p) || is_moving(*s)) return who("has a marker that moves on its body");
   if (!begins_with_mask(link) || (plane && link.row_count() != count_rows(joint->rows())))
-    return who("has rows beside those of its mask");
-  if (plane && is_tilted(link, plane)) return who("has markers that are turned against each other out of the plane");
+    return who("has constraints in addition to those of its mask");
+  if (plane && is_tilted(link, plane)) return who("has markers rotated relative to each other out of the plane");
   return refusal_of_particle(link);
 }
 
-// What stands in the way of joint coordinates, but for loops; "" for nothing.
+// What prevents joint coordinates, except loops; "" if nothing does.
 std::string obstacle(const System& system) {
   if (system.n_slots() == 0) return "nothing moves";
   for (const auto& force : system.forces())
     if (force->reacting()) return "force '" + force->name() + "' reads reactions";
   for (const auto& link : system.links()) {
     if (system.merged(*link)) continue;
-    if (system.left_out(*link) != 0) return "rows of link '" + link->name() + "' that depend on others are left out";
+    if (system.left_out(*link) != 0) return "redundant constraints of joint '" + link->name() + "' are left out";
   }
   return {};
 }
@@ -219,18 +219,18 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   why_not = tree->refusal_of_memories(system);
   if (!why_not.empty()) return nullptr;
   if (system.plane() && !tree->planar_)
-    why_not = "a law does not say that it stays in the plane (stays_in_plane, turns_about)";
+    why_not = "a law does not declare that it stays in the plane (stays_in_plane, turns_about)";
   else if (tree->n_v_ == 0 && tree->has_rows_)
-    why_not = "no coordinate is free, but link '" + tree->link_with_rows(system).name() + "' has rows";
+    why_not = "no coordinate is free, but joint '" + tree->link_with_rows(system).name() + "' has constraints";
   return why_not.empty() ? tree : nullptr;
 }
 
-// Of links whose rows read a memory; "" where there is none.
+// Of links whose rows read a memory; "" if there is none.
 std::string JointTree::refusal_of_memories(const System& system) const {
   const auto reads_memory = [&](int link) { return system.links()[link]->n_own_memory() > 0; };
   const auto refused = [&](int link) {
-    return "link '" + system.links()[link]->name() +
-           "' keeps a memory from step to step (ways), which long steps outrun";
+    return "joint '" + system.links()[link]->name() +
+           "' keeps a memory from step to step (ways), which long steps would lose";
   };
   if (const auto link = std::ranges::find_if(closures_, reads_memory); link != closures_.end()) return refused(*link);
   for (const TreeNode& n : nodes_)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // JointTree: joint coordinates. Slots are nodes; one link carries each slot from its parent, and its free coordinates
-// are unknowns. What a link in the tree holds has no rows, but for one turn alone and for functions.
+// are unknowns. What a joint in the tree holds has no rows, except a single rotation and functions.
 #pragma once
 
 #include <array>
@@ -43,7 +43,7 @@ struct TreeAxes {
 ///     near is S:  e = e_p near r far',   x_far = x_near + A_S rho
 ///     near is P:  e = e_p near r' far',  x_far = x_near - A_S rho
 ///
-/// Laws of the lock are part of both: r is q_D before the free turn, rho is p beside the free translations.
+/// Laws of the lock are part of both: r is q_D before the free rotation, rho is p next to the free translations.
 ///
 /// What an evaluation reads of a hinge without laws comes first, three cache lines of the five.
 struct alignas(64) TreeNode {
@@ -82,8 +82,8 @@ struct alignas(64) TreeNode {
 /// Joint coordinates of a mechanism: of the links that carry each slot from another. Immutable.
 class LOCKSTEP_API JointTree final : public Coordinates {
  public:
-  /// The tree of a system that is set up, with these links in force; null where it has none, `why_not` then says what
-  /// stands in the way, by name.
+  /// The tree of a system that is set up, with these links in force; null if it has none, `why_not` then gives
+  /// the reason.
   static std::shared_ptr<const JointTree> of(const System&, const std::vector<bool>& modes, std::string& why_not);
 
   std::string_view name() const override { return "joint"; }
@@ -107,8 +107,8 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   const std::vector<TreeNode>& nodes() const { return nodes_; }  ///< parents before their children
   /// Number of the node of a slot; -1 for the ground.
   int node_of(int slot) const { return slot < 0 ? -1 : node_of_[slot]; }
-  const std::vector<int>& closures() const { return closures_; }  ///< numbers of the links in force beside the tree
-  /// Whether rows beside the joints may depend on others: those of closures and of functions. A turn alone never does.
+  const std::vector<int>& closures() const { return closures_; }  ///< numbers of the active links outside of the tree
+  /// Whether rows outside of the joints may depend on others: those of closures and functions, not a single rotation.
   bool may_be_redundant() const { return may_be_redundant_; }
   /// The same joints in a plane, where they keep all slots in one; else null.
   const PlanarJoints* planar() const { return planar_.get(); }

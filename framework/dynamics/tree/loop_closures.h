@@ -15,9 +15,9 @@ namespace lockstep {
 
 /// What depends on the space, the Slots of the recursion do:
 ///
-///     read_side(view, i, k, node, motion, diagonal)  the jacobian of row k on the i-th slot; adds J M^-1 J' to the diagonal
-///     move_to_joint(node, K)                         takes K from the mass centre to the node's point; returns what l gains
-///     centre(node)                                   acceleration of the mass centre
+///     read_side(view, i, k, node, motion, diagonal)  Jacobian of row k on the i-th slot; adds J M^-1 J' to diagonal
+///     move_to_joint(node, K)                         from the centre of mass to the node's point; returns what l gains
+///     centre(node)                                   acceleration of the centre of mass
 template <class Space>
 class LoopClosures final : public ClosureRows {
  public:
@@ -27,10 +27,10 @@ class LoopClosures final : public ClosureRows {
   /// Sizes everything for this tree and the rows of its closures.
   void begin(const JointTree&, const System&, ClosureFronts);
 
-  /// Reads the rows, gathered at these motions; their right sides c are Qhat. After the outward pass.
+  /// Reads the rows, gathered at these motions; their right-hand sides c are Qhat. After the outward pass.
   template <class Slots>
   void read(const Slots&, std::span<const Motion> motions, const RowTable&);
-  /// After the recursion, or a correction: measures J a - c, and says whether it is small enough.
+  /// After the recursion, or a correction: measures J a - c, and returns whether it is small enough.
   template <class Slots>
   bool met(const Slots&, bool corrected);
   const VecX& measured() const { return r_; }     ///< the residuals that met() has measured
@@ -47,7 +47,7 @@ class LoopClosures final : public ClosureRows {
 
  private:
   std::vector<Wrench> K_,       // by place
-      J_,                       // by side, of the slot's mass centre
+      J_,                       // by side, of the slot's centre of mass
       wrenches_;                // of a correction, by node
   std::vector<Twist> changes_;  // likewise
 };

@@ -21,8 +21,8 @@ struct Changes {
   V3 u = zero_vector<V3>(), ud = u, turn = u, w = u;
 };
 
-/// World axes: axes, angular velocity; from the parent's mass centre its place and velocity; accelerations beyond the
-/// parent's own; with kVaries the variations of place, axes, velocity and angular velocity.
+/// World axes: axes, angular velocity; from the parent's centre of mass its place and velocity; accelerations beyond
+/// the parent's own; with kVaries the variations of place, axes, velocity and angular velocity.
 template <class V3, class M3, class Q4, bool kVaries>
 struct MovingFrame {
   using Carrying = lockstep::Carrying<V3, Q4>;

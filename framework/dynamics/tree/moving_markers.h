@@ -9,8 +9,8 @@
 
 namespace lockstep {
 
-/// What the laws of a joint with moving markers say at an instant: of the markers, and those of its lock on what it holds,
-/// along the axes of S and in those of D.
+/// The values of the laws of a joint with moving markers at a time: of the markers, and those of its lock on what it
+/// holds, along the axes of S and in those of D.
 struct JointLaws {
   MarkerMotion near, far;
   ImposedTranslation x;
@@ -22,9 +22,9 @@ LOCKSTEP_API JointLaws joint_laws_at(const TreeNode&, double t, const VecX& s);
 /// The motion of a node with moving markers from that of its parent, world axes.
 struct MovedNode {
   Vec3 w,              ///< angular velocity of the slot, rad/s
-      r,               ///< from the parent's mass centre, m
+      r,               ///< from the parent's centre of mass, m
       ca, cal;         ///< a = a_p + al_p x r + ca, al = al_p + cal where the coordinates' own accelerations are zero
-  JointAxes<Vec3> at;  ///< its point: from the parent's mass centre, m
+  JointAxes<Vec3> at;  ///< its point: from the parent's centre of mass, m
 };
 
 /// Writes the motion of a node and returns what its joint adds. `wp`: angular velocity of the parent, world axes, rad/s.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// PlanarJoints: the joints of a tree that moves in a plane whatever acts on it: hinges about its normal and translations
+// PlanarJoints: the joints of a tree that moves in a plane under any load: hinges about its normal and translations
 // in it, from the ground outward.
 #pragma once
 
@@ -66,7 +66,7 @@ struct PlanarNode {
       law = -1;                                         ///< number of its PlanarLaw; -1: none
   double sign = 1,                                      ///< of the hinge's angle about the normal
       offset = 0,                                       ///< angle beyond the parent's where the coordinate is zero, rad
-      height = 0;                                       ///< of the mass centre above the parent's, along the normal, m
+      height = 0;                                       ///< of the centre of mass above the parent's, on the normal, m
   Flat near, far;                                       ///< origins of the markers in the parent and in the slot, m
   std::array<Flat, 2> slide{};                          ///< directions of the translations, in the slot that carries S
 };
@@ -87,13 +87,13 @@ struct PlanarLaw {
 /// The joints of a tree whose slots stay in a plane by its joints alone. Immutable; in the order of the tree's nodes.
 class LOCKSTEP_API PlanarJoints {
  public:
-  /// Null where a joint leaves this plane; without one, every plane normal to an axis of the world. Laws are asked
+  /// Null if a joint leaves this plane; without one, every plane normal to an axis of the world. Laws are asked
   /// (stays_in_plane, turns_about).
   static std::shared_ptr<const PlanarJoints> of(std::span<const TreeNode> tree, Plane plane = {});
 
   Plane plane() const { return plane_; }
   const std::vector<PlanarNode>& nodes() const { return nodes_; }
-  /// Null where slot axes are the frame's.
+  /// Null if slot axes are the frame's.
   const Posture* posture(const PlanarNode& n) const { return n.posture < 0 ? nullptr : &postures_[n.posture]; }
   /// The normal in slot axes.
   Vec3 normal(const PlanarNode& n) const { return n.posture < 0 ? Vec3(Vec3::Unit(plane_.n)) : posture(n)->normal; }

@@ -9,13 +9,13 @@
 
 namespace lockstep {
 
-/// The frame of a slot, and the slot's mass centre.
+/// The frame of a slot, and the slot's centre of mass.
 struct PlanarFrame {
   double half_c = 1, half_s = 0,  ///< cosine and sine of half the frame's angle, both by one factor near 1
       c = 1, s = 0,               ///< and of the angle
       w = 0,                      ///< angular velocity about the normal, rad/s
-      height = 0;                 ///< of the mass centre along the normal, m
-  Flat x, v;                      ///< of the mass centre, m, m/s
+      height = 0;                 ///< of the centre of mass along the normal, m
+  Flat x, v;                      ///< of the centre of mass, m, m/s
 };
 
 /// What laws impose, in the frame of the slot that carries S: of the slot against its parent.
@@ -28,8 +28,8 @@ struct PlanarImposed {
 
 /// What a joint adds, world axes. The joint acts at a point that is fixed in the slot that does not carry the slides.
 struct PlanarCarried {
-  Flat d1,           ///< from the parent's mass centre to that point, m
-      d2,            ///< from there to the slot's mass centre, m
+  Flat d1,           ///< from the parent's centre of mass to that point, m
+      d2,            ///< from there to the slot's centre of mass, m
       slide,         ///< velocity of the translations and of their laws, m/s
       pdd;           ///< acceleration of the laws, m/s^2
   double alpha = 0;  ///< angular acceleration of the laws, rad/s^2

@@ -18,7 +18,7 @@ namespace lockstep {
 ///
 ///     size(), parent(k), place(k), first_v(k)   the tree; where nodes pass on (InwardPlace)
 ///     with_joint(k, f)                          calls f with the passes through the joint (joint_passes.h)
-///     put(k, found)                             leaves an acceleration of the node's point, returns that of the mass centre
+///     put(k, found)                             leaves that of the node's point, returns that of the centre of mass
 ///     found(k)                                  what was left
 ///     Largest                                   add(a^2, al^2) keeps the largest of both
 ///

@@ -113,12 +113,12 @@ class PlanarSlots {
  private:
   // What the passes read and write, apart from what the motion alone needs.
   struct Node {
-    Flat d,  // from the joint's point to the mass centre
+    Flat d,  // from the joint's point to the centre of mass
         r;   // from the point of the parent's joint
     Twist c;
     bodies::PlanarHinge::Own hinge;
     Twist found;          // of the joint's point
-    double m = 0, J = 0,  // mass of the slot alone, inertia about its mass centre
+    double m = 0, J = 0,  // mass of the slot alone, inertia about its centre of mass
         w = 0;            // angular velocity
     InwardPlace place;
     int slot = 0, parent = -1, first_v = 0, posture = -1;  // as those of the PlanarNode
@@ -156,7 +156,7 @@ class PlanarSlots {
     }
   }
   Vec3 normal(std::size_t k) const { return joints_.normal(joints_.nodes()[k]); }
-  // The mass centre has a + al n x d - w^2 d.
+  // The centre of mass has a + al n x d - w^2 d.
   LOCKSTEP_INLINE static Flat beyond_point(const Node& b, double al) { return al * across(b.d) - (b.w * b.w) * b.d; }
 
   const JointTree& tree_;

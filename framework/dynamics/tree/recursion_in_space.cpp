@@ -23,7 +23,7 @@ LOCKSTEP_INLINE void ask_for(const T* first, std::size_t bytes) {
   for (std::size_t at = 0; at < bytes; at += 64) __builtin_prefetch(reinterpret_cast<const char*>(first) + at, kWrites);
 }
 
-/// The nodes of a tree which outlives this. World axes; inertias, forces and accelerations of a slot about its mass centre.
+/// The nodes of a tree which outlives this. World axes; inertias, forces, accelerations about centres of mass.
 class SpatialSlots {
  public:
   using Space = bodies::InColumns;
@@ -141,11 +141,11 @@ class SpatialSlots {
     diagonal += inverse_mass_[node] * f.squaredNorm() + t.dot(inverse_J_[node] * t);
     return {column(f), column(motion.A * t)};
   }
-  double move_to_joint(std::size_t, Space::Wrench&) const { return 0; }  // it is the mass centre
+  double move_to_joint(std::size_t, Space::Wrench&) const { return 0; }  // it is the centre of mass
 
  private:
   struct alignas(64) Node {  // three cache lines
-    Column r;                // from the parent's mass centre
+    Column r;                // from the parent's centre of mass
     Twist c, found;
     Vec3 w = Vec3::Zero();  // world axes
     InwardPlace place;

@@ -14,7 +14,7 @@ LOCKSTEP_API bool may_have_laws(const Lock&);
 LOCKSTEP_API bool may_have_laws(const System&);
 
 /// Leaves the rows that are normal to the plane of a tree out of the table of its closures. False, and the table as it
-/// was, where a link does not say that it stays in the plane, where a row is neither in it nor normal to it at the start,
+/// was, if a link does not declare that it stays in the plane, if a row is neither in it nor normal to it at the start,
 /// where one that is normal is not met, or where a law may ask for a motion out of it.
 bool leave_out_normal_rows(const JointTree&, const System&, RowTable&);
 

@@ -34,8 +34,8 @@ std::string slender_body(const JointTree& tree, const System& system, double mos
     if (!(slenderness > most)) continue;
     most = slenderness;
     words = fmt::format(
-        "body '{}' turns about all axes with a least inertia of {} kg m^2, and carries {} kg by arms of "
-        "{} m, of which its turn is a rounding",
+        "body '{}' rotates about all axes with a least inertia of {} kg m^2 but carries {} kg on arms of {} m, so its "
+        "rotation is lost in round-off",
         system.body_of_slot(n.slot).name, text::brief(least), text::brief(m[k]), text::brief(std::sqrt(r2[k])));
   }
   return words;

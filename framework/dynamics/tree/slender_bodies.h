@@ -12,7 +12,7 @@ class JointTree;
 class System;
 
 /// A body that turns freely about all axes, and carries by arms up to r a mass m on its least principal inertia J, in a
-/// tree in space: "" where m r^2 <= `most` J for all of them, else the one with the most m r^2 / J. Its turn about that
+/// tree in space: "" if m r^2 <= `most` J for all of them, else the one with the most m r^2 / J. Its turn about that
 /// axis comes out of sums whose terms are as large as m r^2, with a relative error of 1e-16 m r^2 / J, which at tight
 /// tolerances no step brings below the tolerance; omega finds it from the body's own inertia.
 LOCKSTEP_API std::string slender_body(const JointTree&, const System&, double most = 1e6);

@@ -32,7 +32,7 @@ struct alignas(kAlign<L>) Twist {
   A al{};
 };
 
-/// Whether numbers of this type cannot be compared, as they stand for those of many states: pivots are taken as they are.
+/// Whether numbers of this type cannot be compared, since they are those of many states: pivots are taken as they are.
 template <class T>
 inline constexpr bool kUncompared = false;
 

@@ -14,11 +14,11 @@ namespace lockstep {
 
 namespace {
 
-// What stands in the way of eliminating these rows along a tree; "" for nothing.
+// What prevents the elimination of these rows along a tree; "" if nothing does.
 std::string obstacle_of_rows(const System& system, const RowTable& rows) {
-  if (rows.held > 0) return "rows hold that nearly depend on others";
+  if (rows.held > 0) return "nearly redundant constraints are kept";
   for (const RowEntry& e : rows.entries)
-    if (e.slots.n == 0) return "link '" + system.links()[e.link]->name() + "' touches nothing that moves";
+    if (e.slots.n == 0) return "joint '" + system.links()[e.link]->name() + "' touches no moving body";
   return "";
 }
 

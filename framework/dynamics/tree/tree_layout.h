@@ -14,7 +14,7 @@ namespace lockstep {
 
 /// Which mechanisms are taken.
 enum class Taken {
-  trees,          ///< without rows beside their joints
+  trees,          ///< without rows in addition to their joints
   where_cheaper,  ///< trees, and loops that cost less along the tree than in omega: why_dearer()
   all             ///< that have joint coordinates
 };
@@ -22,7 +22,7 @@ enum class Taken {
 /// Without a tree the rows and their fronts are those of none.
 struct TreeLayout {
   std::shared_ptr<const JointTree> tree;  ///< null: joint coordinates are not taken
-  std::string why_not;                    ///< what stands in the way, by name; "" for nothing
+  std::string why_not;                    ///< the reason if there is none; "" otherwise
   RowTable closures;  ///< rows of the links that close loops, and those that joints of the tree leave
   ClosureFronts fronts;
 };

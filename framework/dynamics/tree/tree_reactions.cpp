@@ -34,7 +34,7 @@ void TreeReactions::set(const RowEntry& e, const RowEntry& other, const VecX& la
   }
 }
 
-// m a = F + what the joint carries - what the joints of the children carry; likewise about the mass centre:
+// m a = F + what the joint carries - what the joints of the children carry; likewise about the centre of mass:
 //   J w' + w x J w = M + ...   with f = (F, M - w x J w)
 void TreeReactions::wrenches(const JointTree& tree, const System& system, std::span<const Motion> motions,
                              const VecX& a, const VecX& f) {
@@ -58,7 +58,7 @@ void TreeReactions::wrenches(const JointTree& tree, const System& system, std::s
 // -J' lambda = (F, A' M) on the slot: six equations for at most six multipliers, which have one solution, since a joint
 // carries nothing along its free coordinates; three for a particle. Rows that the joint does not hold are forces. Moments
 // are divided by a length, as everywhere in norms. Jt = Q R by Gram and Schmidt's modified method, which takes of the
-// right side what each column of Q has of it: as exact as reflections.
+// right-hand side what each column of Q has of it: as exact as reflections.
 void TreeReactions::multipliers(const RowEntry& e, const RowTable& rows, const Motion& motion, const Wrench& carried,
                                 const Slot& of, const TreeNode& n) {
   std::array<int, 6> held{};

@@ -29,7 +29,7 @@ class TreeReactions {
   void set(const RowEntry&, const RowEntry& other, const VecX& lambda);
 
  private:
-  // What the joint of a node carries onto its slot, about the mass centre, world axes.
+  // What the joint of a node carries onto its slot, about the centre of mass, world axes.
   struct Wrench {
     Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
   };

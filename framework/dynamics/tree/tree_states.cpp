@@ -155,8 +155,8 @@ void JointTree::variations(const State& y, std::span<const Motion> at, const Sta
 
 namespace {
 
-// Writes the coordinates of a turn r, with the rates of its axes; an angle within half a turn of that of `near`, or without
-// one as the sign of r has it.
+// Writes the coordinates of a turn r, with the rates of its axes; an angle within half a revolution of that of `near`,
+// or without one as the sign of r has it.
 void write_turn(const TreeNode& node, const Quat& r, const Vec3& rates, const State* near, State& out) {
   const int at_q = node.first_q + node.n_slides, at_v = node.first_v + node.n_slides;
   if (node.turn == TreeTurn::hinge) {

@@ -42,7 +42,7 @@ ChildEnd run_child(std::vector<std::string> words, const std::string& folder, bo
   pid_t ended = 0;
   while ((ended = waitpid(child, &end.status, 0)) < 0 && errno == EINTR) {
   }
-  if (ended < 0) throw FileError("how \"" + words[0] + "\" ended is not known: " + std::strerror(errno));
+  if (ended < 0) throw FileError("the exit status of \"" + words[0] + "\" is unknown: " + std::strerror(errno));
   return end;
 }
 

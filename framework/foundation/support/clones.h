@@ -5,7 +5,7 @@
 #include <lockstep/detail/export.h>
 
 // Before a function of the inner loop: the loader picks the variant for the machine. Everything the function calls in its
-// loops must be LOCKSTEP_INLINE. CMake's LOCKSTEP_CLONES decides which variants there are beside that for any x86-64.
+// loops must be LOCKSTEP_INLINE. CMake's LOCKSTEP_CLONES decides which variants there are in addition to that for any x86-64.
 #if !defined(__x86_64__) || !defined(__linux__) || defined(LOCKSTEP_SANITIZED)
 #define LOCKSTEP_CLONES
 #elif defined(LOCKSTEP_CLONE)

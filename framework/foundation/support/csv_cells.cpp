@@ -38,15 +38,14 @@ std::optional<CsvFault> split_csv(std::string_view line, char separator, std::ve
     } else if (c == '"' && at == InCell::plain && only_blanks(cells.back())) {
       cells.back().clear(), at = InCell::inside_quotes, opened = i;
     } else if (c == '"') {
-      fault = {i, "a quote inside of a cell; a cell that holds quotes stands in quotes, with its own doubled"};
+      fault = {i, "a quote inside an unquoted cell; put the cell in quotes and double the quotes inside it"};
     } else if (at == InCell::plain) {
       cells.back() += c;
     } else if (!only_blanks(line.substr(i, 1))) {
-      fault = {i, "text behind the closing quote of a cell; the next separator is expected there"};
+      fault = {i, "text after the closing quote of a cell; put a separator there"};
     }
   }
-  if (at == InCell::inside_quotes)
-    fault = {opened, "a quote without its closing one on the same line; close or remove it"};
+  if (at == InCell::inside_quotes) fault = {opened, "a quote is not closed on its line; close or remove it"};
   for (std::string& cell : cells) cell = std::string(text::trimmed(cell));
   return fault;
 }

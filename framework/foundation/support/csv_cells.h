@@ -14,12 +14,12 @@ namespace lockstep {
 
 /// What is wrong with the quotes of a line.
 struct CsvFault {
-  std::size_t byte = 0;  ///< where, from the line's begin
+  std::size_t byte = 0;  ///< its place, from the line's begin
   std::string problem;
 };
 
 /// Splits a line at its separators, which count as text inside of double quotes; a quote inside of quotes is doubled.
-/// Blanks around cells are removed. `begins`: where cells begin, in bytes. A cell in quotes holds nothing beside them, and
+/// Blanks around cells are removed. `begins`: where cells begin, in bytes. A cell in quotes holds nothing outside them, and
 /// ends on its line; else the fault is returned, and the cells are those before it.
 [[nodiscard]] LOCKSTEP_API std::optional<CsvFault> split_csv(std::string_view line, char separator,
                                                              std::vector<std::string>& cells,

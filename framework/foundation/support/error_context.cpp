@@ -13,14 +13,14 @@
 namespace lockstep {
 namespace {
 
-// A built-in law that refuses to be asked there: the end of a spline. It is the model that is wrong, whoever asks. Not one
-// that refuses its parameters.
+// A built-in law evaluated outside of its range, as beyond the end of a spline: the model is wrong, not the caller. Not
+// one that rejects its parameters.
 bool from_our_law(const Error& error) {
   return error.kind() == Error::Kind::model && error.key.empty() && error.thing.kind == "law" &&
          error.thing.origin == "built in";
 }
 
-// Whether an error says of itself what it is about, and when: nobody on its way to the host adds anything.
+// Whether an error has its thing and time already: nothing is added on its way to the host.
 bool is_told(const Error& error) { return error.thing.known() && !std::isnan(error.t); }
 
 // Puts thing and time into an error and in front of its sentence, without what the sentence begins with already.
@@ -40,7 +40,7 @@ void throw_copy_of(const Error& error, const ErrorContext& context, const std::s
   std::throw_with_nested(std::move(copy));
 }
 
-// In a catch block: throws the error anew, as one of its class with thing and time, and nests what was thrown. An error
+// In a catch block: throws the error again, as one of its class with thing and time, and nests what was thrown. An error
 // of a class that is derived from those of lockstep is itself what is thrown.
 template <class... E>
 [[noreturn]] void throw_attributed(Error& error, const ErrorContext& context, const std::string& label) {
@@ -54,7 +54,7 @@ template <class... E>
                    SceneError, FileError, UserCodeError>(error, context, label);
 }
 
-// Something refused to be made, or a method to step. What the mechanism does not let happen is not the fault of the
+// A maker rejected its input, or a method a step. What the mechanism does not let happen is not the fault of the
 // code that asked for a solution.
 [[noreturn]] void rethrow_refusal(Error& error, const ErrorContext& context, const std::string& label) {
   const bool ours = context.thing.origin == "built in", hosts = context.thing.origin.empty();

@@ -60,7 +60,7 @@ long SnapshotReader::get_count() {
   return static_cast<long>(n);
 }
 
-// A size that the numbers left can hold, whatever was written.
+// A size that the remaining numbers can hold, for any content.
 std::size_t SnapshotReader::get_size() {
   const double n = get();
   if (!(n >= 0 && n <= static_cast<double>(left_.size()))) ran_out();
@@ -68,8 +68,7 @@ std::size_t SnapshotReader::get_size() {
 }
 
 void SnapshotReader::ran_out() {
-  throw ModelError(
-      "more is read from a snapshot than was saved; save() and restore() must name the same things in one order");
+  throw ModelError("restore() reads more than save() wrote; let both handle the same members in the same order");
 }
 
 }  // namespace lockstep

@@ -36,10 +36,45 @@ std::string with_format(double value, std::chars_format format, int digits) {
   return std::string(text, end.ptr);
 }
 
+// Words of Adams, Simscape, MuJoCo, URDF and plain English, each before the names that it may mean here.
+constexpr std::string_view kSynonyms =
+    "hinge=revolute pin=revolute pivot=revolute rotational=revolute continuous=revolute revolution=revolute "
+    "ball=spherical socket=spherical ball_joint=spherical slider=prismatic slide=prismatic translational=prismatic "
+    "sliding=prismatic linear=prismatic weld=fixed rigid=fixed bolt=fixed hooke=universal cardan=universal "
+    "u_joint=universal planar=plane_on_plane plane=plane_on_plane thread=screw helical=screw lead_screw=screw "
+    "rack=rack_and_pinion pinion=rack_and_pinion gears=gear gear_pair=gear pulley=belt rod=distance rope=distance "
+    "inline=point_on_line inplane=point_on_plane parallel_axes=angular_alignment cv_joint=homokinetic cam=cam_roller "
+    "free=lock bushing6=bushing spring=spring_damper damper=spring_damper tsda=spring_damper sforce=spring_damper "
+    "torsion_spring=torsion_spring_damper rotational_spring=torsion_spring_damper rsda=torsion_spring_damper "
+    "force=applied_force torque=applied_torque motor=torque_motor,drive actuator=force_motor,drive "
+    "friction=joint_friction "
+    "motion=drive input=drive motors=drive joints=links constraints=links parts=bodies colour=visual color=visual "
+    "limits=stops range=stops limit=stops body1=p body2=s parent=s child=p base=s follower=p density=mass weight=mass "
+    "location=at anchor=at pos=position quat=orientation euler=orientation rotation=orientation vel=velocity "
+    "angular_velocity=omega_world dt=step timestep=step duration=until stop_time=until end=until tol=tolerance "
+    "rtol=tolerance k=stiffness c=damping d=damping rk45=dopri5 ode45=dopri5 dopri=dopri5 dopri853=dop853 rk8=dop853 "
+    "euler_method=semi_implicit_euler rk=rk4 hht=generalized_alpha newmark=generalized_alpha ida=radau5 ode15s=radau5 "
+    "gstiff=radau5 step5=cycloid smoothstep=poly345 linear_law=ramp sin=sine table=spline csv=spline";
+
+// The candidate that a synonym means; "" if there is none.
+std::string meant(std::string_view word, std::span<const std::string> candidates) {
+  std::string wanted(word);
+  std::ranges::transform(wanted, wanted.begin(), lower);
+  wanted = " " + wanted + "=";
+  const std::size_t at = (" " + std::string(kSynonyms)).find(wanted);
+  if (at == std::string::npos) return {};
+  std::string_view names = kSynonyms.substr(at + wanted.size() - 1);
+  names = names.substr(0, names.find(' '));
+  for (const std::string& name : candidates)
+    if (("," + std::string(names) + ",").find("," + name + ",") != std::string::npos) return name;
+  return {};
+}
+
 }  // namespace
 
 std::string closest_name(std::string_view word, std::span<const std::string> candidates) {
-  std::string best;
+  std::string best = meant(word, candidates);
+  if (!best.empty()) return best;
   std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& name : candidates) {
     const std::size_t longer = std::max(name.size(), word.size()), shorter = std::min(name.size(), word.size());

@@ -12,7 +12,7 @@ namespace lockstep {
 
 class Dynamics;
 
-// Grid: all combinations of several lists of values, numbered, and shared among programs that run side by side.
+// Grid: all combinations of several lists of values, numbered, and distributed over programs that run in parallel.
 
 /// A share of a grid: every count-th run, beginning with run `index`.
 struct Shard {
@@ -23,7 +23,7 @@ struct Shard {
 /// Reads a share: "2/8". Throws ModelError for anything else, and for an index beyond the count.
 LOCKSTEP_API Shard read_shard(const std::string& text);
 
-/// All combinations of several lists of values, one per run, in order. It knows the lengths of the lists only.
+/// All combinations of several lists of values, one per run, in order. It stores the lengths of the lists only.
 class LOCKSTEP_API Grid {
  public:
   static constexpr long kMostRuns = 1'000'000'000;  ///< runs at most
@@ -33,8 +33,7 @@ class LOCKSTEP_API Grid {
   explicit Grid(std::vector<std::size_t> sizes);
 
   long n_runs() const { return n_runs_; }  ///< number of all runs
-  /// Position in each list, from 0, of the value that a run takes. Runs are numbered from 1; the last list changes
-  /// fastest.
+  /// Position in each list, from 0, of the value of a run. Runs are numbered from 1; the last list changes fastest.
   std::vector<std::size_t> at(long run) const;
   /// Number of runs of a share; all shares together have each run once.
   long n_runs(Shard) const;
@@ -46,80 +45,82 @@ class LOCKSTEP_API Grid {
   long n_runs_ = 1;
 };
 
-// Mobility: rank, freedoms and redundant rows of a mechanism in one pose, by name.
+// Mobility: rank, degrees of freedom and redundant constraints of a mechanism in one pose, by name.
 
-/// Rows that depend on one another in a pose, and on no others.
+/// Constraints that depend on one another in a pose, and on no others.
 struct Dependency {
-  std::vector<std::string> rows;  ///< their names: "A.z"
-  int too_many = 0;               ///< how many of them are redundant
-  int nearly = 0;                 ///< how many more nearly are: their pivots lie between 1e-9 and 1e-3
-  double pivot = 0;               ///< the largest of these, of rows of length 1
+  std::vector<std::string> rows;  ///< names of the constraints: "A.z"
+  int too_many = 0;               ///< number of redundant ones
+  int nearly = 0;                 ///< number of nearly redundant ones: their pivots are between 1e-9 and 1e-3
+  double pivot = 0;               ///< the largest of these pivots, for constraints of unit norm
 };
 
-/// Degrees of freedom of a mechanism in one pose, and the redundancy of its rows.
+/// Degrees of freedom of a mechanism in one pose, and the redundancy of its constraints.
 struct MobilityReport {
   int bodies = 0;                            ///< moving bodies; merged ones count as one
   int unknowns = 0;                          ///< velocities: 6 per body, 3 per particle; in a plane 3 and 2
-  int rows = 0;                              ///< of the links in force, drives included
-  int rank = 0;                              ///< of the rows, in this pose
-  int freedoms = 0;                          ///< unknowns - rank
-  int redundant = 0;                         ///< rows - rank
-  std::vector<Dependency> dependencies;      ///< which rows depend on which; the same in every order of the links
-  std::vector<std::string> redundant_links;  ///< names of links whose rows take part in a linear dependency
+  int rows = 0;                              ///< constraints of the active joints, drives included
+  int rank = 0;                              ///< of the constraints, in this pose
+  int freedoms = 0;                          ///< degrees of freedom: unknowns - rank
+  int redundant = 0;                         ///< redundant constraints: rows - rank
+  std::vector<Dependency> dependencies;      ///< groups of dependent constraints; the order of joints has no effect
+  std::vector<std::string> redundant_links;  ///< names of joints with constraints in such a group
+  int driven = 0;                            ///< further degrees of freedom, which drives prescribe
+  std::vector<std::string> drives;           ///< their names: "A.rz"
 };
 
-/// Counts degrees of freedom: the rank of the rows, loop by loop, with rotations as lengths (System::length) and every
-/// row of length 1; pivots below 1e-9 are zero. Where more than 300 rows lie on common loops, singular values below 1e-6
-/// are, and their dependent rows are told as one set. It allocates: for descriptions, not for runs. Throws NonFiniteError.
+/// Counts degrees of freedom by the rank of the constraints, loop by loop. Constraints have unit norm, with rotations
+/// as lengths (System::length), and pivots below 1e-9 are zero. For more than 300 constraints on common loops, singular
+/// values below 1e-6 are zero, and their dependent constraints are one group. It allocates. Throws NonFiniteError.
 LOCKSTEP_API MobilityReport mobility(Dynamics&, const State&);
 
-/// Rows on common loops that nearly depend on one another, and what was decided.
+/// Constraints on common loops that nearly depend on one another, and the decision about them.
 struct NearDependency {
-  std::vector<std::string> rows;  ///< their names: "A.z"
-  int nearly = 0;                 ///< how many of them are too many but for a small singular value
-  double singular_value = 0;      ///< the largest of these, of rows of length 1
-  /// Whether that is so in this position only, beside a singular one: nothing is decided then, and the rows hold.
+  std::vector<std::string> rows;  ///< names of the constraints: "A.z"
+  int nearly = 0;                 ///< number of nearly redundant ones
+  double singular_value = 0;      ///< the largest of their singular values, for constraints of unit norm
+  /// Whether they nearly depend only near a singular configuration: then nothing is decided, and they hold.
   bool in_passing = false;
-  bool decided = false;  ///< whether what was asked for, free or held, was done
-  /// Why neither can be: "a law is among them"; "" if they can. Solvers may differ there then.
+  bool decided = false;  ///< whether the requested decision, free or held, was possible
+  /// Why it was not: "one of them is driven"; "" if it was. Solvers may then treat them differently.
   std::string undecided;
-  double violation = 0;  ///< of rows that would be left out, m, where what they held has moved on by 0.3 rad
-  /// Rows that hold no more: free, all on these loops that depend on others, exactly or nearly; held, all of the mechanism
-  /// that depend on others exactly, told once.
+  double violation = 0;  ///< of constraints that would be left out, m, after a rotation of 0.3 rad
+  /// Constraints that are left out. For free: all on these loops that depend on others, exactly or nearly. For held:
+  /// all of the mechanism that depend on others exactly, in the first of the results only.
   std::vector<std::string> left_out;
-  /// Links on these loops: what was decided is right as long as none of them is released, and no other takes its place.
+  /// Joints on these loops. The decision is valid as long as none of them is released, and no other replaces it.
   std::vector<std::string> links;
 };
 
-/// Finds rows that nearly depend on others at a start on the constraints, those of pivots, as in mobility(), between 1e-9
-/// and 1e-3, and decides what they hold where that is asked for: told, the default here, leaves all as it is; automatic, that of scenes, holds them. Rows that a law
-/// acts on, of one-sided links and of links that are no joints are never left out; sets with such rows are not decided. Of
-/// others those of a large share stay before small ones, the earlier link before the later. Whether they nearly depend everywhere is tried: without them the mechanism moves by
-/// 0.3 rad along what they held, and must violate them by less than a thousandth of System::length(). Leaves out rows of
-/// `system` (System::leave_out), which must be that of the dynamics, in place of what was left out before; a start is to
-/// be assembled anew where any were, from the positions of this one. Sets of more than 300 rows on common loops are not looked at. Throws what an evaluation
-/// throws.
+/// Finds constraints that nearly depend on others at an assembled start: those of pivots, as in mobility(), between
+/// 1e-9 and 1e-3. Then decides about them: told, the default here, changes nothing; automatic, the default of scenes,
+/// keeps them. Constraints that a law drives, of one-sided joints and of couplings are never left out, and groups with
+/// them are not decided. Of others, those of a large share are kept first, then those of the earlier joint. They are
+/// left out only if they nearly depend everywhere: without them, a motion by 0.3 rad must violate them by less than a
+/// thousandth of System::length(). Leaves out constraints of `system` (System::leave_out), which must be that of the
+/// dynamics, in place of those left out before. If any were, assemble the start again from these positions. Groups of
+/// more than 300 constraints on common loops are not examined. Throws what an evaluation throws.
 LOCKSTEP_API std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics&, const State&,
                                                                  NearlyRedundant = NearlyRedundant::told);
 
-// Uniqueness: which reactions of a mechanism with redundant rows are unique.
+// Uniqueness: which reactions of a mechanism with redundant constraints are unique.
 
-/// Reactions that are not unique in one pose. Where rows are redundant, many sets of multipliers give the same motion:
-/// those that differ by a vector n with Jh^T n = 0. A reaction is unique if no such vector changes it. What is not unique
-/// is shared out by the solver, alike in every run; a real mechanism shares it out by its elasticity and its tolerances.
+/// Reactions that are not unique in one pose. With redundant constraints, many sets of multipliers give the same
+/// motion: those that differ by a vector n with Jh^T n = 0. A reaction is unique if no such vector changes it. The
+/// solver chooses the others, alike in every run; in a real mechanism, elasticity and tolerances determine them.
 struct UniquenessReport {
-  int undetermined = 0;               ///< how many independent vectors n there are: the redundant rows
-  std::vector<std::string> rows;      ///< rows whose multipliers are not unique: "A.z", in the order of the rows
-  std::vector<std::string> channels;  ///< channels that are not: "A.force_on_p_world_z", "A.lambda_z"; links in order
+  int undetermined = 0;               ///< number of independent vectors n: the redundant constraints
+  std::vector<std::string> rows;      ///< constraints whose multipliers are not unique: "A.z", in order
+  std::vector<std::string> channels;  ///< channels that are not unique: "A.force_on_p_world_z", "A.lambda_z"
 
   bool all_unique() const { return undetermined == 0; }  ///< whether every reaction is unique
-  /// Whether the channel of this name is unique; true of channels that are no reactions.
+  /// Whether the channel of this name is unique; true for channels that are no reactions.
   LOCKSTEP_API bool unique(const std::string& channel) const;
 };
 
-/// Finds them, in the scaling and with the limits of mobility(), for forces, torques and multipliers of links and their
-/// drives. Where rows were left out (System::leave_out) they count: what they and those that stay would share is not
-/// unique, exactly or but for a singular value below 1e-3. It allocates: for descriptions, not for runs. Throws NonFiniteError.
+/// Finds them, in the scaling and with the limits of mobility(), for forces, torques and multipliers of joints and
+/// their drives. Constraints that were left out (System::leave_out) count: loads that they would share with others,
+/// exactly or with a relative singular value below 1e-3, are not unique. It allocates. Throws NonFiniteError.
 LOCKSTEP_API UniquenessReport uniqueness(Dynamics&, const State&);
 
 }  // namespace lockstep

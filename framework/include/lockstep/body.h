@@ -11,24 +11,24 @@
 
 namespace lockstep {
 
-// Mass, mass centre and inertia of a body, and the shapes that give them.
+// Mass, centre of mass and inertia of a body, and the shapes that give them.
 
-/// Mass properties in the body's frame. J is the full matrix about the mass centre, with products as matrix entries:
+/// Mass properties in the body's frame. J is the full matrix about the centre of mass, with products as matrix entries:
 /// J_xy = -integral of x y dm.
 struct MassProperties {
   double mass = 0;             ///< mass, kg
-  Vec3 center = Vec3::Zero();  ///< mass centre in the body's frame, m
-  Mat3 J = Mat3::Zero();       ///< inertia about the mass centre, body axes, kg m^2
+  Vec3 center = Vec3::Zero();  ///< centre of mass in the body's frame, m
+  Mat3 J = Mat3::Zero();       ///< inertia about the centre of mass, body axes, kg m^2
 };
 
 /// Throws ModelError naming `owner`: mass not above 0, numbers not finite, J not symmetric (to 1e-10 relative), not
-/// positive definite, or against the triangle rule of principal moments (equality passes, to 1e-10 relative).
+/// positive definite, or violating the triangle inequality of principal moments (equality passes, to 1e-10 relative).
 LOCKSTEP_API void check_mass(const MassProperties&, const std::string& owner);
 
 /// Mass properties of common shapes, and of bodies made of them. Lengths in m, masses in kg, inertias in kg m^2.
 namespace shapes {
-/// Mass properties with the mass centre `center` from an inertia about another point `origin`, in axes turned by `axes`
-/// (all in the body's frame).
+/// Mass properties with the centre of mass `center` from an inertia about another point `origin`, in axes rotated by
+/// `axes` (all in the body's frame).
 LOCKSTEP_API MassProperties about(double mass, const Vec3& center, const Mat3& J_origin, const Vec3& origin,
                                   const Quat& axes = {});
 
@@ -40,7 +40,7 @@ LOCKSTEP_API MassProperties moved(const MassProperties&, const Pose& pose);
 LOCKSTEP_API MassProperties compound(std::span<const MassProperties> parts);
 }  // namespace shapes
 
-/// Mass properties in a frame at the mass centre, and the pose of that frame in the world at the start.
+/// Mass properties in a frame at the centre of mass, and the pose of that frame in the world at the start.
 struct Shape {
   MassProperties mass;  ///< in the shape's frame
   Pose home;            ///< pose of the shape's frame in the world at the start
@@ -52,7 +52,7 @@ namespace shapes {
 /// mass, length or radius that is not above 0.
 LOCKSTEP_API Shape rod(double mass, const Vec3& from, const Vec3& to, double radius = -1);
 /// Rod without thickness, with the axial inertia given, kg m^2. Throws ModelError unless that is above 0, as a body
-/// that turns needs it, and as rod() does.
+/// that rotates needs it, and as rod() does.
 LOCKSTEP_API Shape slender_rod(double mass, const Vec3& from, const Vec3& to, double axial_inertia);
 /// Solid box with sides `size` along x, y, z. Throws ModelError for a mass or side that is not above 0.
 LOCKSTEP_API MassProperties box(double mass, const Vec3& size);
@@ -67,10 +67,10 @@ LOCKSTEP_API double sphere_volume(double radius);                   ///< of a so
 
 // Body: the description of a rigid body. Its motion is that of its slot, in the State.
 
-/// Which velocities a body has.
+/// The degrees of freedom of a free body.
 enum class Freedoms {
-  spatial,  ///< moves and turns: 6 velocities
-  particle  ///< only moves: 3 velocities
+  spatial,  ///< translates and rotates: 6 velocities
+  particle  ///< translates only: 3 velocities
 };
 
 /// Slot of everything that does not move: it has no mass and no unknowns.
@@ -79,14 +79,14 @@ inline constexpr int kGround = -1;
 /// A rigid body, a particle, or a fixed body; its motion is in the State.
 struct Body {
   std::string name;                       ///< unique among the names of the system
-  MassProperties mass;                    ///< mass, mass centre and inertia in the body's frame; of a fixed body unused
+  MassProperties mass;                    ///< mass, centre of mass, inertia, in the body's frame; unused if fixed
   Pose home;                              ///< pose of the body's frame in the world at the start
   Twist start;                            ///< at the start: v of the frame's origin, world, m/s; w in body axes, rad/s
-  Freedoms freedoms = Freedoms::spatial;  ///< whether it turns
+  Freedoms freedoms = Freedoms::spatial;  ///< whether it rotates
   bool fixed = false;                     ///< never moves; its slot is kGround
 
   int slot = kGround;  ///< number of its slot, kGround when it does not move; set by System::setup
-  Pose in_slot;        ///< pose of the body's frame in its slot, whose origin is its mass centre; set by System::setup
+  Pose in_slot;        ///< pose of the body's frame in its slot (origin: centre of mass); set by System::setup
 };
 
 // Plane: of a planar mechanism. Its bodies have three velocities: along i, along j, and about n.
@@ -103,10 +103,10 @@ struct Plane {
   friend bool operator==(const Plane&, const Plane&) = default;  ///< the same normal
 };
 
-// Slot: bodies that move as one: a single body, or several that are welded together. Its origin is their mass centre.
+// Slot: a rigid group: one body, or several that are welded together. Its origin is their centre of mass.
 
-/// Bodies that move as one. Origin: the common mass centre; axes: those of the first body, in a planar mechanism the
-/// world's at the start.
+/// A rigid group: bodies that move as one. Origin: the common centre of mass; axes: those of the first body, in a
+/// planar mechanism the world's at the start.
 struct Slot {
   double mass = 0;                        ///< sum of the masses, kg
   Mat3 J = Mat3::Zero();                  ///< inertia about the origin, slot axes, kg m^2
@@ -116,19 +116,19 @@ struct Slot {
 };
 
 // BodyMass: the mass matrix of one slot in its unknowns: v (world) and w (slot axes) of a body, v of a particle; in a
-// plane, the two or three of them that lie in it.
+// plane, the two or three of them in it.
 
 /// The mass matrix of one slot: of a body, a particle, or either in a plane.
 class LOCKSTEP_API BodyMass {
  public:
   BodyMass() = default;
-  /// Mass m, kg, and inertia J about the mass centre, slot axes, kg m^2; J is ignored for a particle.
+  /// Mass m, kg, and inertia J about the centre of mass, slot axes, kg m^2; J is ignored for a particle.
   BodyMass(double m, const Mat3& J, bool particle, Plane plane = {});
   /// The mass of a slot in space or in a plane.
   BodyMass(const Slot& slot, Plane plane) : BodyMass(slot.mass, slot.J, slot.freedoms == Freedoms::particle, plane) {}
 
   double m() const { return m_; }       ///< mass, kg
-  const Mat3& J() const { return J_; }  ///< inertia about the mass centre, slot axes, kg m^2; zero for a particle
+  const Mat3& J() const { return J_; }  ///< inertia about the centre of mass, slot axes, kg m^2; zero for a particle
   /// Inverse of J, 1/(kg m^2); zero for a particle; in a plane only the entry about the normal.
   const Mat3& inverse_J() const { return inverse_J_; }
   /// Number of unknown velocities: 6, 3 for a particle; in a plane 3 and 2.
@@ -167,10 +167,10 @@ struct Marker {
   Pose local;            ///< home pose in the body's frame
   LawPtr<TranslationLaw>
       translation_law{};  ///< translation from `local`, m, along the axes of `local`; absent: it does not slide
-  LawPtr<RotationLaw> rotation_law{};  ///< rotation against `local`; absent: it does not turn
+  LawPtr<RotationLaw> rotation_law{};  ///< rotation against `local`; absent: it does not rotate
 };
 
-// What is wrong with a law at an instant; for messages, after something went wrong.
+// What is wrong with a law at some time; for messages, after an error.
 
 /// What is wrong with a law at time t, s: "the law of drive rz ('bump' of plugin bump) gives nan, 0, 0" or "... threw:
 /// its words", where `what` is "the law of drive rz"; "" when the law is finite there or absent.

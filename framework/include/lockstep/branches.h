@@ -11,35 +11,35 @@ namespace lockstep {
 
 class Dynamics;
 
-/// A way in which the mechanism fits together.
+/// One assembly of the mechanism.
 struct AssemblyBranch {
-  State state;          ///< at rest, in the slots' own coordinates
-  int found = 0;        ///< how many starts led to it
-  /// Of the branch itself: above 0 where parts that fold onto each other come loose, though the start has none. Such
-  /// positions are not told apart: one stands for all of as many freedoms.
+  State state;    ///< at rest, in the slots' own coordinates
+  int found = 0;  ///< number of starts that led to it
+  /// Degrees of freedom of the branch: above 0 if parts fold onto each other and come free, though the start has none.
+  /// One branch then represents all positions with as many degrees of freedom.
   int freedoms = 0;
-  double distance = 0;  ///< from the first branch: largest distance of a mass centre, or turn times System::length(), m
-  std::string farthest;  ///< the body of that distance
+  double distance = 0;   ///< from the first branch: of a centre of mass, or rotation times System::length(), m
+  std::string farthest;  ///< the body with that distance
 };
 
-/// What was found from many starts.
+/// The branches found from many starts.
 struct BranchReport {
-  int starts = 0,                        ///< tried, the one given included
-      failed = 0;                        ///< that led nowhere
-  std::vector<AssemblyBranch> branches;  ///< the one of the start given first, then by their distance from it
+  int starts = 0,                        ///< all of them, the given one included
+      failed = 0;                        ///< those that do not assemble
+  std::vector<AssemblyBranch> branches;  ///< that of the given start first, then by their distance from it
 };
 
-/// How branches are looked for.
+/// Options of the search.
 struct BranchOptions {
   int starts = 200;    ///< random ones
-  unsigned seed = 1;   ///< of their numbers
-  double same = 1e-6;  ///< positions nearer to one another than this share of System::length() are one branch
+  unsigned seed = 1;   ///< of the random numbers
+  double same = 1e-6;  ///< positions closer than this share of System::length() are one branch
 };
 
-/// Assembles the mechanism, at the time of the state, from this state and from many random poses of all bodies: each
-/// somewhere within the mechanism's size about where it is, turned any way (in a plane, about its normal). Two results
-/// are one branch where all bodies are in the same pose. Throws ModelError for a mechanism with freedoms, whose
-/// assemblies have no number, naming what to drive; AssemblyError where the state given does not assemble.
+/// Assembles the mechanism, at the time of the state, from this state and from many random poses. Each body is moved by
+/// up to the size of the mechanism and rotated at random (in a plane, about its normal). Two results are one branch if
+/// all bodies have the same pose. Throws ModelError, naming coordinates to drive, for a mechanism with degrees of
+/// freedom, and AssemblyError if the given state does not assemble.
 LOCKSTEP_API BranchReport find_branches(Dynamics&, const State&, const BranchOptions& options = {});
 
 }  // namespace lockstep

@@ -17,14 +17,14 @@ enum class SeriesStyle {
   dashes,       ///< a dashed line
   points,       ///< marks alone
   linespoints,  ///< a line with marks
-  band,         ///< a broad line, for what lies under other curves
+  band,         ///< a broad line, under other curves
   crosses       ///< crosses alone, for points that failed
 };
 
 /// One curve of a chart.
 struct Series {
-  std::string label;                       ///< in the legend; "": not there
-  std::vector<double> x,                   ///< numbers of the x axis; what is not finite makes a gap
+  std::string label;                       ///< in the legend; "": no entry
+  std::vector<double> x,                   ///< numbers of the x axis; a value that is not finite makes a gap
       y;                                   ///< numbers of the y axis, as many
   SeriesStyle style = SeriesStyle::lines;  ///< how it is drawn
   std::string color{};                     ///< "#rrggbb"; "": the next of a palette for the colour-blind
@@ -64,7 +64,7 @@ struct ChartSpec {
 LOCKSTEP_API Series table_series(const Table&, const std::string& x, const std::string& y,
                                  const std::string& label = {});
 
-/// A map: cells of a grid, each of one kind (works, inaccurate, fails) or with one value, and curves over them.
+/// A map: cells of a grid, each of one kind (accurate, wrong, failed) or with one value, and curves over them.
 struct MapSpec {
   std::string title,          ///< above the map; "": none
       x_label,                ///< of the x axis, with the unit
@@ -82,7 +82,7 @@ struct MapSpec {
   std::vector<Kind> kinds{};     ///< empty: cells are values, shown with a colour scale
   std::string value_label{};     ///< of the colour scale
   bool log_value = false;        ///< logarithmic colour scale
-  std::vector<Series> curves{};  ///< drawn over the cells, black where they have no colour
+  std::vector<Series> curves{};  ///< drawn over the cells, black if they have no colour
   std::vector<Note> notes{};     ///< texts in the map
   int width = 1000,              ///< of the picture, pixels
       height = 700;              ///< of the picture, pixels
@@ -106,7 +106,7 @@ struct BarSpec {
 };
 
 /// Draws a chart as `<base>.svg` and `<base>.png`, where `path` is the base with either ending or none. Throws
-/// ModelError for a chart with nothing to draw or with lengths that differ, FileError where gnuplot or a file fails.
+/// ModelError for a chart without curves or with different lengths, FileError if gnuplot or a file fails.
 LOCKSTEP_API void write_chart(const std::string& path, const ChartSpec&);
 /// Draws a map. Files and errors as write_chart(), and ModelError for centres that do not rise.
 LOCKSTEP_API void write_map(const std::string& path, const MapSpec&);

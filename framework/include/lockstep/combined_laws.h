@@ -49,7 +49,7 @@ struct Piece {
 /// Parameters of sequence().
 struct SequenceSettings {
   double t0 = 0;         ///< start of the first piece, s
-  bool chained = false;  ///< each piece continues from the value at which the one before ended
+  bool chained = false;  ///< each piece continues from the end value of the one before
   bool run_on = false;   ///< outside: the first and last law run on; false: the value is held, at rest
 };
 
@@ -57,7 +57,7 @@ namespace laws {
 /// Laws one after another: y = y_k(t - T_k) + o_k on [T_k, T_k + duration_k), T_k = t0 + the durations before. Chained:
 /// o_k = y_(k-1) at its end - y_k(0), o_0 = 0; else o_k = 0. Breakpoints: those of the pieces, and where pieces meet
 /// with a jump of y, yd or ydd. Throws ModelError for no piece, a duration that is not above 0, no law, or a t0 that is
-/// not finite. Evaluates the pieces: what a law throws is passed on.
+/// not finite. Evaluates the pieces: exceptions of laws are passed on.
 LOCKSTEP_API LawPtr<MotionLaw> sequence(std::vector<Piece> pieces, const SequenceSettings& k = {});
 }  // namespace laws
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Evaluation of a mechanism: what an integrator asks of it.
+// Evaluation of a mechanism, as integrators use it.
 #pragma once
 
 #include <map>
@@ -17,15 +17,15 @@
 
 namespace lockstep {
 
-// Evaluation: a mechanism at one state: motions of the bodies, rows of the links, applied forces.
+// Evaluation: a mechanism at one state: motions of the bodies, rows of the joints, applied forces.
 
 /// The inputs of a state, with the memory behind their motions. `s` and `z` are views of the state that was read.
 class LOCKSTEP_API StateInputs {
  public:
-  /// Reads this state: what links and forces see of it. Valid until the next call, and while the state lives.
+  /// Reads this state: what joints and forces see of it. Valid until the next call, and while the state lives.
   const Inputs& at(const System&, const State&);
-  /// The same, with motions and angles that `write` writes: motions of the ground and all slots, values of Inputs::angles and
-  /// Inputs::angle_rates, whose sizes stay where there are none.
+  /// The same, with motions and angles that `write` writes: motions of the ground and all slots, values of
+  /// Inputs::angles and Inputs::angle_rates, whose sizes stay if there are none.
   template <class Write>
   const Inputs& at(const State& state, Write&& write) {
     look_at(state);
@@ -43,28 +43,29 @@ class LOCKSTEP_API StateInputs {
 };
 
 /// Rows and forces of a system, gathered at a state; neither solved nor factored (see Factor). Vectors have 6 numbers
-/// per slot, three in the world and three in slot axes (m/s and rad/s, or N and N m), or 1 per row of rows().
+/// per slot (rigid group of bodies), three in the world and three in slot axes (m/s and rad/s, or N and N m), or 1 per
+/// row of rows().
 class LOCKSTEP_API Evaluation {
  public:
-  /// Gathers at this state; the system is set up if it was not. Throws what the code of links and forces throws, with
-  /// the name of the link or force, and ModelError where the state does not fit the system.
+  /// Gathers at this state; the system is set up if it was not. Throws what the code of joints and forces throws, with
+  /// the name of the joint or force, and ModelError if the state does not fit the system.
   Evaluation(System&, const State&);
   /// Before at() or rows_at() it has no rows.
   explicit Evaluation(System& system) : system_(system) {}
   Evaluation(const Evaluation&) = delete;
   Evaluation& operator=(const Evaluation&) = delete;
 
-  /// Gathers at another state. The rows are laid out anew when the description or the links in force changed; otherwise
+  /// Gathers at another state. The rows are laid out again when the description or the active joints changed; otherwise
   /// nothing is allocated.
   void at(const State&);
-  /// The same of the rows alone: no force is asked, and force() is zero.
+  /// The same for the rows alone: no force is evaluated, and force() is zero.
   void rows_at(const State&);
-  /// Throws NonFiniteError where a number is not finite, with the name of the link or force that made it.
+  /// Throws NonFiniteError if a number is not finite, with the name of the joint or force that made it.
   void check() const;
 
-  const System& system() const { return system_; }        ///< whose rows and forces these are
-  const Inputs& inputs() const { return inputs_.get(); }  ///< what links and forces saw
-  const RowTable& rows() const { return rows_; }          ///< rows of the links in force
+  const System& system() const { return system_; }        ///< the system of these rows and forces
+  const Inputs& inputs() const { return inputs_.get(); }  ///< what joints and forces saw
+  const RowTable& rows() const { return rows_; }          ///< rows of the active joints
   /// Gravity, -w x J w and all applied forces except those that depend on reactions: 6 per slot, N (world) and N m
   /// (slot axes).
   const VecX& force() const { return f_; }
@@ -75,7 +76,7 @@ class LOCKSTEP_API Evaluation {
   /// (slot axes).
   void velocity_residual(const VecX& v, VecX& Cd) const;
   /// The largest |c| over the rows as a length, m: lengths as they are, values of functions times System::length(),
-  /// half turns times twice that (framework/docs/solvers.md, section 1). NaN if one of them is.
+  /// components of quaternions times twice that (framework/docs/solvers.md, section 1). NaN if one of them is.
   double norm(const VecX& c) const;
 
   /// Forces that depend on the present reactions (friction).
@@ -83,17 +84,17 @@ class LOCKSTEP_API Evaluation {
   /// Adds these forces at the multipliers lambda, 1 per row, to f, 6 per slot.
   void react(const VecX& lambda, VecX& f) const;
 
-  /// What was laid out. A factor of an equal layout serves this evaluation too.
+  /// The layout. A factor of an equal layout serves this evaluation too.
   struct Layout {
     long revision = -1;                              ///< of the system
-    std::vector<bool> modes;                         ///< links in force
+    std::vector<bool> modes;                         ///< active joints
     bool loops = false;                              ///< whether these close loops
-    bool operator==(const Layout&) const = default;  ///< of the same setup and the same links
+    bool operator==(const Layout&) const = default;  ///< of the same setup and the same joints
   };
   const std::shared_ptr<const Layout>& layout() const { return layout_; }  ///< the present one
   /// Whether at() would keep the layout at this state.
   bool covers(const State&) const;
-  /// Kkt::redundant of these rows; unknown whenever they are laid out anew.
+  /// Kkt::redundant of these rows; unknown whenever they are laid out again.
   int redundant() const { return redundant_; }
   void set_redundant(int n) { redundant_ = n; }  ///< sets it, for factors of this evaluation
 
@@ -114,7 +115,7 @@ class LOCKSTEP_API Evaluation {
 // Formulation::omega       6 velocities per body, M = diag(m 1, J) constant, written once (2.9)
 // Formulation::quaternion  the paper's 7 coordinates: M = diag(m 1, G^T J G), rows Jh G with Qhat (a consistent pair,
 //                          2.13), one unit-length row per body (2.6). G^T J G is singular along q: k q q^T is added to
-//                          it, and -k |qd|^2 q to the right side; with the unit-length row the two cancel (2.7).
+//                          it, and -k |qd|^2 q to the right-hand side; with the unit-length row the two cancel (2.7).
 
 /// Writes rows and masses as the saddle-point matrix of a formulation.
 class LOCKSTEP_API KktAssembler {
@@ -122,13 +123,13 @@ class LOCKSTEP_API KktAssembler {
   /// Without a layout yet. The system must outlive it.
   KktAssembler(const System& system, Formulation formulation) : system_(system), formulation_(formulation) {}
 
-  /// Lays out the shape; needed whenever the description or the links in force changed. `direct`: for a solver that
+  /// Lays out the shape; needed whenever the description or the active joints changed. `direct`: for a solver that
   /// reads the rows themselves; nothing is copied then, and load() and unload() are not needed. Throws ModelError for
   /// the quaternion formulation with `direct` or in a plane.
   void lay_out(const RowTable& rows, bool direct);
   void forget() { kkt_ = {}, masses_ = {}, n_links_ = 0; }      ///< gives back its memory: without a layout then
   bool direct() const { return kkt_.pattern.rows != nullptr; }  ///< laid out for a solver that reads the rows
-  /// Writes the numbers: jacobians, and the mass blocks where they depend on the pose. `motions`: ground, then slots.
+  /// Writes the numbers: Jacobians, and the mass blocks if they depend on the pose. `motions`: ground, then slots.
   void update(const RowTable& rows, std::span<const Motion> motions);
   /// For a solver that reads the rows: the table that it reads from now on.
   void read(const RowTable& rows);
@@ -137,9 +138,9 @@ class LOCKSTEP_API KktAssembler {
   int n() const { return kkt_.pattern.n; }           ///< number of unknowns of the formulation
   int m() const { return kkt_.pattern.m; }           ///< number of its rows, those of unit length included
 
-  /// Writes f6 (6 per slot: N, world; N m, slot axes) and c6 (1 per row of the table) as the formulation's own right
-  /// side, f (n) and c (m). `moving`: with the velocity-dependent terms that the formulation itself adds, for equations
-  /// of motion; false for a projection.
+  /// Writes f6 (6 per slot: N, world; N m, slot axes) and c6 (1 per row of the table) as the right-hand side of the
+  /// formulation, f (n) and c (m). `moving`: with the velocity-dependent terms that the formulation itself adds, for
+  /// equations of motion; false for a projection.
   void load(const VecX& f6, const VecX& c6, std::span<const Motion> motions, bool moving, VecX& f, VecX& c) const;
   /// Writes the formulation's solution a (n) and lambda (m) as a6, 6 per slot (world; slot axes), and lambda6, 1 per
   /// row of the table.
@@ -172,27 +173,27 @@ struct WorkCount {
 ///     M a + Jh^T lambda = f     f, a: 6 per slot (world; slot axes); c, lambda: 1 per row of the table
 ///     Jh a - E lambda = c       E: proximal term, corrected away
 ///
-/// Its holder decides how long it serves. At the evaluation that it was computed from, solutions are exact. At a later
-/// one with the same links in force the matrix is still the old one: M and the directions Jh^T of the constraint forces
+/// The caller decides how long it is used. At the evaluation that it was computed from, solutions are exact. At a later
+/// one with the same active joints the matrix is still the old one: M and the directions Jh^T of the constraint forces
 /// are those of the old state (chord iterations, RATTLE).
 class LOCKSTEP_API Factor {
  public:
   /// Without a matrix yet. The arguments must outlive it; factors and corrections are counted in `work`.
   Factor(const System&, const LinearSolver&, Formulation, WorkCount& work);
 
-  /// Factors the matrix of this evaluation. Symbolic work is done only when the description or the links in force
-  /// changed; otherwise nothing is allocated. Throws SolveError, and ModelError where solver and formulation do not go
+  /// Factors the matrix of this evaluation. Symbolic work is done only when the description or the active joints
+  /// changed; otherwise nothing is allocated. Throws SolveError, and ModelError if solver and formulation do not go
   /// together.
   void compute(const Evaluation&);
-  /// Solves for any right side: projections, impulses, responses. `e`: the evaluation it was computed from, or a later
-  /// one. Throws ModelError where `e` has other links in force than the matrix, or where nothing was computed.
+  /// Solves for any right-hand side: projections, impulses, responses. `e`: the evaluation it was computed from, or a
+  /// later one. Throws ModelError if `e` has other active joints than the matrix, or if nothing was computed.
   SolveReport solve(const Evaluation& e, const VecX& f, const VecX& c, VecX& a, VecX& lambda);
-  /// Solves the equations of motion: as solve(), with what the formulation itself adds to f and c, (2.4)-(2.6).
+  /// Solves the equations of motion: as solve(), with the terms that the formulation adds to f and c, (2.4)-(2.6).
   SolveReport solve_motion(const Evaluation& e, const VecX& f, const VecX& c, VecX& a, VecX& lambda);
-  /// Fills in what the report of the last solution leaves out because it costs time: residual, pivots, detector.
+  /// Completes the report of the last solution by what costs time: residual, pivots, detector.
   void complete(SolveReport& report) const { factorization_->complete(report); }
-  /// Throws NonFiniteError where this solution is not finite, SolveError where its rows contradict one another, with
-  /// the name of the link or force.
+  /// Throws NonFiniteError if this solution is not finite, SolveError if its rows contradict one another, with
+  /// the name of the joint or force.
   void check(const Evaluation&, const VecX& a, const VecX& lambda, const SolveReport&) const;
   /// Gives back the memory of the matrix.
   void forget();
@@ -225,7 +226,7 @@ struct ProjectReport {
   bool converged = true;  ///< |C| is within the tolerance
 };
 
-/// Projects states onto the constraints, and holds the scratch for it: nothing is allocated when the links in force are
+/// Projects states onto the constraints, and holds the scratch for it: nothing is allocated when the active joints are
 /// those of the last call.
 class LOCKSTEP_API Projection {
  public:
@@ -233,11 +234,11 @@ class LOCKSTEP_API Projection {
   explicit Projection(double tolerance) : tolerance_(tolerance) {}
 
   /// M d + Jh^T z = 0, Jh d = -C, q <- q (+) d, until |C| <= `goal`, m, but not below round-off; then the velocities,
-  /// to a tenth of it in m/s. A factor serves as long as a round removes nine tenths of |C| (chord). The report says
-  /// that it did not converge when more than the tolerance is left. Throws NonFiniteError, SolveError.
+  /// to a tenth of it in m/s. A factor serves as long as a round removes nine tenths of |C| (chord). The report has not
+  /// converged if more than the tolerance is left. Throws NonFiniteError, SolveError.
   ProjectReport project(Evaluation&, Factor&, State&, double goal);
   /// M dv + Jh^T z = 0, Jh dv = -(Jh v + Ct), until |Jh v + Ct| <= `goal`, m/s; gathers at the state. Returns what is
-  /// left of it, m/s: more than round-off where rows contradict one another. Throws NonFiniteError, SolveError.
+  /// left of it, m/s: more than round-off if rows contradict one another. Throws NonFiniteError, SolveError.
   double project_velocity(Evaluation&, Factor&, State&, double goal);
 
  private:
@@ -248,15 +249,15 @@ class LOCKSTEP_API Projection {
   VecX C_, Cd_, d_, lambda_, zero_;
 };
 
-// ReactionIteration: solutions with forces that depend on the reactions that they cause (friction).
+// ReactionIteration: solutions with forces that depend on reactions (friction).
 
-/// Finds the accelerations where forces depend on the reactions (friction), and holds the scratch for it: nothing is
-/// allocated when the mechanism is that of the last call.
+/// Finds the accelerations if forces depend on the reactions (friction), and holds the scratch for it: nothing is
+/// allocated if the mechanism is that of the last call.
 class LOCKSTEP_API ReactionIteration {
  public:
   /// Finds a (6 per slot) and lambda (1 per row) with M a + Jh^T lambda = f + x, Jh a = c and
-  /// x = Evaluation::react(lambda). On entry they are the solution without x by this factor, which makes all further
-  /// ones too. Throws SolveError naming the force that does not settle, and NonFiniteError.
+  /// x = Evaluation::react(lambda). On entry they are the solution without x by this factor, which computes all further
+  /// ones too. Throws SolveError with the name of the force that does not converge, and NonFiniteError.
   void solve(const Evaluation&, Factor&, const VecX& c, VecX& a, VecX& lambda, SolveReport&);
 
  private:
@@ -275,9 +276,9 @@ class LOCKSTEP_API ReactionIteration {
   VecX da_, dlambda_, no_rows_;                                  // what a change of x adds to a and lambda; zeros
 };
 
-// Redundancy: a function of the links in force and of the branch, found on assembled poses beside a state.
+// Redundancy: a function of the active joints and of the branch, found on assembled poses near a state.
 
-/// How the rows of the links in force depend on one another in all assembled poses of a branch but singular ones.
+/// How the rows of the active joints depend on one another in all assembled poses of a branch except singular ones.
 struct Redundancy {
   /// Rows that depend on others (Kkt::redundant), by their pivots: masses that differ by 1e7 make others as small.
   int rows = Kkt::kUnknown;
@@ -285,15 +286,15 @@ struct Redundancy {
   double regular = 1;           ///< the largest SolveReport::detector that was seen
 };
 
-// Dynamics: what an integrator asks of a mechanism: rates, projections, and factors of its own.
+// Dynamics: evaluates a mechanism for integrators: rates, projections, and factors of their own.
 
 /// Accelerations and multipliers at one state, with the evaluation that they belong to. Views of a Dynamics, valid
 /// until it evaluates or projects again.
 struct Solution : Evaluated {
   const Evaluation& evaluation;  ///< rows and forces at this state
   const Factor& factor;          ///< the factored matrix of this state
-  SolveReport report;            ///< without what costs time to find out
-  double uncertainty = 0;        ///< of Dynamics::solution_at: relative, of the multipliers beside a singular position
+  SolveReport report;            ///< without residual, pivots and detector, which cost time
+  double uncertainty = 0;        ///< of Dynamics::solution_at: relative, of multipliers near a singular configuration
 
   /// The whole report: residual, pivots, detector.
   LOCKSTEP_API SolveReport full_report() const;
@@ -301,12 +302,12 @@ struct Solution : Evaluated {
 
 class SingularRate;
 
-/// What an integrator asks of a mechanism: rates, solutions, projections, factors. It holds one evaluation and one
-/// factor, which every call uses again; with the default solver nothing is allocated while the links in force stay the
+/// Evaluates a mechanism for integrators: rates, solutions, projections, factors. It holds one evaluation and one
+/// factor, which every call uses again; with the default solver nothing is allocated while the active joints stay the
 /// same.
 class LOCKSTEP_API Dynamics {
  public:
-  /// The system is set up if it was not, and must outlive this. Throws ModelError where there is no solver, where the
+  /// The system is set up if it was not, and must outlive this. Throws ModelError if there is no solver, if the
   /// stabilisation has a negative rate or a tolerance that is not above zero, and what System::setup throws.
   Dynamics(System&, std::unique_ptr<LinearSolver>, DynamicsOptions = {});
   ~Dynamics();
@@ -314,7 +315,7 @@ class LOCKSTEP_API Dynamics {
   Dynamics& operator=(const Dynamics&) = delete;
 
   const System& system() const { return system_; }  ///< the mechanism
-  /// Sets the system up when its description changed.
+  /// Sets the system up if its description changed.
   void set_up();
   /// As System::input().
   ControlInput& input(const std::string& name) { return system_.input(name); }
@@ -324,72 +325,71 @@ class LOCKSTEP_API Dynamics {
   WorkCount& work() { return work_; }                                              ///< counters of work done so far
 
   // -- at a state
-  /// d/dt of q, v and s in the state's own coordinates: what an integrator needs that takes all formulations. Throws as
+  /// d/dt of q, v and s in the coordinates of the state, for integrators that support all formulations. Throws as
   /// rate().
   void rates(const State&, StateRate& out);
   /// The same, with the whole report of the solution: residual, pivots, detector.
   SolveReport rates_with_report(const State&, StateRate& out);
-  /// Rates in the coordinates of `state` from the same in the slots' own, as rate() gives them; what the joints do not
-  /// let happen is lost.
+  /// Rates in the coordinates of `state` from those of the bodies, as rate() gives them; parts that the joints do not
+  /// allow are lost.
   void read_rates(const State& state, const StateRate& slots, StateRate& out);
   /// Solves the equations of motion (2.1), (2.9) with the chosen stabilisation; `out`: d/dt of q, v and s, of a state in
-  /// the slots' own coordinates. Throws NonFiniteError, SolveError.
+  /// body coordinates. Throws NonFiniteError, SolveError.
   const Solution& rate(const State&, StateRate& out);
   /// Solves for the accelerations and multipliers alone. Throws NonFiniteError, SolveError.
   const Solution& evaluate(const State&);
-  /// As evaluate(). Closer to a singular position than rounding allows it gives limits from both sides of it instead
-  /// (SingularRate); a multiplier that has none, since it grows as 1/distance, is NaN. Throws as evaluate().
+  /// As evaluate(). Closer to a singular configuration than round-off allows, it gives limits from both sides instead
+  /// (SingularRate); a multiplier without a limit, which grows as 1/distance, is NaN. Throws as evaluate().
   const Solution& solution_at(const State&);
-  /// The accelerations of all slots, as in Evaluated: of a tree without closures by its recursion, else those of solution_at().
+  /// The accelerations of all slots, as in Evaluated: of an open chain by its recursion, else those of solution_at().
   /// Valid until the next call. Throws NonFiniteError, SolveError.
   const VecX& accelerations(const State&);
   /// Rows and forces, unsolved; valid until the next evaluation or projection. Throws NonFiniteError.
   const Evaluation& gather(const State&);
-  /// Rows alone: no force is asked, as a state off the rows may be none of the forces' own. As gather() else.
+  /// Rows alone, without forces, which may be undefined for a state off the rows; otherwise as gather().
   const Evaluation& gather_rows(const State&);
   /// As System::InSpace of the mechanism.
   System::InSpace look_in_space() { return System::InSpace(system_); }
-  /// What links and forces see of this state, without rows; valid until the next call of this or of accept().
+  /// What joints and forces see of this state, without rows; valid until the next call of this or of accept().
   const Inputs& inputs(const State&);
   long inputs_read() const { return n_inputs_; }  ///< counts those calls
-  /// Whether rows of all links are laid out, since somebody has gathered or evaluated them.
+  /// Whether rows of all joints are laid out, because they were gathered or evaluated.
   bool holds_rows() const { return evaluation_ != nullptr; }
-  /// Gives back the memory of the last evaluation, gather() and evaluate(), and of its factor, where the formulation has
-  /// joint coordinates for the links in force at this state: there steps need rows of closures only. What is asked next
-  /// is laid out anew.
+  /// Frees the memory of the last evaluation, gather() and evaluate(), and of its factor, if the formulation has joint
+  /// coordinates for the active joints at this state: then steps need rows of loop closures only. A later call lays
+  /// them out again.
   void forget_rows(const State&);
   /// |C| over the rows in force, m (Evaluation::norm). Throws NonFiniteError.
   double violation(const State&);
-  /// The same, in joint coordinates over the rows of closures alone, since joints hold by themselves: rows of other links
-  /// are not laid out.
+  /// The same, in joint coordinates over the rows of loop closures alone, since joint coordinates satisfy the joints:
+  /// rows of other joints are not laid out.
   double violation_of_closures(const State&);
   /// |Jh v + Ct| over the rows in force, m/s (Evaluation::norm). Throws NonFiniteError.
   double violation_v(const State&);
 
-  // -- the coordinates of a state. All of the above takes a state in any coordinates but for rate().
+  // -- the coordinates of a state. All of the above except rate() takes a state in any coordinates.
   /// Converts the state to the coordinates of the formulation: with Formulation::joint and automatic to joint
-  /// coordinates, unless something stands in the way (why_not_joint). `near`: angles are counted on from there; null:
-  /// from zero.
+  /// coordinates if they are possible (why_not_joint). `near`: angles are counted on from there; null: from zero.
   void to_formulation(State&, const State* near = nullptr);
-  /// Converts the state to the slots' own coordinates, in which poses and twists can be set. Throws ModelError where the
+  /// Converts the state to body coordinates, in which poses and twists can be set. Throws ModelError if the
   /// state does not fit the system.
   void to_slots(State&);
-  /// Whether the state can be read as it is: a change of masses, joints or links in force makes other joint coordinates.
+  /// Whether the state can be read as it is: a change of masses, joints or active joints makes other joint coordinates.
   bool has_current_coordinates(const State&);
-  /// What stands in the way of joint coordinates with these links in force, by name; "" where nothing does. With
-  /// Formulation::automatic also what makes them the dearer ones.
+  /// Why joint coordinates are not possible with these active joints; "" if they are. With Formulation::automatic also
+  /// why they cost more.
   std::string why_not_joint(const std::vector<bool>& modes);
 
-  // -- moving a state. In joint coordinates only the closures of loops are projected; a tree has nothing to project.
+  // -- moving a state. In joint coordinates only loop closures are projected; an open chain has nothing to project.
   /// Moves the state onto C = 0, then onto Jh v = -Ct, by the least move in the mass metric, until |C| is a hundredth
   /// of the tolerance; quaternions are normalised first. Throws NonFiniteError, SolveError.
   ProjectReport project(State&);
-  /// The same until |C| <= `goal`, m (not below round-off); it has converged when |C| is within the tolerance.
+  /// The same until |C| <= `goal`, m (not below round-off); it has converged if |C| is within the tolerance.
   ProjectReport project(State&, double goal);
-  /// Projects the velocities only. Returns what is left of |Jh v + Ct|, m/s: more than round-off where rows contradict
+  /// Projects the velocities only. Returns what is left of |Jh v + Ct|, m/s: more than round-off if rows contradict
   /// one another. Throws NonFiniteError, SolveError.
   double project_velocity(State&);
-  // These throw ModelError where the state does not fit the system.
+  // These throw ModelError if the state does not fit the system.
   /// q <- q (+) h v, with unit quaternions. h: s; v: 6 per slot, m/s (world) and rad/s (slot axes).
   void advance(State& state, double h, const VecX& v) const {
     system_.check_size(state);
@@ -400,13 +400,13 @@ class LOCKSTEP_API Dynamics {
     system_.check_size(state);
     lockstep::normalize_state(state);
   }
-  /// After an accepted step: updates what links and forces remember (State::z) and counted angles. Returns what they see of
-  /// the state, as inputs() does; null where there is nothing to update.
+  /// After an accepted step: updates what joints and forces remember (State::z) and counted angles. Returns what they
+  /// see of the state, as inputs() does; null if there is nothing to update.
   const Inputs* accept(State&);
 
   // -- redundant rows
-  /// How the rows of the links in force depend on one another on the branch of this state, in its coordinates. Found once
-  /// for these links, at the first state on the constraints from which the mechanism moves, or that has no small pivots.
+  /// How the rows of the active joints depend on one another on the branch of this state, in its coordinates. Found
+  /// once for these joints, at the first assembled state from which the mechanism moves, or that has no small pivots.
   /// Unknown (rows < 0) before such a state.
   Redundancy redundancy(const State&);
 
@@ -418,7 +418,7 @@ class LOCKSTEP_API Dynamics {
   void restore(SnapshotReader&);  ///< takes back what save() wrote
   /// Writes a state in any coordinates; they must be current (has_current_coordinates).
   void save_state(const State&, Snapshot&) const;
-  /// Reads what save_state() wrote. Throws ModelError where it does not fit the system.
+  /// Reads what save_state() wrote. Throws ModelError if it does not fit the system.
   void load_state(State&, SnapshotReader&);
 
   /// A factor for the caller to keep, without a matrix yet. This Dynamics must outlive it.
@@ -449,7 +449,7 @@ class LOCKSTEP_API Dynamics {
   System& system_;
   std::unique_ptr<LinearSolver> solver_;
   DynamicsOptions options_;
-  std::unique_ptr<Tree> tree_;  // joint coordinates; null where they were not asked for
+  std::unique_ptr<Tree> tree_;  // joint coordinates; null until they are needed
   WorkCount work_;
   std::unique_ptr<Evaluation> evaluation_;  // null before the first state
   Factor factor_;
@@ -461,7 +461,7 @@ class LOCKSTEP_API Dynamics {
   VecX asked_a_;  // by accelerations()
   std::optional<Solution> solution_;
   std::unique_ptr<SingularRate> both_sides_;              // of solution_at(); null before it was needed
-  std::map<std::vector<bool>, Redundancy> redundancies_;  // by the links in force, and whether in joint coordinates
+  std::map<std::vector<bool>, Redundancy> redundancies_;  // by the active joints, and whether in joint coordinates
   long redundancies_of_ = -1;                             // revision of the system that they were found for
 };
 

@@ -15,11 +15,11 @@ struct Stabilization {
   /// The method.
   enum class Kind {
     project,    ///< the end of every step is projected onto the constraints
-    baumgarte,  ///< Baumgarte's terms are added to the acceleration rows
+    baumgarte,  ///< Baumgarte stabilisation: terms are added to the acceleration constraints
     none        ///< the drift stays
   };
   Kind kind = Kind::project;  ///< the method
-  double alpha = 5,           ///< Baumgarte's rates, 1/s: Cdd + 2 alpha Cd + beta^2 C = 0 (2.15)
+  double alpha = 5,           ///< Baumgarte rates, 1/s: Cdd + 2 alpha Cd + beta^2 C = 0 (2.15)
       beta = 5;               ///< the other of the two, 1/s
   double tolerance = 1e-10;   ///< |C| that a projection may leave, m (Evaluation::norm)
 };
@@ -28,8 +28,8 @@ struct Stabilization {
 enum class Formulation {
   omega,       ///< six velocities per body
   quaternion,  ///< the paper's seven coordinates per body, with a unit-length row each
-  joint,       ///< the free coordinates of the joints, and the rows of links that close loops (Dynamics::why_not_joint)
-  automatic    ///< joint where it costs less by a rule on counts and the integrator takes it, else omega
+  joint,       ///< joint coordinates, with the rows of loop-closure constraints (Dynamics::why_not_joint)
+  automatic    ///< joint if it costs fewer operations and the integrator supports it, else omega
 };
 /// "omega", "quaternion", "joint", "auto".
 LOCKSTEP_API std::string to_string(Formulation);

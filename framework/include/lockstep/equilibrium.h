@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Statics: where a mechanism rests under its loads, and whether it stays there.
+// Statics: the equilibrium of a mechanism under its loads, and its stability.
 #pragma once
 
 #include <string>
@@ -13,125 +13,127 @@ namespace lockstep {
 class Dynamics;
 class Evaluation;
 
-/// A motion that the links leave free, at a position of rest.
+/// A motion that the joints leave free, at a position of rest.
 struct FreeMotion {
-  /// What holds it, 1/s^2: the square of its angular frequency without damping. Below zero it grows instead.
+  /// Stiffness over mass, 1/s^2: the square of its angular frequency without damping. Below zero the motion grows.
   double stiffness = 0;
-  double bound = 0;  ///< stiffnesses of this motion of at most this size, 1/s^2, are zero: round-off of its own terms
-  /// 6 per slot: m (world) and rad (slot axes). The largest of all moves, and turns times System::length(), is 1 m.
+  double bound = 0;  ///< stiffnesses up to this size, 1/s^2, count as zero: round-off of the terms of this motion
+  /// 6 per slot: m (world) and rad (slot axes). The largest displacement, or rotation times System::length(), is 1 m.
   VecX motion;
-  std::string words;  ///< "'crank' turns about z, 'slider' moves along x"
+  std::string words;  ///< "'crank' rotates about z, 'slider' moves along x"
 };
 
-/// What the free motions of a mechanism at rest do when they are disturbed.
+/// The stability of a mechanism at rest.
 struct Stability {
   /// The verdict.
   enum class Kind {
-    stable,      ///< every free motion is held
-    neutral,     ///< some are held by nothing, and the others are held
+    stable,      ///< every free motion has a positive stiffness
+    neutral,     ///< some have no stiffness, and the others a positive one
     unstable,    ///< at least one grows
     not_judged,  ///< too many unknowns for dense matrices
-    gripped      ///< friction holds it, short of its limits: small disturbances move nothing
+    gripped      ///< static friction holds it below its limits: small disturbances move nothing
   };
   Kind kind = Kind::stable;  ///< the verdict
   int freedoms = 0;          ///< number of free motions
-  double softest = 0;        ///< smallest stiffness, 1/s^2, that is not 0 within its bound: of what grows if anything does
+  double softest = 0;        ///< lowest stiffness, 1/s^2, that is not 0 within its bound; negative if a motion grows
   /// Whether the loads have a potential here. Without one (follower forces) an oscillation may grow too, and damping is
-  /// not looked at.
+  /// not examined.
   bool has_potential = true;
   std::vector<FreeMotion> unstable,  ///< those that grow, fastest first
-      neutral;                       ///< those that nothing holds
+      neutral;                       ///< those without stiffness
 };
-/// "stable", "neutral", "unstable", "not judged", "gripped".
+/// "stable", "neutral", "unstable", "not judged", "sticking".
 LOCKSTEP_API std::string to_string(Stability::Kind);
 
-/// Judges a state at rest: eigenvalues of K against M in the null space of the rows, K with the geometric stiffness of
-/// the links. One-sided links in force count as two-sided. `lambda`: 1 per row, at this evaluation. Zero is what
-/// lies within 1e-12 of the terms of u^T K u by their size, for each motion u by itself; without a potential, within
-/// 1e-14 of the norm of K too. In a plane it judges within it. It allocates, and is dense: up to 1200 unknowns.
+/// Judges a state at rest by the eigenvalues of K against M in the null space of the constraints. K includes the
+/// geometric stiffness of the joints. Active one-sided joints count as two-sided. `lambda`: 1 per constraint, at this
+/// evaluation. Values within 1e-12 of the terms of u^T K u by their size count as zero, for each motion u; without a
+/// potential, within 1e-14 of the norm of K too. A planar system is judged in its plane. It allocates, and is dense: up
+/// to 1200 unknowns.
 LOCKSTEP_API Stability judge_rest(const Evaluation&, const VecX& lambda);
 
-/// How an equilibrium is looked for.
+/// Options of the search for an equilibrium.
 struct EquilibriumOptions {
-  /// Largest unbalanced force, relative to the largest force on a body (moments by System::length()).
+  /// Largest unbalanced force, relative to the largest force on a body (moments over System::length()).
   double tolerance = 1e-10;
   int iterations = 200;           ///< of Newton's method, at most
   int relaxation_steps = 20'000;  ///< of dynamic relaxation, at most
-  /// Whether friction (Reacting::grips) may hold the state given; false: the equilibrium is one without friction.
+  /// Whether friction (Reacting::grips) may hold the given state; false: the equilibrium without friction.
   bool friction = true;
-  bool nearest = false;           ///< takes what Newton's method meets first, stable or not; false: goes downhill
+  bool nearest = false;  ///< accepts the first equilibrium found, stable or not; false: a stable one
 };
 
-/// What friction carries at rest, and what it could.
+/// The load of static friction at rest, and its limit.
 struct GripReport {
   std::string force,   ///< its name
       what,            ///< "sliding", "turning"
       unit;            ///< "N", "N m"
-  double carries = 0,  ///< the size of it
+  double carries = 0,  ///< the size of the load
       most = 0;        ///< its limit
 };
 
-/// What was found, and how.
+/// An equilibrium, and how it was found.
 struct EquilibriumReport {
-  bool by_friction = false;          ///< whether friction holds the state given, so that nothing moved
+  bool by_friction = false;          ///< whether friction holds the given state, so that nothing moved
   bool relaxed = false;              ///< whether dynamic relaxation was needed
   int iterations = 0;                ///< of Newton's method
   int relaxation_steps = 0;          ///< of dynamic relaxation
-  double unbalanced = 0;             ///< largest unbalanced force, relative as in the options
-  double largest_force = 0;          ///< to which it is relative, N
-  double largest_move = 0;           ///< of a mass centre since the state given, m
-  std::string moved_most;            ///< its body; "" where none moved
-  VecX lambda;                       ///< multipliers, 1 per row in force
-  Stability stability;               ///< of what was found
-  std::vector<std::string> left;     ///< unstable positions of rest that were met and left, by the motion that grew
-  std::vector<std::string> pressed;  ///< one-sided links that carry load
-  std::vector<std::string> free;     ///< one-sided links that are free
-  /// What friction carries in the state given, where it holds that state (`by_friction`), or would have to carry there,
-  /// where it does not; empty where none has a part in it.
+  double unbalanced = 0;             ///< largest unbalanced force, relative to `largest_force`
+  double largest_force = 0;          ///< N
+  double largest_move = 0;           ///< of a centre of mass from the given state, m
+  std::string moved_most;            ///< its body; "" if none moved
+  VecX lambda;                       ///< multipliers, 1 per active constraint
+  Stability stability;               ///< of the equilibrium
+  std::vector<std::string> left;     ///< unstable equilibria that were found and left, by the motion that grew
+  std::vector<std::string> pressed;  ///< one-sided joints that carry load
+  std::vector<std::string> free;     ///< one-sided joints that are free
+  /// The loads of static friction at the given state if it holds that state (`by_friction`), else those that it would
+  /// need; empty without friction.
   std::vector<GripReport> grips;
-  std::vector<Finding> notes;  ///< what of the scene does not act as in a run
+  std::vector<Finding> notes;  ///< parts of the scene that act otherwise than in a run
   /// How it was found, in words: "Newton's method, 7 iterations".
   LOCKSTEP_API std::string method() const;
 };
 
-/// Moves a state into equilibrium, at its time: forces and laws have their values there, drives hold their coordinates,
-/// friction holds the state given if it can (then nothing moves), and none acts elsewhere,
-/// velocities of bodies are zero (a marker that moves by a law keeps its rate, and is noted), integrated states keep their values. Newton's method on rows and forces with a line search,
-/// downhill: up to 400 unknowns in the free motions, against each stiffness by its size; beyond with the sparse matrix
-/// K + s M, s as large as it takes. Where that fails, dynamic relaxation. One-sided links come
-/// into force where they are touched and are released where they would pull. A system whose plane is known
-/// (System::InSpace) is looked at in space; it is planar again afterwards, unless what is found lies outside of the plane.
-/// The state, in the slots' own coordinates, must fit its rows nearly (assemble()). Throws SolveError where nothing is found, naming what nothing holds, and what
-/// an evaluation throws; the state is then unchanged.
+/// Moves a state into equilibrium, at its time. Forces and laws have their values at that time, drives hold their
+/// coordinates, velocities of bodies are zero, integrated states keep their values. A marker that moves by a law keeps
+/// its rate, and is noted. Friction holds the given state if it can, and then nothing moves; otherwise it does not act.
+/// The method is Newton's on constraints and forces, with a line search that reduces the potential energy. Up to 400
+/// unknowns it uses the free motions and the size of each stiffness; beyond, the sparse matrix K + s M with a
+/// sufficient s. If that fails, dynamic relaxation follows. One-sided joints close on contact and open when they would
+/// pull. A system with a plane (System::InSpace) is solved in space; it is planar again afterwards, unless the
+/// equilibrium leaves the plane. The state, in the slots' own coordinates, must nearly satisfy its constraints
+/// (assemble()). Throws SolveError, naming motions without stiffness, if nothing is found, and what an evaluation
+/// throws. The state is then unchanged.
 LOCKSTEP_API EquilibriumReport find_equilibrium(Dynamics&, State&, const EquilibriumOptions& options = {});
 
 // Several equilibria of one mechanism.
 
-/// An equilibrium, and how many starts led to it.
+/// An equilibrium, and the number of starts that led to it.
 struct Equilibrium {
   State state;               ///< in the slots' own coordinates, at rest
   EquilibriumReport report;  ///< of its first search
   int found = 0;             ///< number of starts
 };
 
-/// What was found from many starts.
+/// The equilibria found from many starts.
 struct EquilibriaReport {
-  int starts = 0,                ///< tried, the one given included
-      failed = 0;                ///< that led nowhere
+  int starts = 0,                ///< all of them, the given one included
+      failed = 0;                ///< those without an equilibrium
   std::vector<Equilibrium> all;  ///< stable ones first
 };
 
-/// How several equilibria are looked for.
+/// Options of the search for several equilibria.
 struct EquilibriaOptions {
   int starts = 100;    ///< random ones
-  unsigned seed = 1;   ///< of their numbers
-  double same = 1e-6;  ///< poses nearer to one another than this share of System::length() are one
+  unsigned seed = 1;   ///< of the random numbers
+  double same = 1e-6;  ///< poses closer than this share of System::length() are the same
 };
 
-/// Looks for equilibria downhill from this state, then from random poses that fit the rows, by turns as
-/// EquilibriumOptions::nearest, which finds unstable ones too, and downhill. All of them are without friction. Where a motion is held by nothing, the
-/// positions along it count as one: those of the same softest stiffness and largest force that are the same in all that
-/// is held. Throws as find_equilibrium() does for the state given.
+/// Searches a stable equilibrium from this state, then from random assembled poses, alternately with and without
+/// EquilibriumOptions::nearest, which finds unstable ones too. All of them are without friction. Positions along a
+/// motion without stiffness count as one equilibrium: they have the same lowest stiffness, the same largest force, and
+/// the same pose in all other motions. Throws as find_equilibrium() does for the given state.
 LOCKSTEP_API EquilibriaReport find_equilibria(Dynamics&, const State&, const EquilibriaOptions& options = {});
 
 }  // namespace lockstep

@@ -11,24 +11,24 @@
 namespace lockstep {
 
 // Every error has a sentence for people and the same facts as data for programs. A sentence has three parts: what is
-// wrong and where, the value, and what to do next.
+// wrong and in what, the value, and what to do next.
 
-/// What an error is about: a link, a force, a law, a body, ...
+/// What an error is about: a joint, a force, a law, a body, ...
 struct LOCKSTEP_API Thing {
-  std::string kind{},  ///< "link", "force", "law", ...; empty: nothing is named
+  std::string kind{},  ///< "joint", "force", "law", ...; empty: nothing is named
       name{};          ///< its name in the system; empty: a type that has made nothing yet
   std::string type{},  ///< name of its type, "revolute"
-      origin{};        ///< who brought the type: "built in", a plugin's name, or "" for a class of the host's own
+      origin{};        ///< where the type comes from: "built in", a plugin's name, or "" for a class of the host
 
   bool known() const { return !kind.empty(); }                                  ///< whether it names anything
   bool of_a_plugin() const { return !origin.empty() && origin != "built in"; }  ///< whether a plugin brought its type
-  std::string words() const;                                                    ///< "link 'A'", or the kind alone
-  std::string label() const;  ///< "link 'A' (revolute)", "force 'F' (wind of plugin weather)"
+  std::string words() const;                                                    ///< "joint 'A'", or the kind alone
+  std::string label() const;  ///< "joint 'A' (revolute)", "force 'F' (wind of plugin weather)"
 };
 
-/// What an error says, as data. Fields that do not apply are empty, 0 or NaN.
+/// The contents of an error, as data. Fields that do not apply are empty, 0 or NaN.
 struct ErrorData {
-  Thing thing{};                                        ///< what it is about, or whose code threw
+  Thing thing{};                                        ///< what it is about, or the code that threw
   std::string key{};                                    ///< the parameter
   std::string value{};                                  ///< the value that was found, with its unit
   std::string problem{};                                ///< what is wrong with it
@@ -44,7 +44,7 @@ class LOCKSTEP_API Error : public std::runtime_error, public ErrorData {
  public:
   /// Takes the sentence as it is, with the data `about` it.
   explicit Error(const std::string& sentence, ErrorData about = {});
-  /// Makes the sentence from the data: "file:line:column: t = T s: link 'A': key problem; advice", without the parts
+  /// Makes the sentence from the data: "file:line:column: t = T s: joint 'A': key problem; advice", without the parts
   /// that are empty.
   explicit Error(ErrorData about);
   ~Error() override;
@@ -76,7 +76,7 @@ class LOCKSTEP_API Error : public std::runtime_error, public ErrorData {
   bool labelled_ = false;
 };
 
-/// An impossible mechanism: a body without mass, a drive on a locked axis, a link between a body and itself.
+/// An impossible mechanism: a body without mass, a drive on a locked axis, a joint between a body and itself.
 class LOCKSTEP_API ModelError : public Error {
  public:
   using Error::Error;
@@ -84,7 +84,7 @@ class LOCKSTEP_API ModelError : public Error {
   Kind kind() const noexcept override { return Kind::model; }
 };
 
-/// An invalid parameter of a law, force, link or integrator: `key` is its name in the type's table of keys,
+/// An invalid parameter of a law, force, joint or integrator: `key` is its name in the type's table of keys,
 /// `problem` what is wrong with it. Thrown by a maker, it becomes a SceneError at the place of the key.
 class LOCKSTEP_API ParameterError : public ModelError {
  public:
@@ -120,7 +120,7 @@ class LOCKSTEP_API StepError : public Error {
   Kind kind() const noexcept override { return Kind::step; }
 };
 
-/// An evaluation gave a NaN or an infinity; names the law, force, link or body that gave it. `t` is the time of the
+/// An evaluation gave a NaN or an infinity; names the law, force, joint or body that gave it. `t` is the time of the
 /// evaluation.
 class LOCKSTEP_API NonFiniteError : public Error {
  public:
@@ -139,7 +139,7 @@ class LOCKSTEP_API PluginError : public Error {
   Kind kind() const noexcept override { return Kind::plugin; }
 };
 
-/// A scene (or parameters given in C++) that cannot be understood, and where.
+/// A scene (or parameters given in C++) that cannot be understood, and its place.
 class LOCKSTEP_API SceneError : public Error {
  public:
   using Error::Error;
@@ -158,9 +158,9 @@ class LOCKSTEP_API FileError : public Error {
   Kind kind() const noexcept override { return Kind::file; }
 };
 
-/// Code from outside lockstep - a law, link, force or integrator of a plugin or of the host - threw while it was made
-/// or used, or wrote where it must not. `thing` is whose code it was, `t` the time; the original exception is nested
-/// (std::rethrow_if_nested).
+/// Code from outside lockstep - a law, joint, force or integrator of a plugin or of the host - threw while it was made
+/// or used, or wrote outside of its arrays. `thing` is the owner of the code, `t` the time; the original exception is
+/// nested (std::rethrow_if_nested).
 class LOCKSTEP_API UserCodeError : public Error {
  public:
   using Error::Error;
@@ -179,7 +179,7 @@ class LOCKSTEP_API InterruptedError : public Error {
 /// "model", "user code", ...
 LOCKSTEP_API const char* to_string(Error::Kind);
 
-/// "t = 0.5 s: ", the start of a message about an instant, t in s; "" for NaN.
+/// "t = 0.5 s: ", the start of a message about a time, t in s; "" for NaN.
 LOCKSTEP_API std::string at_time(double t);
 
 /// " of plugin gears"; "" for what is built in and for the host's own classes.
@@ -187,28 +187,28 @@ LOCKSTEP_API std::string of_plugin(const std::string& origin);
 
 // The one way in which an exception is given the name of the code that threw it.
 
-/// Whose code threw, and how its errors name it. Made only after something was thrown, so that the passes cost nothing.
+/// The owner of code that threw, and its name in errors. Made only after a throw, so that the passes cost nothing.
 struct ErrorContext {
-  Thing thing{};                                        ///< whose code it is
+  Thing thing{};                                        ///< the owner of the code
   double t = std::numeric_limits<double>::quiet_NaN();  ///< simulated time, s; NaN: while it is made or set up
   std::string fault{};                                  ///< what is wrong with one of its laws; "" when nothing is
-  bool refuses = false;  ///< its Errors are refusals and keep their type: makers, setup, integrators
+  bool refuses = false;  ///< its Errors reject a model and keep their type: makers, setup, integrators
   std::string label{};   ///< its name in messages; "": thing.label()
-  std::string before{};  ///< in front of the label in a UserCodeError: "link 'A', law: the maker of "
+  std::string before{};  ///< in front of the label in a UserCodeError: "joint 'A', law: the maker of "
 };
 
-/// To be called in a catch block: rethrows the exception in flight so that it names whose code threw it.
-/// - std::bad_alloc and InterruptedError are rethrown as they are, and so is an Error that has a thing and a time already:
-///   it was named further in. Of a plugin's code this holds for UserCodeError and NonFiniteError.
-/// - Any other Error that is a refusal keeps its type: it gets the thing, and the label in front of its sentence unless the
-///   thing is built in. SolveError and AssemblyError are about the mechanism: they are rethrown as they are.
-/// - A ModelError that a built-in law put its name to, as a spline that is asked beyond its end, stays one, with thing, law
-///   and time, unless the thing is a plugin's.
-/// - Any other Error of the host's code, and a UserCodeError or NonFiniteError of anybody's, keeps its type: thing and time
-///   are added, to the sentence too, and what was thrown is nested in it. An Error of built-in code gets the thing alone.
-///   Of classes that are derived from those below the object itself is rethrown, with nothing nested.
-/// - Everything else (an int as well) becomes a UserCodeError with thing and time, and the original nested in it. Only
-///   what built-in code throws that is not an Error is rethrown as it is, when its laws are sound.
+/// To be called in a catch block: rethrows the exception in flight with the name of the code that threw it.
+/// - std::bad_alloc and InterruptedError are rethrown unchanged. So is an Error that has a thing and a time; of a
+///   plugin's code only a UserCodeError or NonFiniteError.
+/// - Any other Error that rejects a model keeps its type. It gets the thing, and the label in front of its sentence
+///   unless the thing is built in. SolveError and AssemblyError are about the mechanism and are rethrown unchanged.
+/// - A ModelError named by a built-in law (a spline evaluated beyond its end) stays one, with thing, law and time,
+///   unless the thing belongs to a plugin.
+/// - Any other Error of the host's code, and a UserCodeError or NonFiniteError of any code, keeps its type. Thing and
+///   time are added, also to the sentence, and the original is nested. An Error of built-in code gets the thing alone.
+///   Of classes derived from those below the object itself is rethrown, with nothing nested.
+/// - Everything else (also an int) becomes a UserCodeError with thing and time, and the original is nested. Of built-in
+///   code with finite laws, exceptions that are not Errors are rethrown unchanged.
 [[noreturn]] LOCKSTEP_API void rethrow_in(const ErrorContext&);
 
 /// Calls `act` and returns its result; what it throws goes through rethrow_in(context()). Costs nothing unless
@@ -222,7 +222,7 @@ decltype(auto) in_context(Context&& context, Act&& act) {
   }
 }
 
-/// The same for the code of a thing that has a context_of(thing, t): a link, a force, an integrator. t in s.
+/// The same for the code of a thing that has a context_of(thing, t): a joint, a force, an integrator. t in s.
 template <class T, class Act>
 decltype(auto) named(const T& thing, double t, Act&& act) {
   return in_context([&] { return context_of(thing, t); }, static_cast<Act&&>(act));

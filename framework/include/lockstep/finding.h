@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Findings: what is noticed of a scene, a start, a run or an analysis that is not an error, as data.
+// Findings: remarks about a scene, a start, a run or an analysis that are not errors, as data.
 #pragma once
 
 #include <limits>
@@ -40,13 +40,13 @@ LOCKSTEP_API const FindingKind& finding_kind(std::string_view code);
 /// One finding.
 struct Finding {
   const FindingKind* kind;  ///< never null; compare codes, as each library has constants of its own
-  std::string thing{};      ///< what it is about, "link 'A'"; "" for the mechanism or the run
+  std::string thing{};      ///< what it is about, "joint 'A'"; "" for the mechanism or the run
   std::string message{};    ///< what was found
   std::string advice{};     ///< what to do about it here; "" if nothing
   double value = std::numeric_limits<double>::quiet_NaN(),  ///< what was measured; NaN: nothing
       limit = std::numeric_limits<double>::quiet_NaN();     ///< what it was compared with; NaN: nothing
   std::string unit{};                                       ///< of value and limit
-  double t = std::numeric_limits<double>::quiet_NaN();      ///< simulated time, s; NaN: not at an instant
+  double t = std::numeric_limits<double>::quiet_NaN();      ///< simulated time, s; NaN: none
   std::string place{};                                      ///< "four_bar.json:4:64"; "" if in no file
 
   Severity severity() const { return kind->severity; }  ///< of its kind

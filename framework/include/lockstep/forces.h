@@ -125,7 +125,7 @@ class Bushing;
 extern template class LOCKSTEP_API FormulaForce<Bushing>;
 
 /// Springs and dampers along and about the axes of S, between P and S. d = A_S' (x_P - x_S); th = rotation vector of
-/// e = q_S' q_P in the axes of S, |th| < pi: small turns.
+/// e = q_S' q_P in the axes of S, |th| < pi: small rotations.
 ///
 ///     force       F = -(K d + C dd),      dd = A_S' (v_P - v_S) - w_S x d       N, S axes; on P's body at P, -F on S's
 ///     torque      M = -(J' Kt th + Ct w),  w = A_S' (w_P - w_S), thd = J w      N m, S axes; on P's body, -M on S's
@@ -134,7 +134,7 @@ extern template class LOCKSTEP_API FormulaForce<Bushing>;
 ///     dissipation D = dd'C dd + w'Ct w                                          W
 ///     power       of F and M on the two bodies                                  W; -dV/dt - D for markers at rest
 ///
-/// With J the power balance is exact, not only for small turns; J' Kt th = Kt th for equal stiffnesses. S must not be
+/// With J the power balance is exact for large rotations too; J' Kt th = Kt th for equal stiffnesses. S must not be
 /// on a particle; P may be, when the rotational numbers are zero. Stiffnesses may be negative, damping must not.
 class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
  public:
@@ -166,9 +166,9 @@ class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
   Options options_;
 };
 
-// Force 'joint_friction': dry and viscous friction in a joint, from the joint's reaction at the same instant.
+// Force 'joint_friction': dry and viscous friction in a joint, from the joint's reaction at the same time.
 
-/// Friction where the link's mask leaves P free to slide in S or to turn about one axis of S. F and M are the reaction
+/// Friction along the free translations of P in S, and about the one free rotation axis of S. F and M are the reaction
 /// of the joint's own rows (without its drives) on P's body at the origin of P, in S axes; u is the sliding velocity of
 /// P in the free directions, w the rate about the free axis:
 ///
@@ -176,11 +176,11 @@ class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
 ///               force on P's body at P: -(mu(|u|) N + c |u|) u/|u|, the opposite on S's   N
 ///     turning   T = mu(r |w|) (r (N0 + |F radial|) + r_a |F axial|) + c_t |w|             N m, against w
 ///     mu(s)     = (mu_k + (mu_s - mu_k) exp(-(s/v_s)^2)) tanh(s/v_0)                      Coulomb: mu_s = mu_k
-///     |F|       = sqrt(F.F + e^2) - e, smooth where the reaction passes zero
+///     |F|       = sqrt(F.F + e^2) - e, smooth as the reaction passes zero
 ///
-/// Everything is odd in u and w and smooth at rest: below v_0 a joint creeps where it would stick. In mu of the torque,
-/// r_a replaces r when r is zero. Refused: links that are not locks of two markers, markers that move on their bodies
-/// by laws, and links with a law `turn`.
+/// Everything is odd in u and w and smooth at rest: below v_0 a joint creeps instead of sticking. In mu of the torque,
+/// r_a replaces r when r is zero. Not supported: joints that are not locks of two markers, markers that move on their
+/// bodies by laws, and joints with a law `turn`.
 class LOCKSTEP_API JointFriction final : public Force, public Reacting {
  public:
   /// Coefficients and dimensions of the friction.
@@ -197,16 +197,16 @@ class LOCKSTEP_API JointFriction final : public Force, public Reacting {
     double viscous_turn = 0;        ///< c_t, N m s/rad
     double load_smoothing = 1e-6;   ///< e, N: size of a load below which it is smoothed
   };
-  /// Throws ParameterError for an invalid number, ModelError for a link in which nothing rubs.
+  /// Throws ParameterError for an invalid number, ModelError for a joint without friction surfaces.
   JointFriction(std::string name, const Lock& link, Options options);
 
   std::string_view type() const override { return "joint_friction"; }
   std::vector<const Marker*> markers() const override { return {p_, s_}; }
-  /// Those that apply to the link: normal_force, friction_force (on P along the sliding, signed where there is one
+  /// Those that apply to the joint: normal_force, friction_force (on P along the sliding, signed if there is one
   /// direction), sliding_speed; radial_force, axial_force, friction_torque (on P about the axis), turning_rate.
   std::vector<Quantity> quantities() const override;
   double reacting_quantity(int k, const Inputs&, const Reactions&) const override;
-  /// Throws ModelError for markers that move on their bodies by laws, and for a link with a law `turn`.
+  /// Throws ModelError for markers that move on their bodies by laws, and for a joint with a law `turn`.
   void setup() override;
   bool stays_in_plane(Plane) const override { return true; }  ///< it acts along the motion that there is
   void apply(const Inputs&, WrenchSum&) const override {}     ///< nothing: all of it is in react()
@@ -238,7 +238,7 @@ class LOCKSTEP_API JointFriction final : public Force, public Reacting {
   const Lock* link_;
   const Marker *p_, *s_;
   Options options_;
-  Vec3 sliding_ = Vec3::Zero();  // 1 in the free directions of S, where something is held to press on
+  Vec3 sliding_ = Vec3::Zero();  // 1 in the free directions of S, if another direction is held
   Vec3 pressing_ = Vec3::Zero();
   int turning_ = -1;  // free axis of S
   Vec3 radial_ = Vec3::Zero(), axial_ = Vec3::Zero(), bending_ = Vec3::Zero();
@@ -324,9 +324,9 @@ extern template class LOCKSTEP_API FormulaForce<SpringDamper>;
 ///     dissipation D = c ld^2                                        W
 ///     power       T n.(v_S - v_P) of the two bodies                 W; -dV/dt - D - law ld for markers at rest
 ///
-/// With l = 0 there is no direction and so no force; setup() refuses markers that coincide at the start unless the
+/// With l = 0 there is no direction and so no force; setup() rejects markers that coincide at the start unless the
 /// force is zero there. k may be negative (a spring that pushes away); c and l0 must not be. x and v are those of the
-/// markers, also where these move on their bodies.
+/// markers, also if these move on their bodies.
 class LOCKSTEP_API SpringDamper final : public FormulaForce<SpringDamper> {
  public:
   /// Stiffness, damping, free length, preload and actuator.
@@ -357,23 +357,23 @@ class LOCKSTEP_API SpringDamper final : public FormulaForce<SpringDamper> {
   Options options_;
 };
 
-// Force 'torsion_spring_damper': spring, damper and rotary actuator about an axis, full turns counted.
+// Force 'torsion_spring_damper': spring, damper and rotary actuator about an axis, full revolutions counted.
 
 class CountedAngle;
 class TorsionSpringDamper;
 extern template class LOCKSTEP_API FormulaForce<TorsionSpringDamper>;
 
-/// Spring, damper and rotary actuator about the common z axis of P and S; a positive torque turns P back.
+/// Spring, damper and rotary actuator about the common z axis of P and S; a positive torque rotates P back.
 ///
-///     angle       th = 2 atan2(e3, e0), e = q_S' q_P, full turns counted      rad
-///     rate        thd = g.(w_P - w_S), g = (z_P + z_S)/(1 + z_P.z_S)         rad/s; g = z where the axes are common
+///     angle       th = 2 atan2(e3, e0), e = q_S' q_P, full revolutions counted  rad
+///     rate        thd = g.(w_P - w_S), g = (z_P + z_S)/(1 + z_P.z_S)         rad/s; g = z if the axes are common
 ///     torque      T = k (th - th0) + T0 + c thd + law(t)                     N m; -T g on P, +T g on S
 ///     potential   V = 1/2 k (th - th0)^2 + T0 (th - th0)                     J
 ///     dissipation D = c thd^2                                                W
 ///     power       T g.(w_S - w_P) of the two bodies                          W; -dV/dt - D - law thd, markers at rest
 ///
 /// g is the gradient of th, so that the power balance also holds for axes that are not exactly common. The angle is a
-/// CountedAngle. Where z_P = -z_S there is no angle and no torque; setup() refuses such a start. k may be negative, c must
+/// CountedAngle. At z_P = -z_S there is no angle and no torque; setup() rejects such a start. k may be negative, c must
 /// not be.
 class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpringDamper> {
  public:
@@ -381,7 +381,7 @@ class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpring
   struct Options {
     double stiffness = 0;        ///< k, N m/rad
     double damping = 0;          ///< c, N m s/rad, not negative
-    double free_angle = 0;       ///< th0, rad; may be more than a full turn
+    double free_angle = 0;       ///< th0, rad; may be more than a full revolution
     double preload = 0;          ///< T0, N m: torque at th0
     LawPtr<MotionLaw> torque{};  ///< N m, added to the torque: a rotary actuator
   };

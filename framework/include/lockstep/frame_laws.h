@@ -12,11 +12,11 @@ namespace lockstep {
 namespace laws {
 /// A fixed orientation, q = `orientation`, of any length but zero. Throws ModelError if it is zero or not finite.
 LOCKSTEP_API LawPtr<RotationLaw> constant_rotation(const Quat& orientation);
-/// A turn about a fixed axis: q = (cos(y/2), n sin(y/2)), w = n yd, a = n ydd, with the scalar law y, rad, and the axis
-/// n of length 1, which has the same components in the frame and in the moved frame. `axis` of any length but zero. Throws
-/// ModelError for a zero axis, numbers that are not finite, no law.
+/// A rotation about a fixed axis: q = (cos(y/2), n sin(y/2)), w = n yd, a = n ydd, with the scalar law y, rad, and the
+/// axis n of length 1, which has the same components in the frame and in the moved frame. `axis` of any length but
+/// zero. Throws ModelError for a zero axis, numbers that are not finite, no law.
 LOCKSTEP_API LawPtr<RotationLaw> axis_rotation(const Vec3& axis, LawPtr<MotionLaw> law);
-/// Two rotations one after the other: q = q1 q2, q2 about the axes turned by q1. As (4.10), with A2 = A(q2):
+/// Two rotations one after the other: q = q1 q2, q2 about the axes rotated by q1. As (4.10), with A2 = A(q2):
 /// w = A2^T w1 + w2, a = A2^T a1 + a2 + (A2^T w1) x w2. Throws ModelError for a missing law.
 LOCKSTEP_API LawPtr<RotationLaw> rotation_product(LawPtr<RotationLaw> first, LawPtr<RotationLaw> second);
 }  // namespace laws

@@ -20,11 +20,11 @@ LOCKSTEP_API RotationValue rotation_value(const QuatT<Time>& r);
 // Laws from a user's function of time, with exact derivatives: the function is evaluated on Jet<0>, which has value,
 // first and second derivative. Write it for any number type: `[](auto t) { return 0.1 * sin(3.0 * t); }`.
 
-/// Common part of the three laws from a function: the function, and the instants at which it jumps.
+/// Common part of the three laws from a function: the function, and the times at which it jumps.
 template <class Law, class F>
 class FromFunction : public Law {
  public:
-  /// The function f of Time, and the instants, s, at which it jumps.
+  /// The function f of Time, and the times, s, at which it jumps.
   FromFunction(F f, std::vector<double> breaks) : f_(std::move(f)), breaks_(std::move(breaks)) {}
   /// Appends the instants given to the constructor that lie in (t0, t1), s.
   void breakpoints(double t0, double t1, std::vector<double>& out) const final {
@@ -72,7 +72,7 @@ class RotationFrom final : public FromFunction<RotationLaw, F> {
 };
 
 namespace laws {
-/// The scalar law y = f(t). `breaks`: the instants, s, at which y, yd or ydd jumps, if any (f chooses its branch by
+/// The scalar law y = f(t). `breaks`: the times, s, at which y, yd or ydd jumps, if any (f chooses its branch by
 /// comparing t).
 template <class F>
 LawPtr<MotionLaw> law(F f, std::vector<double> breaks = {}) {

@@ -20,7 +20,7 @@ namespace lockstep {
 // Stiffness: whether damped fast modes, not the motion, limit the steps of an explicit method. After Hairer & Wanner,
 // Solving Ordinary Differential Equations II (1996), IV.2.
 //
-// Two states of nearly one instant, the end of a step and a stage at c = 1, differ most in the fastest mode, so
+// Two states of nearly one time, the end of a step and a stage at c = 1, differ most in the fastest mode, so
 // |da|/|dv| is the rate |lambda| of that mode, and -da . dv / |dv|^2 the damped part of it. The motion is stiff if a
 // damped mode keeps the steps at the limit of stability. An undamped oscillation must be followed by any method.
 
@@ -51,8 +51,8 @@ class LOCKSTEP_API StiffnessWatch {
 
 /// Options of an embedded method.
 struct EmbeddedOptions {
-  bool fixed = false;                         ///< steps of the length asked for, without error control
-  StagesWhen stages = StagesWhen::automatic;  ///< when stages are on the constraints; automatic is plain where `fixed`
+  bool fixed = false;                         ///< steps of the requested length, without error control
+  StagesWhen stages = StagesWhen::automatic;  ///< when stages are projected; automatic is plain if `fixed`
 
   LOCKSTEP_API static Keys keys();                          ///< its keys in scenes: "fixed", "stages"
   LOCKSTEP_API static EmbeddedOptions from(const Params&);  ///< from parameters checked against keys()
@@ -61,8 +61,8 @@ struct EmbeddedOptions {
 class SingularPassage;
 
 /// Explicit Runge-Kutta method by an EmbeddedScheme: base of rk4, dopri5 and dop853. The projection moves the end of a
-/// step, so that its last stage is not the first stage of the next one: every stage is evaluated. So it is where nothing
-/// is projected, since a host may change what acts between two steps.
+/// step, so that its last stage is not the first stage of the next one: every stage is evaluated. The same holds
+/// without projection, since a host may change forces and inputs between two steps.
 class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
  public:
   ~EmbeddedRungeKutta() override;
@@ -72,16 +72,16 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
   bool dense(double t, State& out) const override;
   void set_tolerance(const Tolerance&) override;
   double first_step(Dynamics&, const State&, double largest) override;
-  /// Its coefficients; null where the options ask for stages on the constraints in every step, or for fixed steps of a
-  /// method with an estimate.
+  /// Its coefficients; null if the options request projected stages in every step, or fixed steps of a method with an
+  /// estimate.
   const EmbeddedScheme* scheme() const override;
   void save(Snapshot&) const override;
   void restore(SnapshotReader&) override;
 
  protected:
-  /// `scheme` lives as long as the program. Steps are fixed where it has no error estimate.
+  /// `scheme` lives as long as the program. Steps are fixed if it has no error estimate.
   EmbeddedRungeKutta(const EmbeddedScheme& scheme, const EmbeddedOptions& options);
-  /// Whether it goes onto the constraints near singular positions.
+  /// Whether its stages are projected near singular configurations.
   bool passes_singular() const;
 
  private:
@@ -105,7 +105,7 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
   double landed_t_ = 0;      // its end
   bool first_done_ = false;  // the first stage of the present step is evaluated
 
-  mutable Stages stages_;  // dense() adds its stages when it is called first
+  mutable Stages stages_;  // dense() adds its stages in its first call
   mutable bool dense_ready_ = false;
   mutable std::vector<StateRate> poly_;
 };
@@ -113,8 +113,8 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
 // dop853: Dormand and Prince's method of order 8 with error estimates of orders 5 and 3, dense output of order 7. The
 // accurate choice.
 
-/// dop853: explicit Runge-Kutta of order 8. 12 evaluations and one projection per step; 4 evaluations more in a step in
-/// which dense output is asked for.
+/// dop853: explicit Runge-Kutta of order 8. 12 evaluations and one projection per step; 4 evaluations more in a step
+/// with dense output.
 class LOCKSTEP_API Dop853 final : public EmbeddedRungeKutta {
  public:
   static TypeInfo type_info();                             ///< its entry in the registry
@@ -138,9 +138,9 @@ class LOCKSTEP_API Dopri5 final : public EmbeddedRungeKutta {
   IntegratorInfo info() const override;
 };
 
-// FreeRotation: the torque-free rotation of a rigid body, split into turns about its principal axes.
+// FreeRotation: the torque-free rotation of a rigid body, split into rotations about its principal axes.
 //
-//   H = p1^2/(2 J1) + p2^2/(2 J2) + p3^2/(2 J3),   each part is an exact turn:
+//   H = p1^2/(2 J1) + p2^2/(2 J2) + p3^2/(2 J3),   each part is an exact rotation:
 //   p <- R_k(-a) p,   e <- e exp(a e_k),   a = p_k t/J_k
 //
 // composed as 1(t/2) 2(t/2) 3(t) 2(t/2) 1(t/2): symmetric, symplectic, of order 2; |p| and the angular momentum in
@@ -149,7 +149,7 @@ class LOCKSTEP_API Dopri5 final : public EmbeddedRungeKutta {
 /// The torque-free rotation of a rigid body by a symplectic splitting of order 2.
 class LOCKSTEP_API FreeRotation {
  public:
-  /// J: inertia about the mass centre, in the axes of the body, kg m^2.
+  /// J: inertia about the centre of mass, in the axes of the body, kg m^2.
   explicit FreeRotation(const Mat3& J);
   /// Advances e (body axes in the world) and w (rad/s, body axes) by the time t, s, forward or back.
   void turn(double t, Quat& e, Vec3& w) const;
@@ -174,10 +174,10 @@ class LOCKSTEP_API QuinticOutput {
  public:
   /// Sizes everything and forgets the step; at() then gives this state.
   void begin(const State&);
-  /// Sets a step from a to b (unit quaternions, at most half a turn apart), with d/dt of v and s at both.
+  /// Sets a step from a to b (unit quaternions, at most 180 deg apart), with d/dt of v and s at both.
   void set(const State& a, const VecX& vd_a, const VecX& sd_a, const State& b, const VecX& vd_b, const VecX& sd_b);
   void forget() { h_ = 0; }  ///< forgets the step
-  /// The state at t, s, with the memory and links of the beginning. False where there is no step, except at its
+  /// The state at t, s, with the memory and joints of the beginning. False if there is no step, except at its
   /// beginning.
   bool at(double t, State& out) const;
 
@@ -188,25 +188,25 @@ class LOCKSTEP_API QuinticOutput {
 };
 
 // generalized_alpha: Chung and Hulbert's method on the Lie group, constraints at position and velocity level
-// (stabilised index 2). One numerical damping for everything that the step does not resolve.
+// (stabilised index 2). One numerical damping for all motion that the step does not resolve.
 //
 //   q1 = q0 (+) ( h v0 + h^2 ((1/2 - beta) a0 + beta a1) + u ),   v1 = v0 + h ((1 - gamma) a0 + gamma a1)
 //   (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) v1' + alpha_f v0'
 //   M v1' + Jh^T lambda = f(q1, v1),   Jh v1 + Ct = 0,   C(q1) = 0
 //
 // (+) turns rotations by the exponential. u, of the size of the method's own error, brings positions onto C = 0 in the
-// metric of Newton's matrix. a is the method's own acceleration, which differs a little from v' at the same instant.
+// metric of Newton's matrix. a is the acceleration of the method, which differs slightly from v' at the same time.
 
-/// generalized_alpha: implicit, order 2, with fixed steps unless it is made adaptive. Each Newton iteration gathers
-/// once and solves twice, by one factor per step where it converges fast. It starts from consistent accelerations; a
-/// step of another length than the one before rescales a - v'.
+/// generalized_alpha: implicit, order 2, with fixed steps unless it is adaptive. Each Newton iteration gathers once and
+/// solves twice, by one factor per step if it converges fast. It starts from consistent accelerations; a step of
+/// another length than the one before rescales a - v'.
 class LOCKSTEP_API GeneralizedAlpha final : public AdaptiveStepper {
  public:
   static TypeInfo type_info();  ///< its entry in the registry
   /// Maker for the registry. Throws SceneError for a rho_infinity outside 0 ... 1.
   static std::unique_ptr<Integrator> make(const Params&);
-  /// `rho_infinity`: what a step leaves of an infinitely stiff mode, 0 (all is damped) ... 1 (nothing is). `adaptive`:
-  /// it chooses its steps by the leading terms of its own error in positions and velocities.
+  /// `rho_infinity`: share of an infinitely stiff mode that remains after a step, 0 (none) ... 1 (all). `adaptive`: it
+  /// chooses its steps by the leading terms of its error in positions and velocities.
   explicit GeneralizedAlpha(double rho_infinity = 0.8, bool adaptive = false);
 
   IntegratorInfo info() const override;
@@ -247,14 +247,14 @@ class LOCKSTEP_API GeneralizedAlpha final : public AdaptiveStepper {
 //
 //   y = (dx, D of every slot | dv, dw of every slot | ds),   x = x0 + dx, e = e0 exp(D/2), v = v0 + dv, s = s0 + ds
 //
-// D is the rotation vector of the turn since the beginning of the step, in slot axes. Its rate is
+// D is the rotation vector since the beginning of the step, in slot axes. Its rate is
 // (framework/docs/solvers.md, section 8; Iserles, Munthe-Kaas, Norsett & Zanna, Acta Numerica 9 (2000) 215)
 //
 //   D' = w + (D x w)/2 + k D x (D x w),   k = (1 - (a/2) cot(a/2))/a^2,   a = |D|
 
 /// Number of increments of a state like this one: 12 per slot, then one per integrated state.
 inline Eigen::Index n_increments(const State& y) { return 2 * y.v.size() + y.s.size(); }
-/// out = start (+) y; time, memory and links of `out` stay as they are.
+/// out = start (+) y; time, memory and joints of `out` stay as they are.
 LOCKSTEP_API void displace_state(const State& start, Eigen::Ref<const VecX> y, State& out);
 /// out = d/dt of the increments y at the state `here` = start (+) y, where the rates of the state are k.
 LOCKSTEP_API void increment_rates(Eigen::Ref<const VecX> y, const State& here, const StateRate& k,
@@ -272,9 +272,8 @@ LOCKSTEP_API double largest_turn(Eigen::Ref<const VecX> y, Eigen::Index n_veloci
 //   (g - f') dy = r:   g dq - dv = r_q,   g dv - al = r_v,   g ds = r_s,
 //                      M al + D dv + K dq + Jh^T l = 0,   Jh al = 0
 //
-// K, D: tangents of forces and constraints (theory, section 9). How the rows' right side depends on q and v is left out
-// (9.15), and so is how the states s act on one another and on the forces: Newton's method then takes an iteration
-// more.
+// K, D: tangents of forces and constraints (theory, section 9). The dependence of the rows' right-hand side on q and v
+// is left out (9.15), as is that of states s and forces on the states s: Newton's method takes one iteration more.
 
 /// Tangent of the motion at a state, for implicit methods.
 class LOCKSTEP_API LinearizedMotion {
@@ -284,9 +283,9 @@ class LOCKSTEP_API LinearizedMotion {
   void begin(const State&);
   /// Linearises at this solution. Throws what NewtonMatrix::gather throws.
   void gather(const Solution&);
-  /// Factors g - f' for a real g, 1/s. Throws SolveError where it is singular.
+  /// Factors g - f' for a real g, 1/s. Throws SolveError if it is singular.
   void factor(double g);
-  /// Factors g - f' for a complex g; the real factor stays. Throws SolveError where it is singular.
+  /// Factors g - f' for a complex g; the real factor stays. Throws SolveError if it is singular.
   void factor(Complex g);
   /// y = (g - f')^-1 r by the real factor, which is that of this g. r, y: increments.
   void solve(double g, const VecX& r, VecX& y);
@@ -303,7 +302,7 @@ class LOCKSTEP_API LinearizedMotion {
 // IV.8; prediction by K. Gustafsson, ACM Trans. Math. Softw. 20 (1994) 496.
 
 /// Predictive step control (Gustafsson 1994) for an error estimate of the order of h^4. A step that took many
-/// iterations is followed by a more careful one; safety 0.9, factors 0.2 ... 5, no growth after a rejection.
+/// iterations is followed by a shorter one; safety 0.9, factors 0.2 ... 5, no growth after a rejection.
 class LOCKSTEP_API PredictiveControl final : public StepControl {
  public:
   void begin() override { h_ = 0; }
@@ -318,13 +317,13 @@ class LOCKSTEP_API PredictiveControl final : public StepControl {
   double h_ = 0, error_ = 0;  // of the step accepted before; 0: none
 };
 
-// radau5: RADAU IIA with three stages, order 5, implicit: for stiff mechanisms that are to be accurate.
+// radau5: RADAU IIA with three stages, order 5, implicit: for stiff mechanisms with high accuracy.
 //
 //   Z_i = h sum_j a_ij f(t + c_j h, y0 + Z_j),   y1 = y0 + Z_3
 //
 // y = (q, v, s) are increments since the beginning of the step, f the equations of motion solved for the accelerations
-// (index 1, stabilised as the dynamics says); the end of a step is projected like that of an explicit method. So
-// positions and velocities have order 5, and reactions too, as they are those of the equations of motion.
+// (index 1, stabilised by the options of the dynamics); the end of a step is projected like that of an explicit method.
+// Positions, velocities and reactions have order 5.
 
 /// radau5: implicit Runge-Kutta of order 5. Simplified Newton with one real and one complex factor per attempt
 /// (tangents of forces and constraints at its second stage; the curvature of the rows is left out, which costs an
@@ -377,17 +376,17 @@ class LOCKSTEP_API Radau5 final : public AdaptiveStepper {
 //   p' = p + h/2 f(q0) - J(q0)^T mu,   q1 = drift(h, q0, p') with C(q1) = 0
 //   p1 = p' + h/2 f(q1) - J(q1)^T nu   with J(q1) M^-1 p1 = -Ct
 //
-// Order 2; order 4 composed of five (Suzuki 1990). Bodies turn freely in the drift (FreeRotation).
+// Order 2; order 4 composed of five (Suzuki 1990). Bodies rotate freely in the drift (FreeRotation).
 
 struct RattleScheme;
 
 /// rattle2, rattle4: symplectic, with fixed steps, for long runs: the energy oscillates about its value at the start
 /// and does not drift. A substep costs one factor and 3 to 5 evaluations of the constraints. Quadratures (State::s)
-/// follow the trapezoidal rule over each substep, and so have the order of the method, by an evaluation a substep. No
+/// follow the trapezoidal rule over each substep, with one evaluation per substep, and have the order of the method. No
 /// error estimate, no dense output.
 ///
-/// begin() throws ModelError, by name, for forces that depend on velocities or reactions and for integrated states that
-/// act on the mechanism. step() throws StepError where the multipliers are not found, as in singular positions.
+/// begin() throws ModelError for forces that depend on velocities or reactions and for integrated states that act on
+/// the mechanism. step() throws StepError if the multipliers do not converge, as in singular configurations.
 class LOCKSTEP_API Rattle final : public Integrator {
  public:
   static TypeInfo type_info(int order);                ///< its entry in the registry; `order`: 2 or 4
@@ -419,7 +418,7 @@ class LOCKSTEP_API Rattle final : public Integrator {
   const RattleScheme& scheme_;
   std::vector<Turning> turning_;
   State now_, next_;     // before and after a drift
-  VecX v_half_, guess_;  // velocities of the drift; what the last kick would do in 1 s
+  VecX v_half_, guess_;  // velocities of the drift; the change of velocity of the last kick per second
   VecX C_, Cd_, f_, d_, lambda_;
   StateRate rate0_, rate1_;
   std::optional<Factor> factor_;  // of the matrix at now_ once a kick was made
@@ -427,7 +426,7 @@ class LOCKSTEP_API Rattle final : public Integrator {
   bool ready_ = false;            // factor_ and guess_ are those of now_
   VecX factored_q_;               // where the matrix was factored: q of now_ before it was normalised,
   double factored_t_ = 0;         // and the time
-  bool restored_ = false;         // the matrix there is yet to be factored
+  bool restored_ = false;         // the matrix at that state is not factored yet
 };
 
 // rk4: the classical Runge-Kutta method of order 4 with a fixed step, for teaching and comparison.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scalar laws of motion: closed forms here, laws made of laws, laws from functions.
+// Scalar laws of motion: closed forms here, combined laws, laws from functions.
 #pragma once
 
 #include <vector>
@@ -100,7 +100,7 @@ struct TrapezoidSettings {
 
 namespace laws {
 /// A move with trapezoidal speed: acceleration a for v/a, speed v, acceleration -a for v/a; d = v (T - v/a). y0 before,
-/// y0 + d after. Breakpoints: the instants where the acceleration jumps, four, or three without constant speed. Throws
+/// y0 + d after. Breakpoints: the times at which the acceleration jumps, four, or three without constant speed. Throws
 /// ModelError for a number that is not finite, a negative speed, acceleration or duration, unless exactly two of these
 /// are given, or when they cannot give the distance.
 LOCKSTEP_API LawPtr<MotionLaw> trapezoid(const TrapezoidSettings& k);

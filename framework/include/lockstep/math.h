@@ -35,8 +35,8 @@ using Mat6 = Eigen::Matrix<double, 6, 6>;  ///< 6 x 6 matrix in the order of Vec
 using VecX = Eigen::VectorXd;              ///< column of any length
 using MatX = Eigen::MatrixXd;              ///< matrix of any size
 
-inline constexpr double kPi = std::numbers::pi;           ///< half a turn, rad
-inline constexpr double kTwoPi = 2.0 * std::numbers::pi;  ///< a full turn, rad
+inline constexpr double kPi = std::numbers::pi;           ///< half a revolution, rad
+inline constexpr double kTwoPi = 2.0 * std::numbers::pi;  ///< a full revolution, rad
 inline constexpr double kParallel = 1e-12;  ///< sine of the angle up to which two directions count as parallel
 
 /// a x b. Eigen's own cross would include its geometry module in every file.
@@ -44,9 +44,9 @@ template <class A, class B>
 inline Vec3T<typename A::Scalar> cross(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-/// Whether a direction lies along another or against it; both of length 1, or one of them shorter.
+/// Whether two directions are parallel or opposed; both of length 1, or one of them shorter.
 LOCKSTEP_API bool are_parallel(const Vec3& a, const Vec3& b, double tolerance = kParallel);
-/// Whether two directions are at right angles; lengths likewise.
+/// Whether two directions are perpendicular; lengths as above.
 LOCKSTEP_API bool are_perpendicular(const Vec3& a, const Vec3& b, double tolerance = kParallel);
 
 /// a~, the matrix of the cross product: a~ b = a x b.
@@ -151,16 +151,16 @@ inline QuatT<T> second_rate(const QuatT<T>& q, const Vec3T<T>& w, const Vec3T<T>
   return q * QuatT<T>{T(-0.25) * w.dot(w), h * al[0], h * al[1], h * al[2]};
 }
 
-/// (1.12) exponential: the quaternion of the turn by |th|, rad, about th; a series below |th| = 1e-2.
+/// (1.12) exponential: the quaternion of the rotation by |th|, rad, about th; a series below |th| = 1e-2.
 LOCKSTEP_API Quat exponential(const Vec3& th);
 
-/// (1.12) Cayley: 1 + th/2, normalised; a turn by 2 atan(|th|/2), rad, about th.
+/// (1.12) Cayley: 1 + th/2, normalised; a rotation by 2 atan(|th|/2), rad, about th.
 inline Quat cayley(const Vec3& th) { return normalized(Quat{1.0, 0.5 * th[0], 0.5 * th[1], 0.5 * th[2]}); }
 
 /// (1.12) rotation vector of the unit quaternion q, rad, of length in [0, pi]; q and -q give the same.
 LOCKSTEP_API Vec3 rotation_vector(const Quat& q);
 
-/// Quaternion of the turn by `angle` (rad) about the axis `n` (any length but zero).
+/// Quaternion of the rotation by `angle` (rad) about the axis `n` (any length but zero).
 LOCKSTEP_API Quat axis_angle(const Vec3& n, double angle);
 
 /// Unit quaternion of a rotation matrix, from its largest component, so that no division is by a small number.

@@ -16,18 +16,18 @@
 
 namespace lockstep {
 
-// Channels: what can be recorded, by name. "crank.angle_z", "B.force_on_p_world_x", "energy.total".
+// Channels: quantities that can be recorded, by name. "crank.angle_z", "B.force_on_p_world_x", "energy.total".
 
 /// A quantity that can be recorded, by name.
 struct Channel {
   std::string name,                            ///< "crank.angle_z"
       unit;                                    ///< "rad"; "" without dimension
   std::function<double(const Sample&)> value;  ///< its value at a state of a run
-  /// Called at the start of a run and after every accepted step, where present: counts rejected attempts.
+  /// Called at the start of a run and after every accepted step, if present: counts rejected attempts.
   std::function<void(const Sample&)> track{};
-  /// Called at the start of a run before track(), where present: forgets an earlier run.
+  /// Called at the start of a run before track(), if present: forgets an earlier run.
   std::function<void()> restart{};
-  /// Write and read what track() keeps, for a checkpoint, where present.
+  /// Write and read the data of track(), for a checkpoint, if present.
   std::function<void(Snapshot&)> save{};
   std::function<void(SnapshotReader&)> load{};  ///< the counterpart of `save`
 };
@@ -36,16 +36,16 @@ struct Channel {
 struct ChannelHelp {
   std::string name,  ///< "crank.angle_z"
       unit,          ///< "rad"; "" without dimension
-      help;          ///< what it is
+      help;          ///< description
 };
 
-/// Makes the channel of this name. The system is set up if it was not (a link's rows have names only then). Channels of
-/// works and angles add states to the system, shared by all that ask for them, so make channels before the run (before
-/// the StepLoop takes the start). From then on the system must stay where it is in memory. Throws ModelError with the
-/// closest name and with all quantities of the object.
+/// Makes the channel of this name. The system is set up if it was not (a joint's rows have names only then). Channels
+/// of works and angles add states to the system, shared by all that ask for them, so make channels before the run
+/// (before the StepLoop takes the start). From then on the system must stay where it is in memory. Throws ModelError
+/// with the closest name and with all quantities of the object.
 LOCKSTEP_API Channel make_channel(System&, const std::string& name);
 
-/// All channels of a system except those of pairs ("M.x@N"); those of links' rows only where it is set up.
+/// All channels of a system except those of pairs ("M.x@N"); those of constraints only if it is set up.
 LOCKSTEP_API std::vector<ChannelHelp> channel_help(const System&);
 
 // Recorder: an observer that fills a table. Names become functions once; an output is one row of numbers.
@@ -58,8 +58,8 @@ class LOCKSTEP_API Recorder : public Observer {
   explicit Recorder(System& system, std::vector<Request> requests = {});
   ~Recorder() override;
 
-  /// Adds a column with values of the caller's own. Throws ModelError for a name that is empty or taken, for an empty
-  /// function, and when there are rows already.
+  /// Adds a column with values of the caller. Throws ModelError for a name that is empty or taken, for an empty
+  /// function, and if there are rows already.
   void add(const std::string& name, const std::string& unit, std::function<double(const Sample&)> value);
   /// Adds a column with the values of a channel, under its name. Throws as the other.
   void add(Channel channel);
@@ -67,12 +67,12 @@ class LOCKSTEP_API Recorder : public Observer {
   void follow(Channel channel);
   /// Reserves memory for n rows in all; beyond them the table grows geometrically.
   void reserve(std::size_t n) { table_.reserve(n); }
-  const Table& table() const { return table_; }  ///< what is recorded so far
+  const Table& table() const { return table_; }  ///< recorded so far
   /// Time of the last row, s, also if the table does not keep it; infinity: there is none.
   double last_instant() const { return last_; }
-  /// Gives each row to `tell` when it is made: one number per column, the time first, valid during the call. The table then
-  /// keeps no rows, unless `keep`. What it throws ends the call of the run as a UserCodeError, and the row is made and given
-  /// again when the run goes on. An empty function: rows go to the table again.
+  /// Passes each new row to `tell`: one number per column, the time first, valid during the call. The table then keeps
+  /// no rows, unless `keep`. An exception ends the call of the run as a UserCodeError, and the row is made and passed
+  /// again when the run continues. An empty function: rows go to the table again.
   void on_row(std::function<void(std::span<const double>)> tell, bool keep = false) {
     tell_ = std::move(tell), keeps_ = keep || !tell_;
   }
@@ -84,7 +84,7 @@ class LOCKSTEP_API Recorder : public Observer {
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;
   bool keeps_rows() const override { return true; }
-  /// Removes the rows that were recorded so far, for whoever has taken them; columns stay.
+  /// Removes the rows recorded so far, for a caller that has taken them; columns stay.
   void drop_rows() { table_.clear_rows(); }
 
  private:
@@ -97,49 +97,48 @@ class LOCKSTEP_API Recorder : public Observer {
   double last_ = std::numeric_limits<double>::infinity();
 };
 
-// EnergyAudit: an observer that finds out whether a run conserved energy, and whether it kept to its constraints.
+// EnergyAudit: an observer that checks whether a run conserved energy and satisfied its constraints.
 
-/// What an audit found.
+/// Result of an audit.
 struct Audit {
-  /// Of the energy.
+  /// Verdict on the energy.
   enum class Energy {
     conserved,      ///< within the limit
     not_conserved,  ///< beyond it
-    not_judged      ///< beyond it, but there are forces that say nothing of their energy
+    not_judged      ///< beyond it, but there are forces without potential, dissipation or supply
   };
   Energy energy = Energy::conserved;  ///< the verdict
-  bool drifted = false;               ///< whether a violation was beyond the limit
-  /// Largest |total - drives - supplied + dissipated|, less its value at the start and the changes at instants, J.
+  bool drifted = false;               ///< whether a constraint violation was beyond the limit
+  /// Largest |total - drives - supplied + dissipated|, less its value at the start and the changes at events, J.
   double imbalance = 0;
-  /// Largest range of the kinetic energy, the potential energy, and the works below, zero among them, J.
+  /// Largest range of the kinetic energy, the potential energy, and the works below, each with zero, J.
   double scale = 0;
   double violation = 0;  ///< largest |C| after a step, m
-  AuditLimits limits;    ///< the limits, in force
-  /// Energy that appeared, or vanished (negative), where events, impacts or jumps of laws acted, by cause.
+  AuditLimits limits;    ///< the limits used
+  /// Energy that appeared, or vanished (negative), at events, impacts or jumps of laws, by cause.
   struct Instant {
     std::string cause;  ///< "event 'grab'"
     long count = 0;     ///< how often
-    double first = 0,   ///< when first, s
-        last = 0,       ///< when last, s
-        energy = 0;     ///< in all, J
+    double first = 0,   ///< first time, s
+        last = 0,       ///< last time, s
+        energy = 0;     ///< total, J
   };
   std::vector<Instant> instants;             ///< in the order of their first time
-  std::vector<std::string> unbooked_forces;  ///< forces that give power and have neither potential, loss nor supply
+  std::vector<std::string> unbooked_forces;  ///< forces that do work without potential, dissipation or supply
   double start = 0,                          ///< total energy at the start, J
-      end = 0,                               ///< and at the last output, J
+      end = 0,                               ///< at the last output, J
       drives = 0,                            ///< work of drives and moving laws up to there, J
       supplied = 0,                          ///< work of laws and motors of forces, J
-      dissipated = 0;                        ///< energy taken out by dampers, friction and impacts, J
+      dissipated = 0;                        ///< energy dissipated by dampers, friction and impacts, J
 
   double imbalance_share() const { return scale > 0 ? imbalance / scale : 0; }  ///< the imbalance, relative
   /// "conserved", "not conserved", "not judged".
   LOCKSTEP_API const char* verdict() const;
-  /// Whether the result of a run is off, by which exit code 9 is given, whatever the method: it drifted, or did not
-  /// conserve energy.
+  /// Whether the result of a run is wrong (exit code 9), for any method: it drifted, or did not conserve energy.
   bool is_wrong() const { return drifted || energy == Energy::not_conserved; }
 };
 
-/// An observer that audits a run. Its channels integrate the work of drives and dampers along with the motion.
+/// An observer that audits a run. Its channels integrate the work of drives and dampers with the motion.
 class LOCKSTEP_API EnergyAudit final : public Observer {
  public:
   /// Make it before the run, as a Recorder.
@@ -159,10 +158,10 @@ class LOCKSTEP_API EnergyAudit final : public Observer {
   std::unique_ptr<Books> books_;
 };
 
-/// What is found of a run that went through.
+/// Verdict on a completed run.
 struct RunVerdict {
   Audit audit;                      ///< energy and drift
-  std::vector<Finding> findings{};  ///< what speaks against the result, and notes
+  std::vector<Finding> findings{};  ///< about the result, and notes
   bool right = true;                ///< neither NOT CONSERVED nor DRIFTED: exit code 9 of the program
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reports: a run as one HTML file, to be looked at in a browser.
+// Reports: a run as one HTML file for a browser.
 #pragma once
 
 #include <memory>
@@ -13,22 +13,22 @@
 
 namespace lockstep {
 
-/// What a report says beside motion and columns. Every part may be left out.
+/// The texts of a report, besides motion and columns. Every part may be left out.
 struct ReportText {
   std::string title{},                                          ///< above the page, and of the browser's window
       description{},                                            ///< below the title
-      scene{},                                                  ///< the scene as its author wrote it
-      command{};                                                ///< what makes this report again
-  std::vector<std::pair<std::string, std::string>> facts{};     ///< of the run: what, and how much
+      scene{},                                                  ///< the scene as it was written
+      command{};                                                ///< command that makes this report again
+  std::vector<std::pair<std::string, std::string>> facts{};     ///< of the run: name and value
   std::vector<Finding> findings{};                              ///< of the run, as SimulationReport::findings
-  std::string failure{};                                        ///< why the run did not reach its end; "" if it did
+  std::string failure{};                                        ///< the error that ended the run; "" if there was none
   std::vector<std::vector<std::string>> panels{};               ///< columns drawn together; empty: one panel per unit
-  std::vector<std::pair<std::string, std::string>> channels{};  ///< columns with names of their own: name, channel
-  std::vector<std::pair<std::string, std::string>> marked{};    ///< links that are marked: name, why
+  std::vector<std::pair<std::string, std::string>> channels{};  ///< columns with other names: name, channel
+  std::vector<std::pair<std::string, std::string>> marked{};    ///< joints that are marked: name, reason
 };
 
-/// Watches a run and writes it as a report: one HTML file that shows the mechanism in motion, beside the columns that a
-/// recorder filled. A browser opens it without a server and without a network.
+/// Observes a run and writes a report: one HTML file that shows the mechanism in motion, together with the columns that
+/// a recorder filled. A browser opens it without a server and without a network.
 ///
 ///     Simulation run(system, {.output = 0.01});
 ///     run.record({"rod.angle_z", "energy.total"});
@@ -37,12 +37,12 @@ struct ReportText {
 ///     run.run_until(2.0);
 ///     report.write("pendulum.html", {.title = "A pendulum"});
 ///
-/// Poses are kept at every output time, and between them where bodies moved far in a step; reactions and forces with
-/// them, which costs one solution each. Long runs keep fewer instants, about evenly spread: at most 16 million numbers.
+/// Poses are kept at every output time, and between if bodies moved far in a step; reactions and forces with them, at
+/// the cost of one solution each. Long runs keep fewer times, about evenly spread: at most 16 million numbers.
 class LOCKSTEP_API Report final : public Observer {
  public:
-  /// `recorder` must outlive this. `solids` and `looks`: as those of a Mechanism; a body without a solid is drawn from its
-  /// joints and its mass centre.
+  /// `recorder` must outlive this. `solids` and `looks`: as those of a Mechanism; a body without a solid is drawn from
+  /// its joints and its centre of mass.
   explicit Report(const Recorder& recorder, std::vector<Solid> solids = {}, std::vector<Look> looks = {});
   ~Report() override;
 
@@ -53,8 +53,8 @@ class LOCKSTEP_API Report final : public Observer {
   void finish(const Sample&) override;
   bool saves_all() const override { return false; }  ///< poses are not saved: runs with it have no checkpoints
 
-  /// Writes what was seen so far; an existing file is replaced when the new one is whole. Throws ModelError before the
-  /// run began, FileError where the file cannot be written.
+  /// Writes the run so far; an existing file is replaced when the new one is complete. Throws ModelError before the run
+  /// began, FileError if the file cannot be written.
   void write(const std::string& file, const ReportText& text = {}) const;
   /// The same page as text.
   std::string page(const ReportText& text = {}) const;

@@ -32,7 +32,7 @@ struct ChannelRequest {
   const std::string& column() const { return name.empty() ? channel : name; }  ///< the name that its column has
 };
 
-/// The object "run" of a scene. In step and output 0 means that none is given, in until a number below.
+/// The object "run" of a scene. 0 in step and output, and a negative number in until, mean that none is given.
 struct RunSettings {
   MethodSpec integrator{"dopri5"},               ///< integrator with its keys
       solver{"schur"};                           ///< linear solver with its keys
@@ -40,21 +40,21 @@ struct RunSettings {
       until = -1,                                ///< end of the run, s; 0: its start, one row
       output = 0;                                ///< interval of output times, s
   std::vector<double> times{};                   ///< output times in place of an interval, s, rising
-  bool at_jumps = false;                         ///< rows also just before and after what jumps
-  AuditLimits limits;                            ///< of the energy balance and the violation
-  long max_steps = 0;                            ///< the run ends with an error after so many; 0: no limit
+  bool at_jumps = false;                         ///< rows also just before and after jumps
+  AuditLimits limits;                            ///< of the energy balance and the constraint violation
+  long max_steps = 0;                            ///< limit of the number of steps, beyond it an error; 0: no limit
   Tolerance tolerance;                           ///< error of a step, for adaptive integrators
   Formulation formulation = Formulation::automatic;  ///< unknowns of the equations of motion
-  Stabilization stabilization;                   ///< how drift off the constraints is removed
+  Stabilization stabilization;                       ///< correction of the constraint violation
   bool assemble = true;                          ///< the start is assembled
-  NearlyRedundant nearly_redundant = NearlyRedundant::automatic;  ///< what becomes of rows that nearly depend on others
+  NearlyRedundant nearly_redundant = NearlyRedundant::automatic;  ///< treatment of nearly dependent constraints
   std::vector<ChannelRequest> record{};          ///< channels to record
   /// Panels of the picture: the recorded names in each. Empty: one panel per unit.
   std::vector<std::vector<std::string>> draw{};
   SourceLocation where{};  ///< place of the object in the file
 };
 
-/// By its word: "auto", "told", "free" or "held". Throws ModelError for another.
+/// Reads "auto", "told", "free" or "held". Throws ModelError for another word.
 LOCKSTEP_API NearlyRedundant nearly_redundant_from(std::string_view word);
 
 /// A parameter of a scene, or one of its points.
@@ -68,8 +68,8 @@ struct SceneParameter {
 /// A mechanism as data.
 struct Scene {
   Value root;                          ///< the whole object, with the values of formulas and points in their places
-  Value written;                       ///< the same with formulas and names as written; null where there are none
-  std::string file;                    ///< as it was asked for; "" when given in C++
+  Value written;                       ///< the same with formulas and names as written; null if there are none
+  std::string file;                    ///< path as given; "" for a scene made in C++
   std::string title,                   ///< "title", or ""
       description;                     ///< "description", or ""
   std::vector<std::string> plugins{};  ///< names of the plugins that it "requires"
@@ -80,22 +80,21 @@ struct Scene {
   MeshFiles meshes{};  ///< that bodies show; shared with copies and with scenes that differ in values
 };
 
-/// Does the same to the scene as written and to that with the values of its formulas: `change` is called with each.
+/// Changes the scene as written and the one with the values of its formulas: `change` is called with each.
 template <class Change>
 void change_root(Scene& scene, Change&& change) {
   change(scene.root);
   if (!scene.written.is_null()) change(scene.written);
 }
 
-/// Reads a scene from a JSON file. Throws FileError, and SceneError with file, line, column, owner, value and next
-/// move.
+/// Reads a scene from a JSON file. Throws FileError, and SceneError with file, line, column, owner, value and advice.
 LOCKSTEP_API Scene read_scene(const std::string& path);
 /// Reads a scene from a JSON text. `file`: its name in messages. Throws SceneError.
 LOCKSTEP_API Scene scene_from_text(const std::string& text, const std::string& file);
 /// Reads a scene from data made in C++. `file`: its name in messages. Throws SceneError.
 LOCKSTEP_API Scene scene_from(Value root, std::string file = {});
 
-/// An event of a scene. Where it names a channel, its condition is the channel's value less `crosses`.
+/// An event of a scene. If it names a channel, its condition is the channel's value minus `crosses`.
 struct EventRequest {
   Event event;            ///< without the condition
   std::string channel{};  ///< name of the channel; "": the event has no condition
@@ -105,11 +104,11 @@ struct EventRequest {
   SourceLocation given_where{};  ///< its place in the file
 };
 
-/// A system that is read here, and changed by what takes it over.
+/// A system that is read here, and changed by the Simulation that takes it over.
 class HeldSystem {
  public:
   HeldSystem() = default;
-  /// Bodies, markers, links and forces stay where they are in memory.
+  /// Bodies, markers, joints and forces keep their addresses.
   HeldSystem(HeldSystem&& other) noexcept : own_(std::move(other.own_)) {}
   /// The same.
   HeldSystem& operator=(HeldSystem&& other) noexcept {
@@ -125,38 +124,38 @@ class HeldSystem {
   const System& system = own_;  ///< set up
 };
 
-/// What a scene describes, ready to run: `Simulation run(std::move(mechanism));`. Its settings, events and targets may be
-/// changed before, its system by Simulation::system().
+/// The mechanism of a scene, ready to run: `Simulation run(std::move(mechanism));`. Its settings, events and targets
+/// may be changed before, its system by Simulation::system().
 struct LOCKSTEP_API Mechanism : HeldSystem {
   Mechanism();                                 ///< without a body, and with no methods
   RunSettings run;                             ///< of the scene
-  std::vector<VelocityTarget> start_speeds{};  ///< velocities that the start is to have
+  std::vector<VelocityTarget> start_speeds{};  ///< initial velocities
   std::vector<EventRequest> events{};          ///< of the scene
   std::vector<Solid> solids{};                 ///< of the bodies, as far as the scene gives their shapes
   std::vector<Look> looks{};                   ///< of the bodies with a key "visual"
-  AssemblyOptions assembly{};                  ///< coordinates that the start is to have, weights of the bodies' poses
+  AssemblyOptions assembly{};                  ///< initial coordinates, weights of the bodies' poses
   std::shared_ptr<Registry> methods;           ///< integrators and solvers that `run` may name, and laws
 };
 
 /// The same scene, computed in space unless it has a key "planar".
 LOCKSTEP_API Scene in_space(Scene);
-/// Makes the mechanism of a scene and sets its system up. Throws SceneError, with the place in the file, for everything
-/// that is wrong, also for what makers and the System refuse.
+/// Makes the mechanism of a scene and sets its system up. Throws SceneError, with the place in the file, for all
+/// errors, also those of makers and of the System.
 LOCKSTEP_API Mechanism build_mechanism(const Scene&, const Registry&);
-/// Where nothing is recorded: records x, y and z of every body that is not fixed.
+/// If nothing is recorded: records x, y and z of every body that is not fixed.
 LOCKSTEP_API void record_places(Mechanism&);
 /// Reads a scene from a file, gives its parameters and other plain values the texts of `set` ({"crank", "0.12 m"},
 /// {"run.until", "2 s"}), and makes its mechanism. Plugins that the scene requires and the registry lacks are loaded.
-/// Where the scene names no column, record_places() does. Throws what read_scene(), load_plugin(), set_in_scene() and
-/// build_mechanism() throw.
+/// If the scene records nothing, record_places() is called. Throws as read_scene(), load_plugin(), set_in_scene() and
+/// build_mechanism() do.
 LOCKSTEP_API Mechanism read_mechanism(const std::string& file, const Registry&,
                                       const std::vector<std::pair<std::string, std::string>>& set = {});
 /// The same by the built-in registry.
 LOCKSTEP_API Mechanism read_mechanism(const std::string& file,
                                       const std::vector<std::pair<std::string, std::string>>& set = {});
 
-/// Makes the integrator that the settings name, with their tolerance. Throws SceneError: an unknown name, refused keys,
-/// or a method with fixed steps where no step is given.
+/// Makes the integrator that the settings name, with their tolerance. Throws SceneError: an unknown name, invalid keys,
+/// or a method with fixed steps if no step is given.
 LOCKSTEP_API std::unique_ptr<Integrator> make_integrator(const RunSettings&, const Registry&);
 /// Makes the solver that the settings name. Throws SceneError.
 LOCKSTEP_API std::unique_ptr<LinearSolver> make_solver(const RunSettings&, const Registry&);
@@ -165,25 +164,25 @@ LOCKSTEP_API std::unique_ptr<LinearSolver> make_solver(const RunSettings&, const
 
 /// A plain value of a scene (a number, a word, true or false) and the values it takes from run to run.
 struct Variable {
-  std::string path;           ///< as it was asked for, renamed keys by their present name: "bodies.rod.mass"
-  std::string place;          ///< the same in one spelling: things of a list by their names where they have one
+  std::string path;           ///< as given, renamed keys by their present name: "bodies.rod.mass"
+  std::string place;          ///< the same in one spelling: items of a list by their names if they have one
   std::string unit;           ///< SI unit of the numbers, "kg"; "" when they have none or it is not known
   std::vector<Value> values;  ///< numbers in SI, words, true or false; at least one
-  std::string given_unit{};   ///< what is written behind the numbers in the scene; "" for SI numbers
-  std::string near{};         ///< the closest path of a number that the scene gives, where it does not give this value
+  std::string given_unit{};   ///< the unit behind the numbers in the scene; "" for SI numbers
+  std::string near{};         ///< the closest path of a number in the scene, if the scene does not give this value
 };
 
-/// Reads a variable: "NAME=a:b:n" are n numbers evenly from a to b, "NAME=v1,v2,..." these values. NAME is the path of
-/// a plain value in the scene, as in "bodies.rod.mass", or the name of a parameter; numbers are SI, or carry units as in scenes. Throws ModelError
-/// or SceneError with the path: no such value (with the nearest), values that cannot be there, or what determines the
-/// columns, which are the same in all runs.
+/// Reads a variable: "NAME=a:b:n" are n evenly spaced numbers from a to b, "NAME=v1,v2,..." these values. NAME is the
+/// path of a plain value in the scene, as in "bodies.rod.mass", or the name of a parameter. Numbers are SI, or have
+/// units. Throws ModelError or SceneError with the path: no such value (with the nearest), values of another form, or
+/// a key that determines the columns, which are the same in all runs.
 LOCKSTEP_API Variable read_variable(const std::string& text, const Scene&, const Registry&);
 
-/// Reads several variables; throws ModelError where two of them are the same value.
+/// Reads several variables; throws ModelError if two of them are the same value.
 LOCKSTEP_API std::vector<Variable> read_variables(const std::vector<std::string>& texts, const Scene&, const Registry&);
 
 /// The scene in which variable k has its value number choice[k]; the run settings are read again. Throws SceneError for
-/// wrong settings; the rest is checked by build_mechanism().
+/// invalid settings; the rest is checked by build_mechanism().
 LOCKSTEP_API Scene vary_scene(const Scene&, const std::vector<Variable>&, const std::vector<std::size_t>& choice,
                               const Registry&);
 
@@ -191,11 +190,10 @@ LOCKSTEP_API Scene vary_scene(const Scene&, const std::vector<Variable>&, const 
 /// a quantity, a word or a formula. Throws as read_variable() and vary_scene() do.
 LOCKSTEP_API Scene set_in_scene(const Scene&, const std::vector<std::string>& texts, const Registry&);
 
-/// Of a length that varies: the places of numbers of the same length that do not follow it, because it is written there
-/// again; empty for anything else.
+/// For a length that varies: the places of equal lengths that do not vary with it; empty for anything else.
 LOCKSTEP_API std::vector<std::string> left_behind(const Variable&, const Scene&, const Registry&);
 
-/// A choice of values in words: "bodies.rod.mass = 2 kg, gravity.1 = -9.81".
+/// A choice of values as text: "bodies.rod.mass = 2 kg, gravity.1 = -9.81".
 LOCKSTEP_API std::string setting_text(const std::vector<Variable>&, const std::vector<std::size_t>& choice);
 
 /// A value as tables show it: a number in shortest form, a word, true or false; "" for a list or an object.

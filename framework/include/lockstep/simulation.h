@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Simulation: a run of a system or of a scene, with integrator and solver by name and a table of what is recorded.
+// Simulation: a run of a system or of a scene, with integrator and solver by name and a table of recorded channels.
 #pragma once
 
 #include <functional>
@@ -30,17 +30,17 @@ struct State;
 
 /// Methods by name, tolerances and outputs of a simulation.
 struct SimulationOptions {
-  std::string integrator = "dopri5";  ///< a name of the registry, with keys where wanted: "dop853:stages=auto"
-  /// The same for the linear solver. One that is named means the formulation omega, unless `dynamics` names another.
-  /// Empty: as of a scene that names none, schur (with the formulation quaternion sparse), or joint coordinates.
+  std::string integrator = "dopri5";  ///< a name of the registry, with optional keys: "dop853:stages=auto"
+  /// The same for the linear solver. A named solver means the formulation omega, unless `dynamics` gives another.
+  /// Empty: as in a scene without it, schur (with the formulation quaternion sparse), or joint coordinates.
   std::string solver{};
   double tolerance = 1e-8;        ///< relative error of a step, for integrators that control it
   double absolute_tolerance = 0;  ///< m, m/s, rad, rad/s; 0: a hundredth of `tolerance`
   double step = 0;    ///< s; integrators with fixed steps need one, for the others it is the largest step (0: no limit)
   double output = 0;  ///< interval between rows of the table, s; 0: a row at every step
-  long max_steps = 0;          ///< the run ends with a StepError after so many; 0: no limit
+  long max_steps = 0;          ///< the run ends with a StepError after this number of steps; 0: no limit
   DynamicsOptions dynamics{};  ///< formulation and stabilisation
-  bool assemble = true;  ///< the start is brought onto the constraints; otherwise one that violates them is refused
+  bool assemble = true;        ///< the start is assembled; otherwise a start that violates the constraints is an error
 };
 
 /// A run of a scene, or of one system. Its parts stay accessible: recorder(), loop(), dynamics().
@@ -53,7 +53,7 @@ struct SimulationOptions {
 ///     auto& table = run.record({"rod.angle_z", "energy.total"});
 ///     run.run_until(2.0);
 ///
-/// It may be moved, also during a run; what it holds stays where it is in memory.
+/// It may be moved, also during a run; its parts stay at their place in memory.
 class LOCKSTEP_API Simulation {
  public:
   /// The system must outlive the simulation; the registry is read only here. Throws ModelError or SceneError for an
@@ -65,40 +65,40 @@ class LOCKSTEP_API Simulation {
   /// tolerance and singular configurations are watched: verdict(). In liblockstep-run. Throws SceneError with the
   /// place in the file of a channel that does not exist.
   explicit Simulation(Mechanism mechanism);
-  Simulation(Simulation&&) noexcept;             ///< the run goes on in the new one
-  Simulation& operator=(Simulation&&) noexcept;  ///< the same; the run that was here ends
+  Simulation(Simulation&&) noexcept;             ///< the run continues in the new one
+  Simulation& operator=(Simulation&&) noexcept;  ///< the same; the earlier run ends
   ~Simulation();
 
-  /// Integrator, tolerance, step, outputs and end; what is changed here before the run begins holds in it. Throws
-  /// ModelError once it has begun. Columns are added by record(). A solver that is named here means the formulation omega,
-  /// unless `formulation` names another.
+  /// Integrator, tolerance, step, outputs and end; changes before the run begins take effect. Throws ModelError after
+  /// it has begun. Columns are added by record(). A solver that is named here means the formulation omega, unless
+  /// `formulation` gives another.
   RunSettings& settings();
-  System& system();              ///< as given, or that of the scene; add and change before the run begins
+  System& system();              ///< as given, or that of the scene; change it before the run begins
   const System& system() const;  ///< the same
 
-  /// Adds columns to record besides the time: channels, or pairs of a name and a channel. Returns the table, which
-  /// grows during the run. May be called several times. Throws ModelError for an unknown channel, a name that is taken,
-  /// and once the run has begun.
+  /// Adds columns to record in addition to the time: channels, or pairs of a name and a channel. Returns the table,
+  /// which grows during the run. May be called several times. Throws ModelError for an unknown channel, a name that is
+  /// taken, and after the run has begun.
   const Table& record(std::vector<Request> requests);
-  const Table& table() const;  ///< what is recorded so far
+  const Table& table() const;  ///< recorded so far
 
-  /// Runs on to the time t, s; may be called again. Throws what assemble() and StepLoop::run_until throw; what was
-  /// recorded is kept.
+  /// Runs to the time t, s; may be called again. Throws what assemble() and StepLoop::run_until throw; recorded rows
+  /// are kept.
   const SimulationReport& run_until(double t);
-  /// Runs on to settings().until, which a scene gives by "until" of "run". Throws ModelError where none is given, and
+  /// Runs to settings().until, which a scene gives by "until" of "run". Throws ModelError if none is given, and
   /// what run_until() throws.
   const SimulationReport& run();
-  /// What the program says of a run so far: energy, drift, and what makes the result doubtful. Throws ModelError for a
-  /// run of a system, which only observers watch (EnergyAudit), and of a scene whose run has not begun.
+  /// The program's verdict on the run so far: energy, drift, and findings that make the result doubtful. Throws
+  /// ModelError for a run of a system, which has observers only (EnergyAudit), and for a scene whose run has not begun.
   RunVerdict verdict() const;
 
-  /// Writes the run to a checkpoint: a file of its own that replaces an older one when it is whole. Table, events and
-  /// what observers write themselves (Observer::save) are part of it. Throws ModelError where the run has not begun or
-  /// cannot be saved (StepLoop::save), FileError.
+  /// Writes the run to a checkpoint, a file that replaces an older one when it is complete. Table, events and the data
+  /// of observers (Observer::save) are part of it. Throws ModelError if the run has not begun or cannot be saved
+  /// (StepLoop::save), FileError.
   void save(const std::string& file);
-  /// Goes on from a checkpoint, in place of a start, with the same system, options, columns, events and observers: the
-  /// run is then equal to the last bit to the one that was saved. Throws FileError where the file is none, is damaged,
-  /// or of another version, ModelError where it is of another simulation.
+  /// Continues from a checkpoint, in place of a start, with the same system, options, columns, events and observers:
+  /// the run is then equal to the last bit to the one that was saved. Throws FileError if the file is not a checkpoint,
+  /// is damaged or of another version, ModelError if it belongs to another simulation.
   void load(const std::string& file);
 
   /// As StepLoop::input; does not begin the run.
@@ -108,8 +108,8 @@ class LOCKSTEP_API Simulation {
 
   // -- after any of these no column can be added
   const State& state();                       ///< at the present time; before the run the assembled start
-  void set_state(State);                      ///< sets another start, which is assembled when the options say so
-  const AssemblyReport& assembly();           ///< what assembling the start changed
+  void set_state(State);                      ///< sets another start, which is assembled if the options require it
+  const AssemblyReport& assembly();           ///< changes of the start by assembly
   Event& add_event(Event event);              ///< as StepLoop::add_event
   void add_observer(Observer& observer);      ///< not owned
   const SimulationReport& advance(double h);  ///< as StepLoop::advance
@@ -119,7 +119,7 @@ class LOCKSTEP_API Simulation {
   StepLoop& loop();                           ///< runs the mechanism
   Dynamics& dynamics();                       ///< by which the loop evaluates
 
-  struct Parts;  ///< what it holds
+  struct Parts;  ///< its parts
 
  private:
   std::unique_ptr<Parts> parts_;

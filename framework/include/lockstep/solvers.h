@@ -9,7 +9,7 @@
 
 namespace lockstep {
 
-// "block": LDL^T in blocks over the graph of slots and links, leaves first, with proximal corrections
+// "block": LDL^T in blocks over the graph of slots and joints, leaves first, with proximal corrections
 // (framework/docs/solvers.md, sections 4, 5).
 //
 //   | M   J^T |      E' = eps E:  lambda = 0;  repeat  (a, lambda) += K^-1 (f - M a - J^T lambda, c - J a)
@@ -18,9 +18,9 @@ namespace lockstep {
 class Params;
 struct TypeInfo;
 
-/// LDL^T in blocks over the graph of slots and links. Work grows linearly with the number of bodies on every tree, also
-/// where one body has many links; nothing is allocated after analyse(). The same elimination serves implicit methods,
-/// whose mass matrix couples bodies (NewtonMatrix).
+/// LDL^T in blocks over the graph of slots and joints. Work grows linearly with the number of bodies on every tree,
+/// even if one body has many joints; nothing is allocated after analyse(). The same elimination serves implicit
+/// methods, whose mass matrix couples bodies (NewtonMatrix).
 ///
 /// SolveReport::smallest_pivot: of a row, relative to its scale E_j: the part of its square that is independent of the
 /// rows before it. Redundant rows leave about eps.
@@ -40,7 +40,7 @@ class LOCKSTEP_API BlockSolver final : public LinearSolver {
 //
 //   M = L L^T,  B = E^-1/2 J L^-T (m x n):   a = M^-1 f + L^-T y,  y = B^+ E^-1/2 (c - J M^-1 f),
 //   lambda = E^-1/2 mu,  B^T mu = -y,  |mu| minimal: of all lambda the one with the smallest sum E_j lambda_j^2.
-// Where the rows contradict one another, a minimises sum (c - J a)_j^2 / E_j, as the proximal iteration does.
+// If the rows contradict one another, a minimises sum (c - J a)_j^2 / E_j, as the proximal iteration does.
 
 class Params;
 struct TypeInfo;
@@ -58,12 +58,12 @@ class LOCKSTEP_API DenseSolver final : public LinearSolver {
   std::unique_ptr<Factorization> analyse(const KktPattern&) const override;
 };
 
-// SchurSolver: S = J M^-1 J^T over the graph of the links, block by block (framework/docs/solvers.md, sections 2 and
+// SchurSolver: S = J M^-1 J^T over the graph of the joints, block by block (framework/docs/solvers.md, sections 2 and
 // 5).
 
-/// Schur complement over the graph of the links: the default. It reads the rows where the links wrote them, in six
+/// Schur complement over the graph of the joints: the default. It reads the rows where the joints wrote them, in six
 /// velocities per slot, three in a plane. On a tree there is no fill, and time and memory grow linearly with the number
-/// of bodies; a slot with many links becomes a node itself. Nothing is allocated after analyse().
+/// of bodies; a slot with many joints becomes a node itself. Nothing is allocated after analyse().
 class LOCKSTEP_API SchurSolver final : public LinearSolver {
  public:
   static TypeInfo info();                                    ///< its entry in the registry; it has no keys
@@ -83,19 +83,19 @@ class LOCKSTEP_API SchurSolver final : public LinearSolver {
 class Params;
 struct TypeInfo;
 
-/// Eigen's sparse LDL^T, the fallback and the cross-check: any topology, redundant rows; the fill of the links' graph
+/// Eigen's sparse LDL^T, the fallback and the cross-check: any topology, redundant rows; the fill of the joints' graph
 /// determines its work.
 ///
-/// SolveReport::smallest_pivot: every slot is eliminated before any link, so the pivot of row j is -D_j, D the diagonal
-/// of the LDL^T of S + E', S = J M^-1 J^T. D_j / (S_jj + E'_j) lies in (0, 1]: the part of the row's
-/// own square that is independent of the rows before it. Redundant rows leave about eps.
+/// SolveReport::smallest_pivot: every slot is eliminated before any joint, so the pivot of row j is -D_j, with D the
+/// diagonal of the LDL^T of S + E', S = J M^-1 J^T. D_j / (S_jj + E'_j) is in (0, 1]: the part of the row's own square
+/// that is independent of the rows before it. Redundant rows leave about eps.
 class LOCKSTEP_API SparseSolver final : public LinearSolver {
  public:
   static TypeInfo info();                                    ///< its entry in the registry; it has no keys
   static std::unique_ptr<LinearSolver> make(const Params&);  ///< maker for the registry
 
   std::string_view name() const override { return "sparse"; }
-  /// compute() throws SolveError where a pivot is zero: a body without mass or inertia.
+  /// compute() throws SolveError if a pivot is zero: a body without mass or inertia.
   std::unique_ptr<Factorization> analyse(const KktPattern&) const override;
 };
 

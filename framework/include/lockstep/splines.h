@@ -20,11 +20,11 @@ struct Columns {
 };
 
 /// Reads `t_column` and `y_columns` of the file at `path`. A column is named by the header's word before any "[unit]",
-/// or by its number from 1; its numbers are converted from that unit to SI. The first line says how cells are separated:
-/// by semicolons, tabs or else commas; where these are not commas, numbers may have decimal ones. Cells may stand in
+/// or by its number from 1; its numbers are converted from that unit to SI. The first line decides the separator:
+/// semicolon, tab or else comma; unless it is the comma, numbers may have decimal commas. Cells may be in
 /// double quotes; blank lines and lines that start with # are skipped; a file whose first line holds only numbers has no
 /// header. Independent of the locale. Throws FileError with file and line: no such file, no such column, two of its
-/// name, a unit that is none, no rows, a row of more or fewer cells than the first line, a cell that is not a finite
+/// name, an unknown unit, no rows, a row of more or fewer cells than the first line, a cell that is not a finite
 /// number, a first line of words and numbers, times that do not increase.
 LOCKSTEP_API Columns read_columns(const std::string& path, const std::string& t_column,
                                   const std::vector<std::string>& y_columns);
@@ -37,24 +37,24 @@ LOCKSTEP_API Columns points_of(const Params&, std::size_t n_components, const st
 
 // The C2 (cubic) or C4 (quintic) spline through points of the laws 'spline', 'path' and 'spline_rotation'.
 
-/// What holds at the ends of a spline.
+/// The conditions at the ends of a spline.
 enum class SplineEnds {
   natural,   ///< cubic: second derivative 0; quintic: third and fourth derivative 0 at both ends
   clamped,   ///< first (quintic: and second) derivative given at both ends, 0 by default
   periodic,  ///< the last point is the first; all derivatives that are continuous inside are continuous there too
 };
-/// What a spline does outside of its points.
+/// The value of a spline outside of its points.
 enum class SplineOutside {
   refuse,  ///< throws ModelError with the range
   hold,    ///< the value of the nearer end, at rest
   repeat,  ///< repeats the points; for periodic ends only
 };
 
-/// Degree of a spline, what holds at its ends, and what it does outside of them.
+/// Degree of a spline, the conditions at its ends, and its value outside of them.
 struct SplineSettings {
   int degree = 3;                                 ///< 3 or 5
-  SplineEnds ends = SplineEnds::natural;          ///< what holds at both ends
-  SplineOutside outside = SplineOutside::refuse;  ///< what holds before the first and after the last point
+  SplineEnds ends = SplineEnds::natural;          ///< conditions at both ends
+  SplineOutside outside = SplineOutside::refuse;  ///< value before the first and after the last point
 };
 
 // Translation law 'path'.
@@ -92,7 +92,7 @@ struct SplineEndValues {
 
 namespace laws {
 /// A spline y(t) through the points (t_i, y_i): cubic with continuous ydd, or quintic with continuous yddd and ydddd.
-/// Outside of the points: refused by ModelError, held, or repeated (periodic ends). Breakpoints: the ends of the range,
+/// Outside of the points: a ModelError, held, or repeated (periodic ends). Breakpoints: the ends of the range,
 /// if the value is held there and the curve does not come to rest. t in s, y in the unit of the coordinate. Throws
 /// ModelError for too few points, times that do not increase, numbers that are not finite, periodic ends that do not
 /// meet, `repeat` without periodic ends.
@@ -112,14 +112,14 @@ namespace laws {
 /// q and -q are one orientation, so the sign of each q_i is first chosen such that q_i . q_(i-1) > 0. Then r is C2 (C4)
 /// and passes through the q_i, and |r| stays far from zero, hence q is C2 (C4) too; w and a, computed on jets through
 /// r/|r|, are exact and continuous. Unlike splines of rotation vectors or angles, it has no singularity at half or full
-/// turns made in several pieces, and turning all q_i by one rotation, from the left or from the right, turns the motion
-/// by it. Unlike C2 splines on the group, which are implicit (interpolating) or miss their points (B-splines), it takes
-/// a linear system and a division. The price: the speed is uneven between points that are far apart; keep neighbours
-/// within about 90 degrees. Neighbours half a turn apart are refused, because the way round is not defined.
+/// revolutions made in several pieces. Multiplying all q_i by one rotation, from the left or from the right, multiplies
+/// the motion by it. Unlike C2 splines on the group, which are implicit (interpolating) or miss their points
+/// (B-splines), it takes a linear system and a division. The price: the speed is uneven between points that are far
+/// apart; keep neighbours within about 90 degrees. Neighbours 180 degrees apart are an error.
 ///
 /// Ends: natural; clamped = at rest (quintic: without angular acceleration too); periodic: last orientation equal to
 /// the first. Throws ModelError for too few points, times that do not increase, quaternions that are zero or not finite,
-/// neighbours half a turn apart, periodic ends that do not meet, |r| below 1/2 between points.
+/// neighbours 180 degrees apart, periodic ends that do not meet, |r| below 1/2 between points.
 LOCKSTEP_API LawPtr<RotationLaw> spline_rotation(const RotationPoints& points, const SplineSettings& k = {});
 }  // namespace laws
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The system: bodies, markers, links and forces, and how they are connected. What evaluates it: author/passes.h.
+// The system: bodies, markers, joints and forces, and their connections. Evaluated by author/passes.h.
 #pragma once
 
 #include <cmath>
@@ -38,8 +38,8 @@ LOCKSTEP_API Pose body_pose(const Body&, const State&);
 LOCKSTEP_API Twist body_twist(const Body&, const State&);
 
 /// Reads and sets the motion of bodies in a state, for code that changes a state: Event::change, a start for
-/// Simulation::set_state. What is set need not satisfy the links; whoever takes the state makes it consistent. Bodies
-/// that are merged into one slot move together.
+/// Simulation::set_state. The motion set need not satisfy the joints; the receiver of the state makes it consistent.
+/// Bodies that are merged into one slot move together.
 class LOCKSTEP_API StateEditor {
  public:
   /// Edits `state`, which must outlive the editor.
@@ -60,10 +60,10 @@ class LOCKSTEP_API StateEditor {
 // ControlInput: a number that a host sets between the steps of a run.
 
 /// A named number that a host sets while a mechanism runs, as a controller does, and that forces and laws read by
-/// reference. What is set between two steps acts from the next one on, whatever the method. It keeps its value from run to
-/// run; checkpoints save it and bring it back. Set it in the thread of the run, and outside of forces, links and laws.
-/// Where it makes the law of a drive jump, velocities jump with it; in position no motion follows: an AssemblyError of the
-/// next step, which is gone once the input is set back.
+/// reference. A value set between two steps acts from the next step on, with any method. It keeps its value from run to
+/// run; checkpoints save and restore it. Set it in the thread of the run, and outside of forces, joints and laws. If it
+/// makes the law of a drive jump in velocity, velocities jump with it. A jump in position is an AssemblyError of the
+/// next step, until the input is set back.
 class LOCKSTEP_API ControlInput {
  public:
   /// As System::add_input().
@@ -87,25 +87,25 @@ class LOCKSTEP_API ControlInput {
 
 // System: the description. It is const while anything is evaluated.
 
-/// Where both markers of a new link are at the start: a point, world, m, and axes, unit quaternion.
+/// Pose of both markers of a new joint at the start: a point, world, m, and axes, unit quaternion.
 inline Pose pose_at(const Vec3& x, const Quat& q = {}) { return {x, q}; }
 /// The same with the markers' z axis along `z`, of any length but zero; x is as near to the world's x as possible (to
 /// its y for z along x). Throws ModelError for a zero z.
 LOCKSTEP_API Pose pose_at(const Vec3& x, const Vec3& z);
 
-/// What becomes of rows that depend on others but for a singular value below 1e-3, of rows of length 1 with rotations as
-/// lengths (System::length), everywhere and not in one position only: two hinges whose axes are a ten-millionth of a metre
-/// apart. Held, they lock the door, by forces ten million times the load; free, it turns, and one of its hinges gives way
-/// by that much. Small loops of a large mechanism fall below the limit too, where their rows are meant to hold.
+/// How to treat nearly redundant constraints: dependent on others with a relative singular value below 1e-3 (rows of
+/// length 1, rotations as lengths by System::length), in all configurations. Example: a door on two hinges with axes
+/// 1e-7 m apart. Held, they lock the door by forces 1e7 times the load; free, the door rotates and one hinge yields by
+/// that much. Small loops of a large mechanism are also below the limit, although their constraints are meant to hold.
 enum class NearlyRedundant {
-  told,  ///< nothing is decided: they are told, and solvers may differ there
-  free,  ///< rows that depend or nearly depend on others of their set are left out
-  held,  ///< they hold; rows that depend on others exactly are left out, so that nothing contradicts
-  /// The model as it is written: held where that can be decided and the mechanism has no more than 300 rows, else told.
+  told,  ///< report only: nothing is decided, and solvers may differ
+  free,  ///< redundant and nearly redundant constraints are left out
+  held,  ///< they hold; exactly redundant constraints are left out, so that nothing contradicts
+  /// Held if that can be decided and the mechanism has no more than 300 rows, else told.
   automatic
 };
 
-/// A mechanism: its bodies, markers, links and forces, and what setup() finds of them. Who asks a link or force includes
+/// A mechanism: its bodies, markers, joints and forces, and the results of setup(). To use a joint or force, include
 /// the header of its type, or author/lock.h and author/force.h.
 class LOCKSTEP_API System final : public AngleCounter {
  public:
@@ -116,10 +116,10 @@ class LOCKSTEP_API System final : public AngleCounter {
   System() : System(Options{}) {}    ///< without gravity
   explicit System(Options options);  ///< a system of the ground alone
   ~System();
-  System(System&&) noexcept;             ///< references to bodies, markers, links and forces stay valid
-  System& operator=(System&&) noexcept;  ///< references to bodies, markers, links and forces stay valid
+  System(System&&) noexcept;             ///< references to bodies, markers, joints and forces stay valid
+  System& operator=(System&&) noexcept;  ///< references to bodies, markers, joints and forces stay valid
 
-  // -- description. Bodies, markers, links and forces all have different names. References stay valid.
+  // -- description. Bodies, markers, joints and forces all have different names. References stay valid.
   Body& ground() { return *ground_; }  ///< the fixed body "ground", whose frame is the world's
   /// A body with its mass properties in its own frame, and the pose of that frame in the world at the start. Throws
   /// ModelError for a name that is empty or taken, invalid mass properties (check_mass()), or a pose that is not finite or
@@ -135,24 +135,24 @@ class LOCKSTEP_API System final : public AngleCounter {
   Marker& add_marker(const std::string& name, Body&, const Pose& local = {});
   /// A marker by its pose in the world at the start. Throws likewise.
   Marker& add_marker_at(const std::string& name, Body&, const Pose& world);
-  /// Adds a link. Throws ModelError for nullptr, or a name that is empty or taken.
+  /// Adds a joint. Throws ModelError for nullptr, or a name that is empty or taken.
   Lock& add(std::unique_ptr<Lock>);
   /// Adds a force. Throws likewise.
   Force& add(std::unique_ptr<Force>);
-  /// Adds states that are integrated along. Throws ModelError for nullptr.
+  /// Adds states that are integrated with the motion. Throws ModelError for nullptr.
   Auxiliary& add(std::unique_ptr<Auxiliary>);
-  /// Adds an angle that is integrated along, unless the system has one of that name; returns the one that it has. Throws
-  /// ModelError for nullptr.
+  /// Adds an angle that is integrated with the motion, unless one of that name exists; returns the one that exists.
+  /// Throws ModelError for nullptr.
   CountedAngle& count(std::unique_ptr<CountedAngle>) override;
   using AngleCounter::count;
   /// All counted angles.
   const std::vector<std::unique_ptr<CountedAngle>>& counted_angles() const { return angles_; }
-  /// The turn of p about an axis (0, 1, 2) of s, where somebody counts it; else null.
+  /// The counted rotation of p about an axis (0, 1, 2) of s; null if it is not counted.
   const CountedAngle* counted(const Marker& p, const Marker& s, int axis) const;
   /// Adds a number that a host sets, for forces and laws that take the reference. `unit`: for readers. Throws ModelError for
   /// a name that is empty or taken, ParameterError for a value that is not finite.
   ControlInput& add_input(const std::string& name, double value = 0, const std::string& unit = {});
-  /// A link of type L between two bodies, with new markers "<name>.P" and "<name>.S" at one pose in the world. `args`
+  /// A joint of type L between two bodies, with new markers "<name>.P" and "<name>.S" at one pose in the world. `args`
   /// go to the constructor of L after the markers.
   template <class L, class... Args>
   L& add(const std::string& name, Body& p, Body& s, const Pose& world, Args&&... args) {
@@ -160,7 +160,7 @@ class LOCKSTEP_API System final : public AngleCounter {
     Marker& S = add_marker_at(name + ".S", s, world);
     return add<L>(name, P, S, std::forward<Args>(args)...);
   }
-  /// A link or force of type L on existing markers. `args` go to its constructor after the markers.
+  /// A joint or force of type L on existing markers. `args` go to its constructor after the markers.
   template <class L, class... Args>
   L& add(const std::string& name, Marker& p, Marker& s, Args&&... args) {
     return add_checked(std::make_unique<L>(name, p, s, std::forward<Args>(args)...));
@@ -174,28 +174,28 @@ class LOCKSTEP_API System final : public AngleCounter {
   /// Sets the acceleration of gravity, world, m/s^2. Call changed() after it when the system is planar.
   void set_gravity(const Vec3& g) { options_.gravity = g; }
 
-  /// Motion in the plane whose normal is this axis of the world (Plane{}: in space): three velocities per body, and the
-  /// rows out of the plane are left out. Exact where axes, forces and starts lie in the plane; setup() refuses by name
-  /// what leaves it.
-  /// `known`: only while all links and forces say that they stay in it (stays_in_plane) and nothing has a lever arm along
-  /// the normal, as find_plane() asks; what is added later and does not, brings the mechanism back into space.
+  /// Motion in the plane whose normal is this axis of the world (Plane{}: in space): three velocities per body, and no
+  /// constraints out of the plane. Exact if axes, forces and starts are in the plane; setup() names any part outside in
+  /// an error. `known`: only while all joints and forces declare that they stay in it (stays_in_plane) and none
+  /// has a lever arm along the normal, as find_plane() requires. A part added later that does not brings the mechanism
+  /// back into space.
   void set_planar(Plane plane, bool known = false) {
     plane_ = plane, plane_is_known_ = known, ready_ = has_left_plane_ = false;
   }
-  bool plane_is_known() const { return plane_is_known_; }  ///< as set_planar() was told
-  Plane plane() const { return plane_; }  ///< the plane that was set; motion in space without one
+  bool plane_is_known() const { return plane_is_known_; }  ///< as given to set_planar()
+  Plane plane() const { return plane_; }                   ///< the plane that was set; motion in space without one
 
-  /// While it lives, a system whose plane is known is evaluated in space, so that motions out of the plane are seen. States
-  /// stay valid, since slots keep their axes; rows and multipliers are those in space. One whose plane was asked for
-  /// stays in it. The system must not be changed meanwhile.
+  /// While it exists, a system whose plane is known is evaluated in space, so that motions out of the plane appear.
+  /// States stay valid, since slots keep their axes; rows and multipliers are those in space. A system whose plane was
+  /// requested stays in it. The system must not be changed meanwhile.
   class LOCKSTEP_API InSpace {
    public:
     explicit InSpace(System&);  ///< sets the system up; it must outlive this
     ~InSpace() { end(); }       ///< as end()
     InSpace(const InSpace&) = delete;
     InSpace& operator=(const InSpace&) = delete;
-    Plane plane() const { return plane_; }  ///< to which the system goes back; none where it stays as it is
-    void end();                             ///< goes back to the plane
+    Plane plane() const { return plane_; }  ///< to which the system returns; none if it is unchanged
+    void end();                             ///< returns to the plane
     void stay();                            ///< leaves the plane for good, for states outside of it
 
    private:
@@ -205,44 +205,44 @@ class LOCKSTEP_API System final : public AngleCounter {
     long revision_;
   };
 
-  /// Whether bodies that are held to one another by a fixed link without laws, which fits at the start, move as one
-  /// slot; such a link has no rows. `keep`: fixed links that stay links, because their reactions are wanted.
+  /// Whether bodies that are held to one another by a fixed joint without laws, which fits at the start, move as one
+  /// slot; such a joint has no rows. `keep`: fixed joints that stay joints, because their reactions are wanted.
   void set_merge(bool merge, std::vector<const Lock*> keep = {}) {
     merge_ = merge, kept_ = std::move(keep), ready_ = false;
   }
-  /// After setup: whether the link was merged into a slot, so that it has neither rows nor a reaction.
+  /// After setup: whether the joint was merged into a slot, so that it has neither rows nor a reaction.
   bool merged(const Lock&) const;
-  /// Leaves rows of a link out of all tables: they hold nothing and have no reaction. Meant for rows that depend on others,
-  /// exactly or nearly (decide_nearly_redundant()): an evaluation throws ModelError where such a row is violated by more
-  /// than a hundredth: of length(), or as a number. `rows`: a bit for each number among the rows of the link; those of
-  /// before are forgotten. Call it after setup. Throws ModelError for a row that the link has not.
+  /// Leaves constraints of a joint out of all tables: they hold nothing and have no reaction. Meant for redundant or
+  /// nearly redundant ones (decide_nearly_redundant()). An evaluation throws ModelError if one is violated by more than
+  /// a hundredth: of length(), or as a number. `rows`: a bit for each row of the joint, replacing the earlier ones.
+  /// Call it after setup. Throws ModelError for a row that the joint does not have.
   void leave_out(const Lock&, unsigned rows);
-  /// Rows that were left out, a bit for each.
+  /// Constraints that were left out, a bit for each.
   unsigned left_out(const Lock&) const;
-  /// Says that rows hold which nearly depend on others, with the least singular value of rows of length 1; 0: none do. The
-  /// accelerations are then found by DenseSolver, whichever solver was given, with its own limit of the rank: how large
-  /// the value is says how many digits multipliers lose, and is not read. Only where no row depends on others exactly.
+  /// Holds nearly redundant constraints, with this least singular value of rows of length 1; 0: there are none. The
+  /// accelerations are then computed by DenseSolver, with its own rank limit, in place of the given solver. The value
+  /// is not used: its size shows how many digits multipliers lose. Only if no constraint is exactly redundant.
   void hold_down_to(double singular_value) { held_ = singular_value, ready_ = false; }
-  /// That value; 0: no such rows hold.
+  /// That value; 0: no such constraints hold.
   double held_down_to() const { return held_; }
   /// After setup in a plane: whether rows or forces have lever arms along its normal. The motion is exact all the same,
-  /// since links hold all bodies in the plane, but their moments about axes in the plane are left out.
+  /// since joints hold all bodies in the plane, but their moments about axes in the plane are left out.
   bool has_offsets() const { return found_.has_offsets; }
 
   // -- finding by name; throws ModelError with the closest name
   Body& body(const std::string& name);                        ///< the body of that name; throws ModelError
   Marker& marker(const std::string& name);                    ///< the marker of that name; throws ModelError
-  Lock& link(const std::string& name);                        ///< the link of that name; throws ModelError
+  Lock& link(const std::string& name);                        ///< the joint of that name; throws ModelError
   Force& force(const std::string& name);                      ///< the force of that name; throws ModelError
   ControlInput& input(const std::string& name);               ///< the input of that name; throws ModelError
   const Body& body(const std::string& name) const;            ///< the body of that name; throws ModelError
   const Marker& marker(const std::string& name) const;        ///< the marker of that name; throws ModelError
-  const Lock& link(const std::string& name) const;            ///< the link of that name; throws ModelError
+  const Lock& link(const std::string& name) const;            ///< the joint of that name; throws ModelError
   const Force& force(const std::string& name) const;          ///< the force of that name; throws ModelError
   const std::deque<Body>& bodies() const { return bodies_; }  ///< all bodies; the ground is the first
   /// All markers, in the order in which they were added.
   const std::deque<Marker>& markers() const { return markers_; }
-  const std::vector<std::unique_ptr<Lock>>& links() const { return links_; }  ///< all links, by number
+  const std::vector<std::unique_ptr<Lock>>& links() const { return links_; }  ///< all joints, by number
   /// All forces, in the order in which they were added.
   const std::vector<std::unique_ptr<Force>>& forces() const { return forces_; }
   /// All inputs that a host sets, in the order in which they were added.
@@ -256,13 +256,13 @@ class LOCKSTEP_API System final : public AngleCounter {
   /// Throws ModelError for an impossible mechanism, UserCodeError for code of plugins or the host that fails. Dynamics
   /// calls it.
   void setup();
-  /// As setup(), but always anew, and returns the error for what leaves the plane instead of throwing it.
+  /// As setup(), but always from scratch, and returns the error of a part that leaves the plane instead of throwing it.
   std::optional<ModelError> try_setup();
   bool ready() const { return ready_; }  ///< whether it is set up and unchanged since
-  /// To be called after a body, marker or gravity was altered in place: the next evaluation sets the system up anew.
+  /// To be called after a body, marker or gravity was altered in place: the next evaluation sets the system up again.
   void changed() { ready_ = false; }
-  long revision() const { return revision_; }                      ///< counts the setups that did something
-  int n_slots() const { return static_cast<int>(found_.slots.size()); }                ///< how many slots move
+  long revision() const { return revision_; }                            ///< counts the setups that did something
+  int n_slots() const { return static_cast<int>(found_.slots.size()); }  ///< how many slots move
   const Slot& slot(int k) const { return found_.slots[static_cast<std::size_t>(k)]; }  ///< slot k, 0 <= k < n_slots()
   /// The first body of slot k; names the slot in messages.
   const Body& body_of_slot(int k) const { return *slot(k).bodies.front(); }
@@ -279,24 +279,24 @@ class LOCKSTEP_API System final : public AngleCounter {
   /// Throws ModelError when the state belongs to another description: by the sizes of q, v, s, z, modes and watched.
   void check_size(const State&) const;
 
-  /// Characteristic length, m, by which angles are turned into lengths in norms: the largest of the lever arms of
-  /// markers on moving bodies, the radii of gyration of bodies that turn, and the distances of paired markers at the
-  /// start. Where these are all less than 1e-6 m, as among particles: the distances of the points that forces join, else
-  /// the size of the bodies, else the distances of the bodies, else 1 m.
+  /// Characteristic length, m, that converts angles into lengths in norms: the largest of the lever arms of markers on
+  /// moving bodies, the radii of gyration of bodies that rotate, and the distances of paired markers at the start. If
+  /// these are all less than 1e-6 m, as among particles: the distances of the points that forces connect, else the size
+  /// of the bodies, else the distances of the bodies, else 1 m.
   double length() const { return found_.length; }
 
-  /// What setup() finds, for the passes.
+  /// The results of setup(), for the passes.
   struct Found {
-    /// The rows of a link that hold in the plane of a planar mechanism, a bit for each.
+    /// The rows of a joint that hold in the plane of a planar mechanism, a bit for each.
     struct PlanarRows {
-      unsigned held : 8 = 0,  ///< those that lie in it
-          by_link : 1 = 0;    ///< the link gathers them itself; see Planar
+      unsigned held : 8 = 0,  ///< those in it
+          by_link : 1 = 0;    ///< the joint gathers them itself; see Planar
     };
     std::vector<Slot> slots;              ///< clusters of bodies that move as one
-    std::vector<const Lock*> ordered;     ///< links that have rows, groups one after another
+    std::vector<const Lock*> ordered;     ///< joints that have rows, groups one after another
     std::vector<int> group;               ///< group of each of them
-    std::vector<bool> merged;             ///< by number of the link
-    std::vector<PlanarRows> planar_rows;  ///< by number of the link, while planar
+    std::vector<bool> merged;             ///< by number of the joint
+    std::vector<PlanarRows> planar_rows;  ///< by number of the joint, while planar
     bool has_offsets = false;             ///< as has_offsets()
     int n_velocities = 0,                 ///< as n_velocities()
         n_states = 0,                     ///< as n_states()
@@ -341,7 +341,7 @@ class LOCKSTEP_API System final : public AngleCounter {
   template <class Things>
   auto& find(const char* kind, Kind, Things&, const std::string& name) const;
   void take_name(const std::string& name, Kind, std::size_t number);
-  std::vector<Named> names_;  // by hash: where a place is taken, the next ones are
+  std::vector<Named> names_;  // by hash: if a place is taken, the next ones are
   std::size_t n_names_ = 0;
 
   bool ready_ = false;
@@ -349,16 +349,16 @@ class LOCKSTEP_API System final : public AngleCounter {
   bool plane_is_known_ = false, has_left_plane_ = false;
   bool merge_ = false;
   std::vector<const Lock*> kept_;
-  std::vector<unsigned> left_out_;  // by number of the link: bits of rows; may be shorter
+  std::vector<unsigned> left_out_;  // by number of the joint: bits of rows; may be shorter
   double held_ = 0;
   Found found_;
   long revision_ = 0;
 };
 
-/// The plane in which the system moves exactly as in space, reactions included: axes, forces, starts and mass centres
-/// lie in it, and all links and forces say that they keep it there (stays_in_plane). `starts_in`: whether what is
-/// known of the start besides lies in a plane. No plane when there is none. The plane that was set stays; the next
-/// setup() does its work anew.
+/// The plane in which the system moves exactly as in space, reactions included: axes, forces, starts and centres of
+/// mass are in it, and all joints and forces declare that they keep it there (stays_in_plane). `starts_in`: whether
+/// other data of the start are in a plane. No plane if there is none. The plane that was set stays; the next setup() is
+/// repeated.
 LOCKSTEP_API Plane find_plane(System&, const std::function<bool(Plane)>& starts_in = {});
 
 }  // namespace lockstep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tables: columns of numbers, and what is asked for one.
+// Tables: columns of numbers, and requests for columns.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace lockstep {
 
-// Table: columns of numbers with name and unit; what a recorder fills, a CSV file holds and a chart draws.
+// Table: columns of numbers with name and unit, as a recorder fills, a CSV file contains and a chart draws them.
 
 /// One column of a table.
 struct Column {
@@ -25,7 +25,7 @@ struct Column {
 /// Columns of numbers with name and unit.
 class LOCKSTEP_API Table {
  public:
-  /// Adds a column at the right. Throws ModelError for a name that is empty or taken, and when there are rows already.
+  /// Adds a column at the right. Throws ModelError for a name that is empty or taken, and if there are rows already.
   void add_column(const std::string& name, const std::string& unit = {});
   /// Reserves memory for n rows in all; beyond them columns grow geometrically.
   void reserve(std::size_t n);
@@ -62,7 +62,7 @@ LOCKSTEP_API void write_csv(std::ostream&, const Table&);
 /// Writes a table to a CSV file. Throws FileError with the file's name.
 LOCKSTEP_API void write_csv(const std::string& file, const Table&);
 /// Reads a CSV file; its first line is the header, with or without units. Throws FileError with file and line: a cell
-/// that is not a number, a row of another length, a header that cannot be a table's.
+/// that is not a number, a row of another length, an invalid header.
 LOCKSTEP_API Table read_csv(const std::string& file);
 /// The same from a stream. `file`: its name in messages.
 LOCKSTEP_API Table read_csv(std::istream&, const std::string& file);

@@ -25,7 +25,7 @@ LOCKSTEP_API std::string join(std::span<const std::string> words, std::string_vi
 /// `s` without the characters of `blanks` at both ends: a view of the same text.
 LOCKSTEP_API std::string_view trimmed(std::string_view s, std::string_view blanks = " \t\r");
 
-/// Shortest text that reads back as the same double, whatever the locale.
+/// Shortest text that reads back as the same double, in any locale.
 LOCKSTEP_API std::string number(double value);
 
 /// At most three significant digits, for messages.

@@ -39,7 +39,7 @@ std::string words_of_variables(const std::vector<const MeasuredVariable*>& read)
   return words;
 }
 
-// Whether a value of dimension `is` may stand where `wanted` is expected: the radian counts as 1.
+// Whether a value of dimension `is` may be given if `wanted` is expected: the radian counts as 1.
 bool fits(Exponents is, Exponents wanted) {
   is.rad = wanted.rad = 0;
   return is == wanted;
@@ -69,11 +69,11 @@ void check_dimensions(const std::string& formula, const std::vector<MeasuredVari
     return found != amounts.end() ? &found->second : nullptr;
   };
   const auto is_variable = [&](const std::string& name) { return std::ranges::find(names, name) != names.end(); };
-  const std::string hint = "; a unit stands in this formula, so all of it is measured" + words_of_variables(read);
+  const std::string hint = "; this formula has a unit, so all its quantities have units" + words_of_variables(read);
   const Amount q = dimension_of(e, amount, is_variable, hint);
   if (!value || !q.measured || q.any || !q.with_unit || fits(q.dimension, exponents_of(*value))) return;
-  e.refuse(e.node(e.root()), "its value is " + article_name_of(q) + ", and here " + lockstep::article_name_of(*value) +
-                                 " is expected" + hint);
+  e.refuse(e.node(e.root()),
+           "its value is " + article_name_of(q) + "; " + lockstep::article_name_of(*value) + " is expected" + hint);
 }
 
 }  // namespace lockstep::expression

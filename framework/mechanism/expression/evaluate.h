@@ -155,7 +155,7 @@ class TermEvaluation {
     return x;
   }
 
-  // Term i as a condition of term `by`, which tells a number from zero.
+  // Term i as a condition of term `by`, which separates a number from zero.
   Truth holds(int i, int by) {
     const Term& t = term(i);
     const auto truth = [](Sign s, auto&& is) { return !s ? Truth::open : is(*s) ? Truth::yes : Truth::no; };
@@ -203,7 +203,7 @@ class TermEvaluation {
   Values& values_;
 };
 
-/// Numbers or jets as values of terms: all is decided, and told to the witness.
+/// Numbers or jets as values of terms: all is decided, and reported to the witness.
 template <class T, class Witness>
 class Numbers {
  public:

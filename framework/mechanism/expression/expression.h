@@ -100,7 +100,7 @@ struct Node {
 };
 
 /// A formula. Precedence, from the loosest: ? :, ||, &&, one comparison, + -, * /, signs and !, ^ (from the right),
-/// components .x .y .z. Directly behind a number stands its unit, as far as symbols of units go: "9.81 m/s^2". A name
+/// components .x .y .z. A unit follows its number directly, as far as symbols of units go: "9.81 m/s^2". A name
 /// with ".at", ".from" or ".to" behind it, "rod.to", is one name: a place of a body.
 class LOCKSTEP_API Expression {
  public:
@@ -127,7 +127,7 @@ class LOCKSTEP_API Expression {
 LOCKSTEP_API std::vector<std::string> names_in(const Expression&);
 
 /// Whether it may name a parameter: a letter or '_', then letters, digits and '_'; no function or constant.
-/// Otherwise `problem` says why not.
+/// Otherwise `problem` is the reason.
 LOCKSTEP_API bool is_name(std::string_view word, std::string& problem);
 
 /// Whether it is true or false.

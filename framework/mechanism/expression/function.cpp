@@ -23,7 +23,7 @@ class FormulaCompiler {
     if (n.operation == Operation::number) return constant(n.value);
     if (n.operation == Operation::name) return named(n);
     if (n.operation == Operation::component) return component(n);
-    if (n.operation == Operation::vector) e_.refuse(n, "here numbers are expected; a vector stands in geometry only");
+    if (n.operation == Operation::vector) e_.refuse(n, "a number is expected; vectors are for geometry only");
     if (n.operation == Operation::call) return call(n);
     std::vector<int> parts;
     for (const int k : n.children) parts.push_back(compile(k));
@@ -56,7 +56,7 @@ class FormulaCompiler {
 
   int call(const Node& n) {
     const Signature& f = signature_of(n.function);
-    if (f.takes == Takes::vectors) e_.refuse(n, std::string(f.name) + " is of vectors, and here numbers are expected");
+    if (f.takes == Takes::vectors) e_.refuse(n, std::string(f.name) + " takes vectors; a number is expected");
     int first = compile(n.children[0]);
     if (n.children.size() == 1) return put(Operation::call, {first}, n.function);
     for (std::size_t k = 1; k < n.children.size(); ++k)
@@ -78,8 +78,7 @@ class FormulaCompiler {
     for (std::size_t k = 0; k < variables_.size(); ++k)
       if (variables_[k] == n.name) {
         if (find(n.name) != nullptr)
-          e_.refuse(n, "\"" + n.name +
-                           "\" is a variable of this formula and a parameter or point as well; rename the " +
+          e_.refuse(n, "\"" + n.name + "\" is both a variable of this formula and a parameter or point; rename the " +
                            "parameter or point");
         Term t;
         t.operation = Operation::name, t.variable = static_cast<int>(k);
@@ -88,7 +87,7 @@ class FormulaCompiler {
     if (n.name == "pi") return constant(kPi);
     const Constant* c = find(n.name);
     if (c == nullptr) refuse_unknown(n);
-    if (c->is_vector) e_.refuse(n, "\"" + n.name + "\" is a point; name a component, as in " + n.name + ".x");
+    if (c->is_vector) e_.refuse(n, "\"" + n.name + "\" is a point; use a component, as in " + n.name + ".x");
     return constant(c->value[0]);
   }
 
@@ -97,7 +96,7 @@ class FormulaCompiler {
     const Constant* c = of.operation == Operation::name ? find(of.name) : nullptr;
     if (of.operation == Operation::name && !is_known(of.name)) refuse_unknown(of);
     if (c == nullptr || !c->is_vector)
-      e_.refuse(n, "only a point has components, as in A.x; this is a number: leave the component out");
+      e_.refuse(n, "a number has no components, only a point has, as in A.x; remove the component");
     return constant(c->value[n.index]);
   }
 
@@ -161,7 +160,7 @@ template Jet<8> FormulaFunction::operator()(std::span<const Jet<8>>) const;
 
 Key constants_key() {
   return {"parameters", Form::any, Unit::none, kOptional,
-          "numbers of its formulas by name; those of the scene, in SI, are known too"};
+          "named numbers for its formulas; parameters of the scene, in SI, are known too"};
 }
 
 std::vector<Constant> read_constants(const Params& p, const std::string& key) {
@@ -171,11 +170,11 @@ std::vector<Constant> read_constants(const Params& p, const std::string& key) {
 std::vector<Constant> read_constants(const Value& object, const std::string& owner) {
   std::vector<Constant> all;
   if (object.object() == nullptr)
-    lockstep::refuse(object.where, owner, "expected an object of numbers by name, got " + shown(object));
+    lockstep::refuse(object.where, owner, "expected an object of named numbers, got " + shown(object));
   for (const Value::Member& m : *object.object()) {
     const std::string place = part_of(owner, m.key);
     std::string problem;
-    if (!is_name(m.key, problem)) lockstep::refuse(m.where, place, "\"" + m.key + "\" is no name: " + problem);
+    if (!is_name(m.key, problem)) lockstep::refuse(m.where, place, "\"" + m.key + "\" is not a valid name: " + problem);
     Constant c;
     c.name = m.key, c.is_vector = m.value.list() != nullptr;
     if (c.is_vector) {

@@ -97,7 +97,7 @@ class ExpressionParser {
       : e_(e), text_(e.text_), variables_(variables) {
     if (text_.size() > kMostCharacters)
       fail(0, "it has " + std::to_string(text_.size()) + " characters, the limit is " +
-                  std::to_string(kMostCharacters) + "; name parts of it as parameters");
+                  std::to_string(kMostCharacters) + "; define parts as parameters");
     skip_blanks();
     if (at_ < text_.size() && text_[at_] == '=') ++at_;
   }
@@ -106,8 +106,8 @@ class ExpressionParser {
     choice();
     skip_blanks();
     if (at_ == text_.size()) return;
-    if (text_[at_] == ')' || text_[at_] == ']') fail(at_, "nothing is open that this closes; remove it");
-    if (text_[at_] == ',') fail(at_, "a comma stands between arguments only; the decimal separator is a point");
+    if (text_[at_] == ')' || text_[at_] == ']') fail(at_, "no bracket is open here; remove it");
+    if (text_[at_] == ',') fail(at_, "a comma separates arguments only; the decimal separator is a point");
     fail(at_, "expected an operator or the end of the formula");
   }
 
@@ -135,7 +135,7 @@ class ExpressionParser {
     ExpressionParser& p;
     explicit Descent(ExpressionParser& parser) : p(parser) {
       if (++p.depth_ > kMostNesting)
-        p.fail(p.at_, "it is nested deeper than " + std::to_string(kMostNesting) + "; name parts of it as parameters");
+        p.fail(p.at_, "it is nested deeper than " + std::to_string(kMostNesting) + "; define parts as parameters");
     }
     ~Descent() { --p.depth_; }
     Descent(const Descent&) = delete;
@@ -144,7 +144,7 @@ class ExpressionParser {
 
   int put(Operation operation, std::size_t at, std::vector<int> children = {}) {
     if (e_.nodes_.size() == kMostNodes)
-      fail(at, "it has more than " + std::to_string(kMostNodes) + " parts; name parts of it as parameters");
+      fail(at, "it has more than " + std::to_string(kMostNodes) + " parts; define parts as parameters");
     Node node;
     node.operation = operation, node.at = at, node.children = std::move(children);
     e_.nodes_.push_back(std::move(node));
@@ -345,7 +345,7 @@ class ExpressionParser {
     const bool variable = is_variable(first);
     const std::size_t length = variable ? 0 : unit_length(at_);
     if (length == 0)
-      fail(at_, variable ? "\"" + first + "\" stands behind a number; write a product with \"*\""
+      fail(at_, variable ? "\"" + first + "\" follows a number; write a product with \"*\""
                          : "unknown unit \"" + first + "\"; a product is written with \"*\"");
     Node& node = e_.nodes_[of];
     const std::string unit = text_.substr(at_, length);
@@ -354,7 +354,7 @@ class ExpressionParser {
     node.value = si.value, node.dimension = *lockstep::dimension_of(unit), node.measured = true;
     at_ += length;
     if (next() == '^')
-      fail(at_, "the power of a unit stands directly behind it, as in \"m/s^2\"; a power of the whole needs a bracket");
+      fail(at_, "the power of a unit follows it directly, as in \"m/s^2\"; for a power of the whole, use brackets");
   }
 
   Expression& e_;
@@ -399,7 +399,7 @@ std::vector<std::string> names_in(const Expression& e) {
 bool is_name(std::string_view word, std::string& problem) {
   problem.clear();
   const bool plain = !word.empty() && begins_name(word.front()) && end_of_name(word, 0) == word.size();
-  if (!plain) problem = "a name is made of letters, digits and '_', and begins with no digit";
+  if (!plain) problem = "a name has letters, digits and '_', and does not begin with a digit";
   if (signature(word) != nullptr || word == "pi") problem = "it is a function or constant of formulas";
   return problem.empty();
 }

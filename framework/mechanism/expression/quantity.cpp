@@ -32,7 +32,7 @@ std::optional<Dimension> whole(const Exponents& e) {
 
 std::string article_name(const Exponents& e) {
   const std::optional<Dimension> d = whole(settled(e));
-  return d ? lockstep::article_name_of(*d) : "a quantity of broken dimension";
+  return d ? lockstep::article_name_of(*d) : "a quantity of fractional dimension";
 }
 
 bool is_pure(const Amount& q) { return q.dimension == Exponents{}; }
@@ -98,7 +98,7 @@ class Evaluation {
       q.v = -q.v;
       return q;
     }
-    if (!q.is_vector) refuse(n, "only a point or a vector has components, and this is " + article_name_of(q));
+    if (!q.is_vector) refuse(n, "only a point or a vector has components; this is " + article_name_of(q));
     q.v = Vec3(q.v[n.index], 0, 0), q.is_vector = false;
     return q;
   }
@@ -118,7 +118,7 @@ class Evaluation {
     refuse(n, "unknown name \"" + n.name + "\"" + text::suggestion(n.name, known));
   }
 
-  // Gives both the dimension of the one that has it; refuses two that differ. What of `a` and `b` is written as 0 fits.
+  // Gives both the dimension of the one that has it; rejects two that differ. A literal 0 fits any.
   void unite(const Node& n, Amount& a, Amount& b, const char* how) const {
     if (!of_values()) settle(a, b);
     if (a.is_zero) a.dimension = b.dimension, a.measured = b.measured;
@@ -184,7 +184,7 @@ class Evaluation {
     return q;
   }
 
-  // Of dimensions alone, of a quantity by an exponent that stands fast.
+  // Of dimensions alone, of a quantity by a constant exponent.
   Amount power(const Node& n) const {
     Amount a = child(n, 0);
     const Amount p = child(n, 1);
@@ -206,7 +206,7 @@ class Evaluation {
   bool truth(const Node& n, std::size_t k) const {
     const Amount q = child(n, k);
     if (q.is_vector || !is_number(q))
-      refuse(e_.node(n.children[k]), "a condition is expected, as in \"a > b\", and this is " + article_name_of(q));
+      refuse(e_.node(n.children[k]), "a condition is expected, as in \"a > b\"; this is " + article_name_of(q));
     return q.v[0] != 0;
   }
 
@@ -331,7 +331,7 @@ class Evaluation {
 Amount evaluate(const Expression& e, const Names& names, const Known& known) {
   Amount q = Evaluation(e, names, known).of(e.root());
   q.dimension = settled(q.dimension);
-  if (!whole(q.dimension)) e.refuse(0, "its result has a dimension without a unit (a broken or a high power)");
+  if (!whole(q.dimension)) e.refuse(0, "its result has a dimension without a unit (a fractional or a high power)");
   return q;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Formulas of numbers with units: what stands in a scene in place of a number or a vector.
+// Formulas of numbers with units, given in a scene in place of a number or a vector.
 #pragma once
 
 #include <functional>
@@ -26,10 +26,10 @@ struct Amount {
   Vec3 v = Vec3::Zero();  ///< SI
   bool is_vector = false;
   Exponents dimension{};
-  bool measured = false;  ///< whether units took part; numbers without any are those of their place, in SI
-  bool is_zero = false;   ///< a written 0, which is of every dimension
+  bool measured = false;   ///< whether units took part; numbers without any are those of their place, in SI
+  bool is_zero = false;    ///< a written 0, which is of every dimension
   bool with_unit = false,  ///< in dimension_of(): whether a unit was written, not only variables read
-      any = false;         ///< likewise: a plain number times what varies, whose dimension nobody says
+      any = false;         ///< likewise: a plain number times a variable, of unknown dimension
 
   static Amount number(double x) {
     Amount q;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kMostSwitches = 1'000'000;  // more are not looked for
 
-// What a search for switches has found; `some`: a term is not told from zero over a span, where more may hide.
+// What a search for switches has found; `some`: a term is not separated from zero over an interval, which may contain more.
 enum class Found { all, some, too_many };
 
 /// Intervals as values of terms, on a span of the time: whether all that one of the terms decides is decided there.
@@ -214,13 +214,13 @@ void FormulaFunction::breakpoints(int time, double t0, double t1, std::vector<do
     if (found == Found::too_many || out.size() - first > kMostSwitches)
       throw ModelError("formula \"" + text_ + "\" switches more than " + std::to_string(kMostSwitches) +
                        " times between t = " + text::brief(t0) + " and " + text::brief(t1) +
-                       " s; let it switch less often, or run a shorter time");
+                       " s; reduce its switching, or simulate a shorter time");
     all = all && found == Found::all;
   }
   if (!all && warned_ && !warned_->exchange(true))
     report_finding({&finding::switches_unresolved, "formula \"" + text_ + "\"",
-                    "switches of formula \"" + text_ + "\" could not all be found between t = " + text::brief(t0) +
-                        " and " + text::brief(t1) + " s: over a span, what it compares cannot be told apart",
+                    "not all switching times of formula \"" + text_ + "\" were found between t = " + text::brief(t0) +
+                        " and " + text::brief(t1) + " s: its comparisons are equal over an interval",
                     "write it with fewer comparisons, min and max"});
   const auto begin = out.begin() + static_cast<std::ptrdiff_t>(first);
   std::sort(begin, out.end());

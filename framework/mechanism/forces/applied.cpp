@@ -23,8 +23,8 @@ Applied::Applied(std::string name, Marker& p, Marker* s, Effort effort, AppliedV
 Applied::~Applied() = default;
 
 void Applied::setup() {
-  if (effort_ == Effort::torque) require_turning(p(), "turns");
-  if (s() != nullptr) require_turning(*s(), effort_ == Effort::torque ? "turns" : "puts a force with a lever arm on");
+  if (effort_ == Effort::torque) require_turning(p(), "rotates");
+  if (s() != nullptr) require_turning(*s(), effort_ == Effort::torque ? "rotates" : "has a lever arm on");
   MarkerForce::setup();
   body_axes_ = rotation(p().body->in_slot.q);
 }
@@ -79,9 +79,9 @@ namespace {
 Keys keys(Effort effort) {
   const Unit unit = effort == Effort::force ? Unit::force : Unit::torque;
   return {{word(effort), Form::vector3, unit, kOptional, "constant part, in the axes given by \"axes\""},
-          {"law", Form::law, unit, kOptional, "law along \"direction\", added"},
+          {"law", Form::law, unit, kOptional, "part by a law along \"direction\", added"},
           {"direction", Form::axis, Unit::none, kOptional, "direction of \"law\", in the axes given by \"axes\""},
-          {"laws", Form::laws, unit, kOptional, "three laws [x, y, z] of the components, added"},
+          {"laws", Form::laws, unit, kOptional, "part by three laws [x, y, z], added"},
           {"axes",
            Form::choice,
            Unit::none,

@@ -21,7 +21,7 @@ Bushing::Bushing(std::string name, Marker& p, Marker& s, Options options)
 const TypeInfo& Bushing::info() {
   static const TypeInfo info{
       "bushing",
-      "springs and dampers along and about the axes of S, for small turns: a soft joint",
+      "springs and dampers along and about the axes of S, for small rotations: a compliant joint",
       {{"stiffness", Form::vector3, Unit::stiffness, Value::List{0, 0, 0}, "along the axes of S"},
        {"damping", Form::vector3, Unit::damping, Value::List{0, 0, 0}, "along the axes of S, not negative"},
        {"torsion_stiffness", Form::vector3, Unit::torsion_stiffness, Value::List{0, 0, 0}, "about the axes of S"},
@@ -37,8 +37,8 @@ std::unique_ptr<Force> Bushing::make(const Attachment& attachment, const Params&
 }
 
 void Bushing::setup() {
-  require_turning(*s(), "puts a force with a lever arm on");
-  if (!options_.torsion_stiffness.isZero(0) || !options_.torsion_damping.isZero(0)) require_turning(p(), "turns");
+  require_turning(*s(), "has a lever arm on");
+  if (!options_.torsion_stiffness.isZero(0) || !options_.torsion_damping.isZero(0)) require_turning(p(), "rotates");
   MarkerForce::setup();
 }
 

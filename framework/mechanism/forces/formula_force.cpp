@@ -17,15 +17,15 @@ CoordinateForce::CoordinateForce(std::string name, Marker& p, Marker& s, Axis ax
 const TypeInfo& CoordinateForce::info() {
   static const TypeInfo info{
       "function_force",
-      "force or torque by a formula of one coordinate q of P seen from S, its rate qd and the time t",
+      "force or torque by a formula of one coordinate q of P relative to S, its rate qd and time t",
       {{"force", Form::text, Unit::none, kOptional,
         "on P along an axis of S, N: \"=-800*q - 20*qd + 5*sin(t)\", q in m, all numbers in SI or all with units"},
-       {"torque", Form::text, Unit::none, kOptional, "or on P about an axis of S, N m; q in rad, turns counted"},
+       {"torque", Form::text, Unit::none, kOptional, "or on P about an axis of S, N m; q in rad, revolutions counted"},
        {"coordinate",
         Form::choice,
         Unit::none,
         kOptional,
-        "of P seen from S; default: z of a force, rz of a torque",
+        "of P relative to S; default: z for a force, rz for a torque",
         {"x", "y", "z", "rx", "ry", "rz"}},
        expression::constants_key()}};
   return info;
@@ -59,8 +59,8 @@ std::unique_ptr<Force> CoordinateForce::make(const Attachment& attachment, const
 }
 
 void CoordinateForce::setup() {
-  if (is_rotation(axis_)) require_turning(p(), "turns");
-  require_turning(*s(), is_rotation(axis_) ? "turns" : "puts a force with a lever arm on");
+  if (is_rotation(axis_)) require_turning(p(), "rotates");
+  require_turning(*s(), is_rotation(axis_) ? "rotates" : "has a lever arm on");
   MarkerForce::setup();
 }
 

@@ -15,7 +15,7 @@ FunctionForce::FunctionForce(std::string name, std::vector<const Marker*> marker
       dissipation_(std::move(dissipation)) {
   if (!apply_) throw ModelError("force '" + this->name() + "' (function_force) has no function; give one");
   for (const Marker* m : markers_) {
-    if (m == nullptr) throw ModelError("force '" + this->name() + "' (function_force): a marker is null; leave it out");
+    if (m == nullptr) throw ModelError("force '" + this->name() + "' (function_force): a marker is null; remove it");
     if (m->body == nullptr)
       throw ModelError("force '" + this->name() + "' (function_force): marker '" + m->name +
                        "' is not on a body; add it with add_marker");

@@ -14,7 +14,7 @@
 namespace lockstep {
 
 /// The loads on the rubbing surfaces, N: normal to the sliding, radial and axial to the turning. All zero while the
-/// link is not in force.
+/// joint is not in force.
 struct JointFriction::Pressing {
   bool in_force = false;
   double normal = 0, radial = 0, axial = 0;
@@ -24,10 +24,10 @@ JointFriction::JointFriction(std::string name, const Lock& link, Options options
     : Force(std::move(name)), Reacting(static_cast<const Force&>(*this)), link_(&link), options_(options) {
   const Jointed* joint = link.jointed();
   const std::string who =
-      "force '" + this->name() + "': link '" + link.name() + "' (" + std::string(link.type()) + ") ";
+      "force '" + this->name() + "': joint '" + link.name() + "' (" + std::string(link.type()) + ") ";
   if (joint == nullptr)
     throw ModelError(who +
-                     "is not a joint of two markers; friction exists in joints such as revolute, prismatic, "
+                     "is not a joint of two markers; use friction in joints such as revolute, prismatic, "
                      "cylindrical, point_on_plane");
   std::tie(p_, s_) = link.pairs().front();
   check_numbers();
@@ -46,11 +46,11 @@ JointFriction::JointFriction(std::string name, const Lock& link, Options options
   arm_ = options_.radius > 0 ? options_.radius : options_.axial_radius;
   if (sliding_.isZero(0) && turning_ < 0)
     throw ModelError(who +
-                     "has no free direction or axis that its reaction presses on; friction exists in joints "
+                     "has no free direction or axis on which its reaction causes friction; use joints "
                      "such as revolute, prismatic, cylindrical, point_on_plane");
   if (sliding_.isZero(0) && arm_ == 0 && options_.viscous_turn == 0)
     throw ParameterError({.kind = "force", .name = this->name()}, "radius",
-                         "is missing; link '" + link.name() + "' only turns, so give the radius at which it rubs");
+                         "is missing; joint '" + link.name() + "' only rotates, so give its friction radius");
 }
 
 void JointFriction::check_numbers() const {
@@ -76,19 +76,19 @@ void JointFriction::check_numbers() const {
 const TypeInfo& JointFriction::info() {
   static const TypeInfo info{
       "joint_friction",
-      "dry and viscous friction in a link, from its present reaction",
+      "dry and viscous friction in a joint, from its reaction at the same time",
       {{"mu", Form::number, Unit::none, kRequired, "coefficient of sliding friction"},
        {"mu_static", Form::number, Unit::none, kOptional, "coefficient at rest (Stribeck); default: mu"},
        {"stribeck_speed", Form::number, Unit::speed, 0.01, "speed over which the coefficient falls to mu"},
        {"smoothing_speed", Form::number, Unit::speed, 0.001,
         "speed at which friction reaches tanh(1) of its full value"},
-       {"radius", Form::number, Unit::length, 0, "where a turning joint rubs under its radial load"},
-       {"axial_radius", Form::number, Unit::length, 0, "where a turning joint rubs under its axial load"},
+       {"radius", Form::number, Unit::length, 0, "friction radius of a rotating joint under its radial load"},
+       {"axial_radius", Form::number, Unit::length, 0, "friction radius of a rotating joint under its axial load"},
        {"bending_length", Form::number, Unit::length, kOptional,
-        "a bending moment M on a sliding joint presses with M/length; half the guide for a couple at its ends"},
+        "a bending moment M on a sliding joint adds the normal force M/length; usually half the length of the guide"},
        {"preload", Form::number, Unit::force, 0, "normal (radial) force that always acts"},
-       {"viscous", Form::number, Unit::damping, 0, "viscous friction of the sliding"},
-       {"viscous_turn", Form::number, Unit::torsion_damping, 0, "viscous friction of the turning"},
+       {"viscous", Form::number, Unit::damping, 0, "viscous friction of sliding"},
+       {"viscous_turn", Form::number, Unit::torsion_damping, 0, "viscous friction of rotation"},
        {"load_smoothing", Form::number, Unit::force, 1e-6, "load e below which its magnitude is smoothed"}}};
   return info;
 }
@@ -115,13 +115,13 @@ std::unique_ptr<Force> JointFriction::make(const Attachment& attachment, const P
 void JointFriction::setup() {
   for (const Marker* m : {p_, s_})
     if (m->translation_law || m->rotation_law)
-      throw ModelError("force '" + name() + "': marker '" + m->name + "' of link '" + link_->name() +
-                       "' moves on its body by a law, which friction does not support; drive the link instead");
+      throw ModelError("force '" + name() + "': marker '" + m->name + "' of joint '" + link_->name() +
+                       "' moves on its body by a law, which friction does not support; drive the joint instead");
   if (link_->jointed()->turned())
     throw ModelError(
-        "force '" + name() + "': link '" + link_->name() +
-        "' has a law \"turn\", which turns its free axis away from z of S; friction does not support that: "
-        "turn the marker instead, or drive the link");
+        "force '" + name() + "': joint '" + link_->name() +
+        "' has a law \"turn\", which rotates its free axis away from z of S; friction does not support that: "
+        "rotate the marker instead, or drive the joint");
   P_ = MarkerFrame(*p_), S_ = MarkerFrame(*s_);
 }
 

@@ -22,7 +22,7 @@ MarkerForce::MarkerForce(std::string name, Marker& p, Marker* s) : Force(std::mo
   require_body(this->name(), *s);
   if (p.body == s->body)
     throw ModelError("force '" + this->name() + "': both markers are on body '" + p.body->name +
-                     "', where action and reaction cancel; put P or S on another body");
+                     "', so action and reaction cancel; put P or S on another body");
 }
 MarkerForce::~MarkerForce() = default;
 
@@ -33,7 +33,7 @@ std::vector<const Marker*> MarkerForce::markers() const {
 
 namespace {
 
-// Along the normal: of a marker as its law puts it, and of the mass centre of its slot, which has the world's axes.
+// Along the normal: of a marker as its law puts it, and of the centre of mass of its slot, which has the world's axes.
 struct Height {
   double marker, center, rounding;
 };
@@ -97,7 +97,7 @@ void MarkerForce::require_turning(const Marker& m, const char* does) const {
   if (m.body->freedoms != Freedoms::particle) return;
   throw ModelError("force '" + name() + "' (" + std::string(type()) + ") " + does + " body '" + m.body->name +
                    "' at marker '" + m.name + "', but '" + m.body->name +
-                   "' is a particle and cannot turn; give it an inertia (add_body), or use another body");
+                   "' is a particle and cannot rotate; give it an inertia (add_body), or use another body");
 }
 
 void MarkerForce::add_law(const LawPtr<MotionLaw>& law, std::string what, std::string unit) {

@@ -14,8 +14,8 @@ Motor::Motor(std::string name, Marker& p, Marker& s, Effort effort, LawPtr<Motio
 Motor::~Motor() = default;
 
 void Motor::setup() {
-  if (effort_ == Effort::torque) require_turning(p(), "turns");
-  require_turning(*s(), effort_ == Effort::torque ? "turns" : "puts a force with a lever arm on");
+  if (effort_ == Effort::torque) require_turning(p(), "rotates");
+  require_turning(*s(), effort_ == Effort::torque ? "rotates" : "has a lever arm on");
   MarkerForce::setup();
 }
 
@@ -46,7 +46,7 @@ const TypeInfo& ForceMotor::info() {
   static const TypeInfo info{
       "force_motor",
       "force by a law along z of S on P's body at P, the opposite on S's body at the same point",
-      {{"force", Form::law, Unit::force, kRequired, "law of the force on p's body along z of s"}}};
+      {{"force", Form::law, Unit::force, kRequired, "law of the force on p's body along z of s, against time"}}};
   return info;
 }
 
@@ -62,7 +62,7 @@ const TypeInfo& TorqueMotor::info() {
   static const TypeInfo info{
       "torque_motor",
       "torque by a law about z of S on P's body, the opposite on S's body",
-      {{"torque", Form::law, Unit::torque, kRequired, "law of the torque on p's body about z of s"}}};
+      {{"torque", Form::law, Unit::torque, kRequired, "law of the torque on p's body about z of s, against time"}}};
   return info;
 }
 

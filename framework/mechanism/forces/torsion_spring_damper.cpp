@@ -21,12 +21,12 @@ TorsionSpringDamper::TorsionSpringDamper(std::string name, Marker& p, Marker& s,
 const TypeInfo& TorsionSpringDamper::info() {
   static const TypeInfo info{
       "torsion_spring_damper",
-      "spring, damper and rotary actuator about the common z axis of P and S, turns counted",
+      "spring, damper and rotary actuator about the common z axis of P and S, revolutions counted",
       {{"stiffness", Form::number, Unit::torsion_stiffness, 0, "torque per angle"},
        {"damping", Form::number, Unit::torsion_damping, 0, "torque per angular speed, not negative"},
-       {"free_angle", Form::number, Unit::angle, 0, "angle of P against S at which only the preload acts"},
-       {"preload", Form::number, Unit::torque, 0, "torque at the free angle, positive turns P back about z of S"},
-       {"torque", Form::law, Unit::torque, kOptional, "law added to the torque, positive turns P back about z of S"}}};
+       {"free_angle", Form::number, Unit::angle, 0, "angle of P relative to S at which only the preload acts"},
+       {"preload", Form::number, Unit::torque, 0, "torque at the free angle, positive rotates P back about z"},
+       {"torque", Form::law, Unit::torque, kOptional, "law added to the torque, positive rotates P back about z"}}};
   return info;
 }
 
@@ -44,15 +44,15 @@ bool TorsionSpringDamper::stays_in_plane(Plane plane) const {
 }
 
 void TorsionSpringDamper::setup() {
-  require_turning(p(), "turns");
-  require_turning(*s(), "turns");
+  require_turning(p(), "rotates");
+  require_turning(*s(), "rotates");
   MarkerForce::setup();
   const Vec3 zP = rotation((p().body->home * p().local).q).col(2),
              zS = rotation((s()->body->home * s()->local).q).col(2);
   if (p().rotation_law || s()->rotation_law || 1 + zP.dot(zS) > 1e-9) return;
-  throw ModelError("force '" + name() + "': the z axes of markers '" + p().name + "' and '" + s()->name +
-                   "' are opposed at the start, so there is no angle about them; turn one marker by half a turn about "
-                   "its x axis");
+  throw ModelError(
+      "force '" + name() + "': the z axes of markers '" + p().name + "' and '" + s()->name +
+      "' are opposed at the start, so the angle about them is undefined; rotate one marker by 180 deg about x");
 }
 
 std::vector<Quantity> TorsionSpringDamper::quantities() const {

@@ -62,7 +62,7 @@ double CamProfile::facing(double alpha, double u) const {
 }
 
 void CamProfile::check(const std::string& link, double roller) const {
-  const std::string who = "link '" + link + "': ";
+  const std::string who = "joint '" + link + "': ";
   constexpr int kPoints = 720;
   for (int i = 0; i <= kPoints; ++i) {
     const double u = kTwoPi * i / kPoints;
@@ -74,14 +74,14 @@ void CamProfile::check(const std::string& link, double roller) const {
     if (std::isinf(roller) ? !(k > 0) : !(1 + k * roller > 0))
       throw ModelError(who + "its cam has a curvature of " + text::brief(k) + " 1/m" + where +
                        (std::isinf(roller)
-                            ? "; a flat face rides on convex profiles only: use cam_roller"
+                            ? "; a flat face needs a convex profile: use cam_roller"
                             : "; a roller of " + text::brief(roller) + " m does not fit into that hollow"));
   }
   const LawValue first = radius_->at(0), last = radius_->at(kTwoPi);
   if (std::abs(last.y - first.y) > 1e-9 * first.y || std::abs(last.yd - first.yd) > 1e-6 * first.y)
     throw ModelError(who + "the profile of its cam does not close: radius " + text::brief(first.y) + " m and slope " +
                      text::brief(first.yd) + " m/rad at 0, " + text::brief(last.y) + " and " + text::brief(last.yd) +
-                     " after a turn; make the law repeat after 2 pi");
+                     " after a revolution; make the law repeat after 2 pi");
 }
 
 void RollerOnCam::reset(std::span<double> z, PhiCoords y) const {
@@ -121,15 +121,15 @@ Key radius_key() {
 CamRoller::CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius, double roller)
     : FunctionLock(std::move(name), p, s, Mask::none, rows_of(RollerOnCam(CamProfile(std::move(radius)), roller))) {
   if (!phi_of<RollerOnCam>(function()).profile.radius())
-    throw ModelError("link '" + this->name() + "': no law for its radius was given");
+    throw ModelError("joint '" + this->name() + "': no law for its radius was given");
   if (!(roller >= 0) || std::isinf(roller))
-    throw ParameterError({.kind = "link", .name = this->name()}, "roller",
+    throw ParameterError({.kind = "joint", .name = this->name()}, "roller",
                          "is " + text::brief(roller) + " m; it must not be negative");
 }
 
 TypeInfo CamRoller::info() {
   return {"cam_roller",
-          "the centre P of a roller rides on a disc cam about z of S; free: everything else",
+          "roller with centre P on a disc cam about z of S; degrees of freedom left: all but one",
           {radius_key(), {"roller", Form::number, Unit::length, 0, "radius of the roller; 0: a knife edge"}}};
 }
 
@@ -141,12 +141,12 @@ std::unique_ptr<Lock> CamRoller::make(const Attachment& attachment, const Params
 CamFlat::CamFlat(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius)
     : FunctionLock(std::move(name), p, s, Mask::none, rows_of(FaceOnCam(CamProfile(std::move(radius))))) {
   if (!phi_of<FaceOnCam>(function()).profile.radius())
-    throw ModelError("link '" + this->name() + "': no law for its radius was given");
+    throw ModelError("joint '" + this->name() + "': no law for its radius was given");
 }
 
 TypeInfo CamFlat::info() {
   return {"cam_flat",
-          "a flat face through P, y of P its normal, rides on a convex disc cam about z of S; free: everything else",
+          "flat face at P, normal y of P, on a convex disc cam about z of S; degrees of freedom left: all but one",
           {radius_key()}};
 }
 

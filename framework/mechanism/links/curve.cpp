@@ -74,7 +74,7 @@ double CurvePoint::nearest(const Vec3& rho, double s) const {
 }
 
 void CurvePoint::initialise(const std::string& link, const LockCoords<Time>& y) const {
-  const std::string who = "link '" + link + "': ";
+  const std::string who = "joint '" + link + "': ";
   double s = kNoPoint;
   try {
     s = nearest(Vec3(y.x.v, y.y.v, y.z.v), near_);
@@ -114,7 +114,7 @@ Key near_key() { return {"near", Form::number, Unit::none, 0, "an s near which P
 
 PointOnCurve::PointOnCurve(std::string name, Marker& p, Marker& s, LawPtr<TranslationLaw> path, double near)
     : FunctionLock(std::move(name), p, s, Mask::none, rows_of(OnCurve(CurvePoint(std::move(path), near)))) {
-  if (!phi_of<OnCurve>(function()).curve.path()) throw ModelError("link '" + this->name() + "': no path was given");
+  if (!phi_of<OnCurve>(function()).curve.path()) throw ModelError("joint '" + this->name() + "': no path was given");
 }
 
 std::vector<Quantity> PointOnCurve::quantities() const { return of_curve(); }
@@ -124,7 +124,7 @@ double PointOnCurve::quantity(int k, const Inputs& in) const {
 
 TypeInfo PointOnCurve::info() {
   return {"point_on_curve",
-          "origin of P on a space curve c(s) fixed to S; free: moving along it, all turns",
+          "origin of P on a space curve c(s) fixed to S; degrees of freedom left: motion along it, all rotations",
           {path_key(), near_key()}};
 }
 
@@ -136,9 +136,9 @@ std::unique_ptr<Lock> PointOnCurve::make(const Attachment& attachment, const Par
 PathFollower::PathFollower(std::string name, Marker& p, Marker& s, Options options)
     : FunctionLock(std::move(name), p, s, Mask::none,
                    rows_of(OnPath(CurvePoint(std::move(options.path), options.near), std::move(options.turn)))) {
-  if (!phi_of<OnPath>(function()).curve.path()) throw ModelError("link '" + this->name() + "': no path was given");
+  if (!phi_of<OnPath>(function()).curve.path()) throw ModelError("joint '" + this->name() + "': no path was given");
   if (!phi_of<OnPath>(function()).turn)
-    throw ModelError("link '" + this->name() + "': no law for the axes along its path was given");
+    throw ModelError("joint '" + this->name() + "': no law for the axes along its path was given");
 }
 
 std::vector<Quantity> PathFollower::quantities() const { return of_curve(); }
@@ -150,7 +150,7 @@ TypeInfo PathFollower::info() {
   Key turning{"turning", Form::rotation_law, Unit::angle, kRequired, "q(s), S axes: a rotation law whose time is s"};
   turning.of_time = false;
   return {"path_follower",
-          "P follows a path c(s) with axes q(s), both fixed to S; free: moving along it",
+          "P follows a path c(s) with axes q(s), both fixed to S; degrees of freedom left: motion along it",
           {path_key(), std::move(turning), near_key()}};
 }
 

@@ -22,7 +22,7 @@ Distance::Distance(std::string name, Marker& p, Marker& s, double length)
 Distance::Distance(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> length)
     : FunctionLock(std::move(name), p, s, Mask::none, rows_of(DistanceFunction(std::move(length), 0))) {
   if (!phi_of<DistanceFunction>(function()).law)
-    throw ModelError("link '" + this->name() + "': no law for its length was given; give one, or a number");
+    throw ModelError("joint '" + this->name() + "': no law for its length was given; give one, or a number");
 }
 
 Distance::Distance(std::string name, Marker& p, Marker& s) : Distance(std::move(name), p, s, distance_at_start(p, s)) {}
@@ -31,17 +31,17 @@ RowPlan Distance::plan_rows() {
   RowPlan plan = FunctionLock::plan_rows();
   const double length = phi_of<DistanceFunction>(function()).length_at(0.0);
   if (!(length > 0))
-    throw ModelError("link '" + name() + "': length " + text::brief(length) +
+    throw ModelError("joint '" + name() + "': length " + text::brief(length) +
                      " m at t = 0; a distance must be above zero (two points that coincide are a spherical joint)");
   if (distance_at_start(p(), s()) == 0)
-    throw ModelError("link '" + name() + "': '" + p().name + "' and '" + s().name +
+    throw ModelError("joint '" + name() + "': '" + p().name + "' and '" + s().name +
                      "' start at the same point, so the distance has no direction; move one of them");
   return plan;
 }
 
 TypeInfo Distance::info() {
   return {"distance",
-          "keeps the distance between the origins of P and S; free: everything else",
+          "distance between P and S, constant or by a law; degrees of freedom left: all but the distance",
           {{"length", Form::law, Unit::length, kOptional, "distance, m: a number or a law; default: as at the start"}}};
 }
 

@@ -114,7 +114,7 @@ FormulaFunction read_formula(const Value& v, const std::string& place,
           if (k != kTime && f.reads(k)) return false;
         return true;
       }()))
-    refuse(v.where, place, "it reads no coordinate, so it holds nothing; known: x, y, z, e0, e1, e2, e3, rz");
+    refuse(v.where, place, "it uses no coordinate, so it constrains nothing; known: x, y, z, e0, e1, e2, e3, rz");
   return f;
 }
 
@@ -122,10 +122,10 @@ FormulaFunction read_formula(const Value& v, const std::string& place,
 
 TypeInfo FormulaJoint::info() {
   return {"function",
-          "a joint by formulas of where P is seen from S: each is held at zero",
+          "a joint by formulas of the pose of P relative to S: each is held at zero",
           {{"phi", Form::any, Unit::none, kRequired,
-            "a formula, or a list of up to 3, of x, y, z (m), e0 ... e3 (quaternion), rz (rad, turns counted) and t"},
-           {"mask", Form::text, Unit::none, "", "rows of a lock held as well: words of x y z e1 e2 e3"},
+            "a formula, or a list of up to 3, of x, y, z (m), e0 ... e3 (quaternion), rz (rad, counted) and t"},
+           {"mask", Form::text, Unit::none, "", "constraints of a lock held as well: words of x y z e1 e2 e3"},
            expression::constants_key()}};
 }
 
@@ -150,7 +150,7 @@ std::unique_ptr<Lock> FormulaJoint::make(const Attachment& attachment, const Par
       return link_of<3>(attachment, mask, formulas);
     default:
       p.refuse("phi",
-               "it has " + std::to_string(formulas.size()) + " formulas; give 1, 2 or 3, and another link for more");
+               "it has " + std::to_string(formulas.size()) + " formulas; give 1, 2 or 3, and another joint for more");
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The link 'function': a joint by formulas of the relative coordinates, written in a scene.
+// The joint 'function': a joint by formulas of the relative coordinates, written in a scene.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace lockstep {
 
-/// Its keys, and its maker: the formulas decide which coordinates the link reads.
+/// Its keys, and its maker: the formulas decide which coordinates the joint reads.
 struct FormulaJoint {
   static TypeInfo info();                                               ///< its keys in scenes
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry

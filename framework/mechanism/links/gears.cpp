@@ -12,7 +12,7 @@ namespace {
 
 double positive(const CoupledPairs& pairs, const char* key, double x) {
   if (x > 0 && x < 1e300) return x;
-  throw ParameterError({.kind = "link", .name = pairs.name}, key, "is " + text::brief(x) + "; it must be above zero");
+  throw ParameterError({.kind = "joint", .name = pairs.name}, key, "is " + text::brief(x) + "; it must be above zero");
 }
 
 Gear::Mesh mesh_of(const std::string& word) {
@@ -27,15 +27,15 @@ Gear::Gear(const CoupledPairs& pairs, double ratio, Mesh mesh)
 
 TypeInfo Gear::info() {
   return {"gear",
-          "two gears in joints on a common carrier, each turning about its own z",
-          {{"ratio", Form::number, Unit::none, kOptional, "turns of gear 1 per turn of gear 2; or give the teeth"},
+          "two gears in joints on a common carrier, each rotating about its own z",
+          {{"ratio", Form::number, Unit::none, kOptional, "revolutions of gear 1 per one of gear 2; or give the teeth"},
            {"teeth_1", Form::integer, Unit::none, kOptional, "teeth of gear 1"},
            {"teeth_2", Form::integer, Unit::none, kOptional, "teeth of gear 2"},
            {"mesh",
             Form::choice,
             Unit::none,
             "external",
-            "external and bevel turn in opposite senses (bevel: both z away from the apex), internal in the same",
+            "external and bevel rotate in opposite senses (bevel: both z away from the apex), internal in the same",
             {"external", "internal", "bevel"}}}};
 }
 
@@ -62,10 +62,10 @@ Belt::Belt(const CoupledPairs& pairs, Options o)
 
 TypeInfo Belt::info() {
   return {"belt",
-          "two pulleys in joints on a common carrier, each turning about its own z; no slip",
+          "two pulleys in joints on a common carrier, each rotating about its own z; no slip",
           {{"radius_1", Form::number, Unit::length, kRequired, "of pulley 1"},
            {"radius_2", Form::number, Unit::length, kRequired, "of pulley 2"},
-           {"crossed", Form::boolean, Unit::none, false, "the pulleys turn in opposite senses"}}};
+           {"crossed", Form::boolean, Unit::none, false, "the pulleys rotate in opposite senses"}}};
 }
 
 std::unique_ptr<Lock> Belt::make(const Attachment& attachment, const Params& p) {
@@ -79,7 +79,7 @@ Differential::Differential(const CoupledPairs& pairs, double ratio)
 
 TypeInfo Differential::info() {
   return {"differential",
-          "three turns on a common carrier: theta1 + ratio theta2 = (1 + ratio) theta3",
+          "three rotations on a common carrier: theta1 + ratio theta2 = (1 + ratio) theta3",
           {{"ratio", Form::number, Unit::none, 1, "1: wheel, wheel, cage; teeth of ring to sun: sun, ring, arm"}}};
 }
 

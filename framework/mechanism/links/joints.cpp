@@ -7,9 +7,9 @@ namespace lockstep {
 
 TypeInfo GenericLock::info() {
   return {"lock",
-          "any of the 64 masks; free: the axes whose rows are not named",
+          "any of the 64 masks; degrees of freedom left: the coordinates not in the mask",
           {{"mask", Form::text, Unit::none, kRequired,
-            "rows in words: x y z (translations of P in S axes), e1 e2 e3 (turns about x y z)"}}};
+            "constraints in words: x y z (translations of P in S axes), e1 e2 e3 (rotations about x y z)"}}};
 }
 
 std::unique_ptr<Lock> GenericLock::make(const Attachment& attachment, const Params& params) {

@@ -14,7 +14,7 @@ namespace {
 
 double checked_radius(const std::string& link, double radius) {
   if (!std::isfinite(radius) || radius == 0)
-    throw ParameterError({.kind = "link", .name = link}, "radius",
+    throw ParameterError({.kind = "joint", .name = link}, "radius",
                          "is " + text::brief(radius) + " m; the radius of a pinion must not be zero");
   return radius;
 }
@@ -30,7 +30,7 @@ RackAndPinion::RackAndPinion(const CoupledPairs& pairs, double radius)
 
 TypeInfo RackAndPinion::info() {
   return {"rack_and_pinion",
-          "one pair: P, a pinion about z, rolls along x of S; two: pinion (turn about z) and rack (slide along z)",
+          "one pair: P, a pinion about z, rolls along x of S; two: pinion (rotates about z) and rack (moves along z)",
           {{"radius", Form::number, Unit::length, kRequired, "of the pitch circle; negative reverses the sense"}}};
 }
 

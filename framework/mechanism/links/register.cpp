@@ -24,22 +24,22 @@ void add_mask_joint(Links& shelf, const char* help) {
 
 void register_links(Registry& registry) {
   Links& shelf = registry.links;
-  add_mask_joint<Fixed>(shelf, "holds P in S; free: nothing");
-  add_mask_joint<PointOnLine>(shelf, "origin of P on the z axis of S; free: sliding along z, all turns");
-  add_mask_joint<PointOnPlane>(shelf, "origin of P in the xy plane of S; free: sliding along x and y, all turns");
+  add_mask_joint<Fixed>(shelf, "weld, P coincides with S; degrees of freedom left: none");
+  add_mask_joint<PointOnLine>(shelf, "P on axis z of S; degrees of freedom left: translation along z, all rotations");
+  add_mask_joint<PointOnPlane>(shelf,
+                               "P in plane xy of S; degrees of freedom left: translation along x and y, all rotations");
   add_mask_joint<PlaneOnPlane>(
-      shelf, "planar joint, xy planes of P and S coincide; free: sliding along x and y, turning about z");
-  add_mask_joint<Revolute>(shelf, "hinge; free: turning about z of S");
-  add_mask_joint<Cylindrical>(shelf, "shaft in a bore; free: turning about and sliding along z of S");
-  add_mask_joint<AngularAlignment>(shelf, "axes of P parallel to those of S; free: sliding along x, y and z");
-  add_mask_joint<Oldham>(shelf, "parallel shafts along z turn together; free: sliding along x and y of S");
-  add_mask_joint<Prismatic>(shelf, "slider; free: sliding along z of S");
+      shelf, "planar joint, xy planes coincide; degrees of freedom left: translation along x and y, rotation about z");
+  add_mask_joint<Revolute>(shelf, "hinge; degrees of freedom left: rotation about z of S");
+  add_mask_joint<Cylindrical>(shelf, "shaft in a bore; degrees of freedom left: rotation about z, translation along z");
+  add_mask_joint<AngularAlignment>(shelf, "axes parallel; degrees of freedom left: translation along x, y and z of S");
+  add_mask_joint<Oldham>(shelf, "parallel shafts rotate together; degrees of freedom left: translation along x and y");
+  add_mask_joint<Prismatic>(shelf, "slider; degrees of freedom left: translation along z of S");
   add_mask_joint<Rzeppa>(
-      shelf, "constant-velocity joint, shafts along z meet in one point; free: swinging about axes normal to z");
+      shelf, "constant-velocity joint, shafts along z meet; degrees of freedom left: two rotations normal to z");
   add_mask_joint<Homokinetic>(
-      shelf,
-      "shafts along z turn at equal rates wherever they are; free: all translations, swinging about axes normal to z");
-  add_mask_joint<Spherical>(shelf, "ball joint, origins coincide; free: all turns");
+      shelf, "shafts along z rotate at equal rates; degrees of freedom left: translations, two rotations normal to z");
+  add_mask_joint<Spherical>(shelf, "ball joint, origins coincide; degrees of freedom left: all rotations");
   shelf.add<Distance>();
   shelf.add<Screw>();
   shelf.add<Universal>();

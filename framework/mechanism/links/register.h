@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Registers the built-in links.
+// Registers the built-in joints.
 #pragma once
 
 #include <lockstep/detail/export.h>

@@ -16,7 +16,7 @@ Screw::Screw(std::string name, Marker& p, Marker& s, double lead, LawPtr<MotionL
     : FunctionLock(std::move(name), p, s, Mask::x | Mask::y | Mask::e1 | Mask::e2,
                    rows_of(ScrewThread(lead, std::move(slip)))) {
   if (!std::isfinite(lead))
-    throw ParameterError({.kind = "link", .name = this->name()}, "lead",
+    throw ParameterError({.kind = "joint", .name = this->name()}, "lead",
                          "is " + text::brief(lead) + " m; it must be a finite number");
 }
 
@@ -29,9 +29,9 @@ double Screw::quantity(int k, const Inputs& in) const {
 
 TypeInfo Screw::info() {
   return {"screw",
-          "nut on a thread about z of S; free: turning about z, and with it sliding along z",
-          {{"lead", Form::number, Unit::length, kRequired, "advance per turn, negative for a left-hand thread"},
-           {"slip", Form::law, Unit::length, kOptional, "distance from the thread, m; default: none"}}};
+          "nut on a thread about z of S; degrees of freedom left: rotation about z, coupled to translation along z",
+          {{"lead", Form::number, Unit::length, kRequired, "advance per revolution, negative for a left-hand thread"},
+           {"slip", Form::law, Unit::length, kOptional, "axial offset from the thread, m; default: none"}}};
 }
 
 std::unique_ptr<Lock> Screw::make(const Attachment& attachment, const Params& p) {

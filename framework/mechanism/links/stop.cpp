@@ -16,7 +16,7 @@ namespace {
 
 double finite(const std::string& name, double limit) {
   if (!std::isfinite(limit))
-    throw ModelError("link '" + name + "': the limit " + text::number(limit) + " of a stop must be a finite number");
+    throw ModelError("joint '" + name + "': the limit " + text::number(limit) + " of a stop must be a finite number");
   return limit;
 }
 
@@ -34,12 +34,12 @@ TurnStop::TurnStop(std::string name, Marker& p, Marker& s, Options o)
 
 TypeInfo Stop::info() {
   return {"stop",
-          "one end of a travel: keeps the coordinate of P seen from S from passing its limit",
+          "one end of a travel: the coordinate of P relative to S does not pass its limit",
           {{"coordinate",
             Form::choice,
             Unit::none,
             kRequired,
-            "along an axis of S, or the turn about its z, counted past full turns",
+            "along an axis of S, or the rotation about its z, full revolutions counted",
             {"x", "y", "z", "rz"}},
            {"low", Form::number, Unit::any, kOptional, "the coordinate stays above this, m or rad; or \"high\""},
            {"high", Form::number, Unit::any, kOptional, "the coordinate stays below this, m or rad; or \"low\""}}};
@@ -48,7 +48,7 @@ TypeInfo Stop::info() {
 std::unique_ptr<Lock> Stop::make(const Attachment& attachment, const Params& params) {
   if (params.has("low") == params.has("high"))
     params.refuse(params.has("low") ? "high" : "coordinate",
-                  params.has("low") ? "\"low\" is given as well; one stop has one end, add another for the other"
+                  params.has("low") ? "\"low\" is given as well; a stop has one limit, add another stop for the other"
                                     : "no limit is given; add \"low\" or \"high\"");
   const bool low = params.has("low");
   const Axis axis = axis_from(params.text("coordinate"));

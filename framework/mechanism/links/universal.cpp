@@ -11,7 +11,7 @@ Universal::Universal(std::string name, Marker& p, Marker& s)
     : FunctionLock(std::move(name), p, s, Mask::xyz, rows_of(Cross{})) {}
 
 TypeInfo Universal::info() {
-  return {"universal", "Hooke's joint, origins coincide; free: turning about x of S and about y of P", {}};
+  return {"universal", "Hooke's joint; degrees of freedom left: rotation about x of S and y of P", {}};
 }
 
 std::unique_ptr<Lock> Universal::make(const Attachment& attachment, const Params&) {

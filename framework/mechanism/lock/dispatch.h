@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The kernel instance for a set of laws: a compromise between compile time and specialisation (theory, (5.4)). A law
-// that the instance covers and the link lacks enters as zero.
+// that the instance covers and the joint lacks enters as zero.
 #pragma once
 
 #include <type_traits>

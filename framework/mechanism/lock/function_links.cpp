@@ -81,21 +81,21 @@ std::vector<MarkerPair> checked_pairs(const CoupledPairs& coupled, std::size_t n
                           &Attachment::given(coupled.name, given.second, "s", k)};
     for (std::size_t j = 0; j < k; ++j)
       if (pairs[j] == pair)
-        throw ModelError("link '" + coupled.name + "': pairs " + std::to_string(j + 1) + " and " +
+        throw ModelError("joint '" + coupled.name + "': pairs " + std::to_string(j + 1) + " and " +
                          std::to_string(k + 1) + " are the same two markers; couple two different joints");
     for (const Marker* m : {pair.first, pair.second})
       if (std::find(seen.begin(), seen.end(), m->body) == seen.end()) seen.push_back(m->body);
     if (pair.first->body == pair.second->body)
-      throw ModelError("link '" + coupled.name + "': both sides of pair " + std::to_string(k + 1) + " are on body '" +
-                       pair.first->body->name + "'; name two bodies");
+      throw ModelError("joint '" + coupled.name + "': both sides of pair " + std::to_string(k + 1) + " are on body '" +
+                       pair.first->body->name + "'; use two bodies");
     pairs.push_back(pair);
   }
   if (coupled.pairs.size() > n)
-    throw ModelError("link '" + coupled.name + "' takes " + std::to_string(n) + " pairs, and " +
+    throw ModelError("joint '" + coupled.name + "' takes " + std::to_string(n) + " pairs, but " +
                      std::to_string(coupled.pairs.size()) + " are given; remove the others");
   if (seen.size() > kMaxSlots)
-    throw ModelError("link '" + coupled.name + "' couples " + std::to_string(seen.size()) + " bodies; a link touches " +
-                     std::to_string(kMaxSlots) + " at most: measure its pairs from a common body");
+    throw ModelError("joint '" + coupled.name + "' couples " + std::to_string(seen.size()) + " bodies; the limit is " +
+                     std::to_string(kMaxSlots) + ": measure its pairs from a common body");
   return pairs;
 }
 
@@ -142,7 +142,7 @@ RowPlan FunctionCoupling::plan_rows() {
   RowPlan plan;
   function_->add_slots(plan.slots);
   if (plan.slots.n == 0)
-    throw ModelError("link '" + name() + "': none of the bodies that it couples can move; couple a moving one");
+    throw ModelError("joint '" + name() + "': none of the bodies that it couples can move; couple a moving one");
   for (int k = 0; k < function_->spec().rows; ++k) plan.add(function_->row(k));
   return plan;
 }

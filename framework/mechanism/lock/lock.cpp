@@ -12,8 +12,8 @@ namespace {
 
 [[noreturn]] void refuse(const Lock& link, const std::string& problem) {
   throw ModelError(
-      "link '" + link.name() + "' " + problem,
-      {.thing = {.kind = "link", .name = link.name(), .type = std::string(link.type()), .origin = link.origin()}});
+      "joint '" + link.name() + "' " + problem,
+      {.thing = {.kind = "joint", .name = link.name(), .type = std::string(link.type()), .origin = link.origin()}});
 }
 
 }  // namespace
@@ -23,7 +23,7 @@ Lock::~Lock() = default;
 
 void Lock::set_unilateral(const Unilateral& u) {
   if (!(u.restitution >= 0 && u.restitution <= 1))
-    refuse(*this, "is one-sided with restitution " + text::brief(u.restitution) + "; it must lie between 0 and 1");
+    refuse(*this, "is one-sided with restitution " + text::brief(u.restitution) + "; it must be between 0 and 1");
   if (!(u.rest_speed > 0) || !std::isfinite(u.rest_speed))
     refuse(*this, "is one-sided with rest_speed " + text::brief(u.rest_speed) +
                       "; it must be above zero, or bounces would never end");
@@ -47,13 +47,13 @@ void Lock::setup() {
   RowPlan plan = plan_rows();
   if (!rows_ || *rows_ != plan.rows) rows_ = std::make_shared<const std::vector<LinkRow>>(std::move(plan.rows));
   slots_ = plan.slots, pattern_ = plan.pattern, layout_ = plan.layout, sign_ = plan.sign;
-  const std::string rows = std::to_string(row_count()) + " rows; ";
+  const std::string rows = std::to_string(row_count()) + " constraints; ";
   if (row_count() < 1 || row_count() > kMaxRows)
     refuse(*this,
-           "has " + rows + "a link has 1 to " + std::to_string(kMaxRows) + ": give it a mask, a drive or a function");
+           "has " + rows + "a joint has 1 to " + std::to_string(kMaxRows) + ": give it a mask, a drive or a function");
   if (unilateral_ && row_count() != 1)
     refuse(*this, "is one-sided and has " + rows +
-                      "a one-sided link has exactly one: use a link of one row, such as stop, distance or "
+                      "a one-sided joint has exactly one: use a joint of one constraint, such as stop, distance or "
                       "point_on_plane, or a lock with a mask of one word");
 }
 

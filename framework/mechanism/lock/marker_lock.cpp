@@ -20,8 +20,8 @@ constexpr int kPoseNumbers = 7;  // origin and quaternion of a pose that is held
 MarkerLock::MarkerLock(std::string name, Marker& p, Marker& s, Mask mask)
     : Lock(std::move(name)), p_(&p), s_(&s), mask_(mask), rows_(mask) {
   if (p.body == s.body)
-    throw ModelError("link '" + this->name() + "': both markers are on body '" + p.body->name +
-                     "'; a link joins two bodies, put P or S on another one");
+    throw ModelError("joint '" + this->name() + "': both markers are on body '" + p.body->name +
+                     "'; a joint connects two bodies, put P or S on another");
 }
 MarkerLock::~MarkerLock() = default;
 
@@ -52,24 +52,24 @@ MarkerMotion MarkerLock::S_at(double t) const { return lawful_ ? lawful_->S.at(t
 
 void MarkerLock::refuse_when_set_up(const std::string& what) const {
   if (slots().n == 0) return;
-  throw ModelError("link '" + name() + "': " + what +
-                   " is added after the system was set up and its rows were counted; "
+  throw ModelError("joint '" + name() + "': " + what +
+                   " is added after the system was set up; "
                    "give every law before the first evaluation");
 }
 
 void MarkerLock::move(LawPtr<TranslationLaw> law) {
   refuse_when_set_up("a translation law");
   if (!overlaps(mask_, Mask::xyz))
-    throw ModelError("link '" + name() + "': a translation law moves rows x y z, and the mask \"" + to_string(mask_) +
-                     "\" holds none of them; drive a free axis instead");
+    throw ModelError("joint '" + name() + "': a translation law moves the constraints x y z, but the mask \"" +
+                     to_string(mask_) + "\" has none of them; drive a free axis instead");
   lawful().imposed.move = std::move(law);
 }
 
 void MarkerLock::turn(LawPtr<RotationLaw> law) {
   refuse_when_set_up("a rotation law");
   if (!overlaps(mask_, Mask::e123))
-    throw ModelError("link '" + name() + "': a rotation law turns rows e1 e2 e3, and the mask \"" + to_string(mask_) +
-                     "\" holds none of them; drive a free axis instead");
+    throw ModelError("joint '" + name() + "': a rotation law moves the constraints e1 e2 e3, but the mask \"" +
+                     to_string(mask_) + "\" has none of them; drive a free axis instead");
   lawful().imposed.turn = std::move(law);
 }
 
@@ -83,24 +83,24 @@ void MarkerLock::drive_speed(Axis axis, LawPtr<MotionLaw> law) {
 void MarkerLock::hold() {
   refuse_when_set_up("\"hold\"");
   if (mask_ == Mask::none)
-    throw ModelError("link '" + name() + "': its mask is empty, so that nothing can hold where its bodies stand");
+    throw ModelError("joint '" + name() + "': its mask is empty, so \"hold\" constrains nothing; give it a mask");
   lawful().imposed.hold = true;
   lawful().n_states = kPoseNumbers;
 }
 
 void MarkerLock::add_drive(Drive drive) {
-  const std::string what = "link '" + name() + "': drive on " + std::string(to_string(drive.axis));
+  const std::string what = "joint '" + name() + "': drive on " + std::string(to_string(drive.axis));
   const Mask bit = row_of(drive.axis);
   refuse_when_set_up("a drive on " + std::string(to_string(drive.axis)));
   if (!drive.law) throw ModelError(what + " has no law; give it one");
   if (includes(mask_, bit))
-    throw ModelError(what + ": row " + std::string(lockstep::row_name(axis_index(drive.axis))) +
-                     " is held by the mask \"" + to_string(mask_) +
-                     "\"; drive a free axis, or give the link a law by move or turn");
+    throw ModelError(what + ": constraint " + std::string(lockstep::row_name(axis_index(drive.axis))) +
+                     " is in the mask \"" + to_string(mask_) +
+                     "\"; drive a free axis, or give the joint a law by move or turn");
   if (includes(rows_, bit)) throw ModelError(what + ": this axis is driven already; one law per axis");
   if (is_rotation(drive.axis) && !includes(mask_ | bit, Mask::e123))
-    throw ModelError(what + ": the other two turns are not both held (mask \"" + to_string(mask_) +
-                     "\"), so the driven angle has no axis; hold them, or drive a revolute joint");
+    throw ModelError(what + ": the other two rotations are not both constrained (mask \"" + to_string(mask_) +
+                     "\"), so the driven angle has no axis; constrain them, or drive a revolute joint");
   rows_ = rows_ | bit;
   lawful().imposed.drives.push_back(std::move(drive));
 }
@@ -138,7 +138,7 @@ RowPlan MarkerLock::plan_rows() {
   plan.slots.add(slot1_);
   plan.slots.add(slot2_);
   if (plan.slots.n == 0)
-    throw ModelError("link '" + name() + "': neither '" + p_->body->name + "' nor '" + s_->body->name +
+    throw ModelError("joint '" + name() + "': neither '" + p_->body->name + "' nor '" + s_->body->name +
                      "' can move; join at least one moving body");
   side1_ = static_cast<signed char>(plan.slots.position(slot1_));
   side2_ = static_cast<signed char>(plan.slots.position(slot2_));
@@ -164,9 +164,7 @@ RowPlan MarkerLock::plan_rows() {
   if (imposed.turn) laws_ |= with::qD;
   for (const Drive& d : imposed.drives) laws_ |= is_rotation(d.axis) ? with::qD : with::p;
   if (imposed.hold && (imposed.move || imposed.turn || !imposed.drives.empty() || unilateral() != nullptr))
-    throw ModelError(
-        "link '" + name() +
-        "': it holds where its bodies stand, and a law moves it or it is one-sided; remove one of the two");
+    throw ModelError("joint '" + name() + "': \"hold\" excludes laws and one-sided joints; remove one of the two");
   if (imposed.hold && overlaps(mask_, Mask::xyz)) laws_ |= with::p;
   if (imposed.hold && overlaps(mask_, Mask::e123)) laws_ |= with::qD;
   if (P.parallel() && S.parallel()) laws_ |= with::parallel;

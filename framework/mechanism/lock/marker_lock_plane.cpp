@@ -22,7 +22,7 @@ int axis_along(const Mat3& A, int n) {
 }
 
 [[noreturn, gnu::noinline, gnu::cold]] void leaves_plane(const MarkerLock& lock, double t) {
-  throw ModelError("link '" + lock.name() + "': its law leaves the plane at t = " + text::number(t) +
+  throw ModelError("joint '" + lock.name() + "': its law leaves the plane at t = " + text::number(t) +
                    " s, and the scene is planar; set \"planar\" to \"off\"");
 }
 
@@ -43,7 +43,7 @@ bool MarkerLock::setup_plane(Plane plane) {
     if (k != a && includes(rows_, row_bit(k))) f.axes[f.n_translations++] = k;
   f.pair = f.n_translations == 2;
   if (f.n_translations == 0 && !f.turn && (laws_ & (with::p | with::qD)))
-    throw ModelError("link '" + name() + "' has laws but no row in the plane of the scene; set \"planar\" to \"off\"");
+    throw ModelError("joint '" + name() + "' has laws but no constraint in the plane; set \"planar\" to \"off\"");
   f.uP[0] = P_.u[plane.i()], f.uP[1] = P_.u[plane.j()];
   f.uS[0] = S_.u[plane.i()], f.uS[1] = S_.u[plane.j()];
   for (int k = 0; k < f.n_translations; ++k)

@@ -34,8 +34,8 @@ Mask mask_from(std::string_view words) {
     words.remove_prefix(word.size());
     const int k = position(kRows, word);
     if (k < 0)
-      refuse("mask", "has the unknown row \"" + std::string(word) + "\"; a mask is made of the words " + listed(kRows));
-    if (includes(mask, row_bit(k))) refuse("mask", "names row \"" + std::string(word) + "\" twice; name each row once");
+      refuse("mask", "has the unknown word \"" + std::string(word) + "\"; the words of a mask are " + listed(kRows));
+    if (includes(mask, row_bit(k))) refuse("mask", "has the word \"" + std::string(word) + "\" twice; give it once");
     mask = mask | row_bit(k);
   }
 }

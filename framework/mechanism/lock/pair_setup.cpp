@@ -9,8 +9,8 @@ void refuse_particles(const std::string& link, const std::string& rows, const Ma
   for (const Marker* m : {&p, &s})
     if (m->body->freedoms == Freedoms::particle)
       throw ModelError(
-          "link '" + link + "' holds turns (" + rows + ") of '" + m->body->name +
-          "', which is a particle and does not turn; give it an inertia, or use a link that leaves turns free");
+          "joint '" + link + "' constrains rotations (" + rows + ") of '" + m->body->name +
+          "', which is a particle and cannot rotate; give it an inertia, or use a joint that leaves rotations free");
 }
 
 Pose pose_at_start(const Marker& p, const Marker& s, const MarkerFrame& P, const MarkerFrame& S) {

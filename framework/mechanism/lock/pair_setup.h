@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What links of pairs of markers check and measure at setup.
+// What joints of pairs of markers check and measure at setup.
 #pragma once
 
 #include <string>
@@ -8,8 +8,7 @@
 
 namespace lockstep {
 
-/// Throws ModelError if one of the markers is on a particle, whose turn the rows `rows` ("e1", "phi") of the link would
-/// hold.
+/// Throws ModelError if one of the markers is on a particle, whose rotation the rows `rows` ("e1", "phi") hold.
 void refuse_particles(const std::string& link, const std::string& rows, const Marker& p, const Marker& s);
 
 /// Pose of p seen from s with their bodies at home, including the markers' own laws at t = 0. P and S are p and s as

@@ -151,10 +151,10 @@ void PhiRows::tangent(const Inputs& in, const double* memory, const double* lamb
 void PhiRows::refuse_opposed(const std::string& link, const Coords& y) const {
   for (std::size_t k = 0; k < pairs_.size(); ++k)
     if (spec_.counts(static_cast<int>(k)) && !(y[k].e0.v * y[k].e0.v + y[k].e3.v * y[k].e3.v > 1e-12))
-      throw ModelError("link '" + link + "': the z axes of '" + pairs_[k].first->name + "' and '" +
+      throw ModelError("joint '" + link + "': the z axes of '" + pairs_[k].first->name + "' and '" +
                        pairs_[k].second->name +
-                       "' point against one another at the start, so that there is no angle about them; turn one "
-                       "marker by half a turn about its x axis");
+                       "' are opposed at the start, so the angle about them is undefined; rotate one "
+                       "marker by 180 deg about its x axis");
 }
 
 // What the spec leaves out is NaN, one after another: a function that is finite without it and not with it reads it.
@@ -176,7 +176,7 @@ void PhiRows::refuse_unread(const std::string& link, Coords y) const {
            std::all_of(rows.begin(), rows.begin() + spec_.rows, [](const Time& row) { return std::isfinite(row.v); });
   };
   const auto refuse = [&](bool reads, const std::string& what) {
-    if (reads) throw ModelError("link '" + link + "': its function " + what);
+    if (reads) throw ModelError("joint '" + link + "': its function " + what);
   };
   const bool starts = works([&] { hooks_->reset({memory.data(), memory.size() - 1}, given(y)); });
   for (LockCoords<Time>& each : y) each.memory = memory.data();
@@ -184,20 +184,20 @@ void PhiRows::refuse_unread(const std::string& link, Coords y) const {
   const double none = std::numeric_limits<double>::quiet_NaN();
   if (spec_.memory == 0) {
     memory[0] = none;
-    refuse(!finite(), "reads y.memory, and its spec has none; say .memory there");
+    refuse(!finite(), "reads y.memory, but its spec has none; set .memory there");
   }
   if (!spec_.counts_turns) {
     for (LockCoords<Time>& each : y) each.turns = none;
     refuse(!finite(),
-           "calls angle_z(); say .counts_turns = true in its spec, or false where the angle stays within half "
-           "a turn of zero");
+           "calls angle_z(); set .counts_turns = true in its spec, or false if the angle stays within half "
+           "a revolution of zero");
   }
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const int pair = static_cast<int>(k);
     if (!spec_.reads_of(pair, Reads::translation)) y[k].x = y[k].y = y[k].z = Time(none);
     if (!spec_.reads_of(pair, Reads::rotation)) y[k].e0 = y[k].e1 = y[k].e2 = y[k].e3 = Time(none);
     refuse(!finite(), "reads coordinates of pair " + std::to_string(k + 1) +
-                          " that its spec leaves out; let .reads say what it reads of each pair");
+                          " that its spec leaves out; list in .reads what it reads of each pair");
   }
 }
 

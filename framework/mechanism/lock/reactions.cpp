@@ -6,7 +6,7 @@
 namespace lockstep {
 namespace {
 
-// (2.1) The generalised force -J_i^T lambda on the link's i-th slot, with its moment about `point`.
+// (2.1) The generalised force -J_i^T lambda on the joint's i-th slot, with its moment about `point`.
 LinkWrench on_slot(const Lock& link, const RowView& block, const RowEntry& e, const double* lambda, int i, int part,
                    const Motion& O, const Vec3& point) {
   Vec3 F = Vec3::Zero(), m = Vec3::Zero();

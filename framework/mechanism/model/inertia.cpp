@@ -55,7 +55,7 @@ double rod_length(double mass, const Vec3& from, const Vec3& to) {
   return length;
 }
 
-// "principal moments 1, 1, 2.0000001 kg m^2": three digits, or as many as tell that the two smaller do not add up to the
+// "principal moments 1, 1, 2.0000001 kg m^2": three digits, or as many as show that the two smaller do not add up to the
 // largest where they do not.
 std::string principal_moments(const Vec3& I) {
   std::array<std::string, 3> words;
@@ -75,7 +75,7 @@ std::string principal_moments(const Vec3& I) {
 void check_mass(const MassProperties& p, const std::string& owner) {
   const std::string who = owner + ": ";
   require_positive(p.mass, who + "the mass");
-  if (!p.center.allFinite()) throw ModelError(who + "the mass centre is not finite; give three finite numbers");
+  if (!p.center.allFinite()) throw ModelError(who + "the centre of mass is not finite; give three finite numbers");
   if (!p.J.allFinite()) throw ModelError(who + "the inertia is not finite; give nine finite numbers");
 
   const double size = p.J.cwiseAbs().maxCoeff();
@@ -88,11 +88,11 @@ void check_mass(const MassProperties& p, const std::string& owner) {
   const std::string principal = principal_moments(I);
   if (!(I[0] > 1e-14 * I[2]))
     throw ModelError(who + "the inertia is not positive definite (" + principal +
-                     "); give a moment about every axis; a body without any is a particle");
+                     "); give a moment about every axis, or use a particle");
   if (I[0] + I[1] < I[2] * (1 - 1e-10))
-    throw ModelError(who + "the inertia breaks the triangle rule (" + principal +
+    throw ModelError(who + "the inertia violates the triangle inequality (" + principal +
                      "): the two smaller must add up to at least the largest; "
-                     "check whether products are given as matrix entries and about the mass centre");
+                     "check whether products are given as matrix entries and about the centre of mass");
 }
 
 MassProperties shapes::about(double mass, const Vec3& center, const Mat3& J_origin, const Vec3& origin, const Quat& axes) {

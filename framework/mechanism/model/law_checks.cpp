@@ -22,16 +22,16 @@ void require_positive(const char* law, const char* key, double value) {
 
 Vec3 require_direction(const char* law, const char* key, const Vec3& axis) {
   const double most = axis.cwiseAbs().maxCoeff();
-  if (!axis.allFinite()) reject(law, key, "holds a number that is not finite; give a direction");
-  if (most == 0) reject(law, key, "is [0, 0, 0], which is no direction; give one that is not zero");
+  if (!axis.allFinite()) reject(law, key, "has a number that is not finite; give a direction");
+  if (most == 0) reject(law, key, "is [0, 0, 0], which has no direction; give one that is not zero");
   return (axis / most).normalized();
 }
 
 Quat require_orientation(const char* law, const char* key, const Quat& q) {
   const Vec4 c = q.coefficients();
   const double most = c.cwiseAbs().maxCoeff();
-  if (!c.allFinite()) reject(law, key, "holds a number that is not finite; give a quaternion");
-  if (most == 0) reject(law, key, "is [0, 0, 0, 0], which is no orientation; [1, 0, 0, 0] is the unturned one");
+  if (!c.allFinite()) reject(law, key, "has a number that is not finite; give a quaternion");
+  if (most == 0) reject(law, key, "is [0, 0, 0, 0], which is not an orientation; [1, 0, 0, 0] is the identity");
   return normalized(Quat::from(Vec4(c / most)));
 }
 

@@ -17,7 +17,7 @@ namespace {
 // How the cells of a file are written: by its first line. Where semicolons or tabs separate them, a comma is a decimal
 // one.
 char separator_of(std::string_view line) {
-  std::string bare;  // without what stands in quotes
+  std::string bare;  // without quoted parts
   bool quoted = false;
   for (const char c : line)
     if (c == '"')
@@ -57,7 +57,7 @@ bool CsvReader::next_line(std::vector<std::string>& cells) {
   return false;
 }
 
-// Of the first line: the header, or without one as many columns without names. A line of both is refused: a word would
+// Of the first line: the header, or without one as many columns without names. A line of both is an error: a word would
 // hide that the first row has a slip in it.
 void CsvReader::read_header() {
   double ignored = 0;
@@ -69,12 +69,12 @@ void CsvReader::read_header() {
   }
   if (const auto word = std::ranges::find_if(first_, [&](const auto& c) { return !number(c, ignored); });
       word != first_.end())
-    refuse("the first line holds " + std::to_string(n_numbers) + " numbers, and '" + *word +
-           "', which is none; it must be a row of numbers, or name every column");
+    refuse("the first line has " + std::to_string(n_numbers) + " numbers and '" + *word +
+           "', which is not a number; give numbers only, or name every column");
   columns_.resize(first_.size());
 }
 
-// Every row has as many cells as the first line: a decimal comma that separates is found out by this. It is told where the
+// Every row has as many cells as the first line: this detects a decimal comma that separates. It is reported where the
 // first cell too many begins, or where the row ends that has too few.
 bool CsvReader::next(std::vector<std::string>& cells) {
   if (!first_.empty()) {
@@ -88,7 +88,7 @@ bool CsvReader::next(std::vector<std::string>& cells) {
   const std::size_t end = line_.find_last_not_of(" \t\r") + 1;
   refuse_at(surplus ? begins_[columns_.size()] : end,
             "has " + std::to_string(cells.size()) + " cells, the first line has " + std::to_string(columns_.size()) +
-                (commas ? "; if a comma is a decimal one, write a point, or separate cells by semicolons" : ""));
+                (commas ? "; if its commas are decimal signs, write points, or separate cells by semicolons" : ""));
 }
 
 void CsvReader::refuse_both_signs(const std::vector<std::string>& cells, std::size_t column) {
@@ -100,10 +100,9 @@ void CsvReader::refuse_both_signs(const std::vector<std::string>& cells, std::si
   if (sign_ == 0) sign_ = sign, sign_line_ = number_;
   if (sign == sign_) return;
   const std::string& name = columns_[column].name;
-  refuse("column " + (name.empty() ? std::to_string(column + 1) : "'" + name + "'") + " holds " + cell +
-         ", with a decimal " + (point ? "point" : "comma") + ", and line " + std::to_string(sign_line_) +
-         " a number with a decimal " + (point ? "comma" : "point") +
-         "; write all numbers that are read with one decimal sign, and no other in them");
+  refuse("column " + (name.empty() ? std::to_string(column + 1) : "'" + name + "'") + " has " + cell +
+         ", with a decimal " + (point ? "point" : "comma") + ", but line " + std::to_string(sign_line_) +
+         " has a decimal " + (point ? "comma" : "point") + "; use one decimal sign in all columns that are read");
 }
 
 bool CsvReader::number(std::string cell, double& value) const {
@@ -125,7 +124,7 @@ std::size_t CsvReader::find(const std::string& wanted) const {
   const auto named = [&](const CsvColumn& c) { return c.name == wanted; };
   if (const auto found = std::ranges::find_if(columns_, named); found != columns_.end()) {
     if (std::ranges::count_if(columns_, named) > 1)
-      refuse("two columns are named '" + wanted + "'; name the column by its number, from 1");
+      refuse("two columns are named '" + wanted + "'; give the number of the column, from 1");
     return static_cast<std::size_t>(found - columns_.begin());
   }
   std::size_t k = 0;

@@ -17,7 +17,7 @@ struct CsvColumn {
 };
 
 /// Reads a file line by line; blank lines and those that begin with # are skipped. Throws FileError, with file and line,
-/// as read_columns() of splines.h says.
+/// as described at read_columns() of splines.h.
 class LOCKSTEP_API CsvReader {
  public:
   /// Opens the file and reads its first line, which names the columns or is the first row.

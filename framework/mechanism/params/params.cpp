@@ -17,7 +17,7 @@
 namespace lockstep {
 namespace {
 
-// Says that a quaternion, read as q, is not of length one but for rounding: three digits of each of its numbers leave
+// Reports that a quaternion, read as q, is not of length one within rounding: three digits of each of its numbers leave
 // |length - 1| <= 5e-4 (|w| + |x| + |y| + |z|) <= 1e-3.
 void warn_of_length(const Value& v, const Quat& q, const std::string& context) {
   constexpr double kRounded = 1e-3;
@@ -29,7 +29,7 @@ void warn_of_length(const Value& v, const Quat& q, const std::string& context) {
   Finding f{&finding::quaternion_length,
             "",
             context + ": the quaternion has length " + shown_length,
-            "its direction is taken, [" + text::brief(q.w) + ", " + text::brief(q.x) + ", " + text::brief(q.y) + ", " +
+            "it is normalised to [" + text::brief(q.w) + ", " + text::brief(q.x) + ", " + text::brief(q.y) + ", " +
                 text::brief(q.z) + "] (scalar first)",
             length,
             1};
@@ -44,7 +44,7 @@ void check_law_form(const Value& v, Form form, const std::string& context) {
   const bool constant = (v.number() != nullptr && !vector) ||
                         (v.text() != nullptr && !vector && read_quantity(*v.text(), Unit::any).problem.empty());
   if (constant) {
-    read_number(v, Unit::any, context);  // refuses NaN and infinity
+    read_number(v, Unit::any, context);  // rejects NaN and infinity
   } else if (v.object() == nullptr) {
     refuse(v.where, context,
            std::string("expected a law ({\"type\": ..., and its keys}, or a ") +

@@ -65,7 +65,7 @@ Quat read_quaternion(const Value& v, const std::string& context) {
   if (std::abs(length - 1) > kOffUnit)
     refuse(v.where, context,
            "the quaternion has length " + text::brief(length) + ", which is more than " + text::brief(100 * kOffUnit) +
-               " % off 1; if its direction is meant, write [" + nine_digits(q.w) + ", " + nine_digits(q.x) + ", " +
+               " % off 1; to normalise it, write [" + nine_digits(q.w) + ", " + nine_digits(q.x) + ", " +
                nine_digits(q.y) + ", " + nine_digits(q.z) + "] (scalar first)");
   return q;
 }
@@ -122,12 +122,12 @@ Quat read_direction_orientation(const Value& v, const std::string& context) {
   if (upright.norm() < 1e-6)
     refuse(v.where, context,
            std::string("the directions \"") + names[k[0]] + "\" and \"" + names[k[1]] +
-               "\" are parallel; turn one of them");
+               "\" are parallel; change one of them");
   if (std::abs(first.dot(given)) > kSkew)
     refuse(v.where, context,
            std::string("the directions \"") + names[k[0]] + "\" and \"" + names[k[1]] + "\" are " +
                text::brief(std::acos(first.dot(given)) * 180 / kPi) +
-               " deg apart; axes are at right angles: turn one of "
+               " deg apart; axes are perpendicular: change one of "
                "them");
   const Vec3 second = upright.normalized();
   Mat3 A;
@@ -138,7 +138,7 @@ Quat read_direction_orientation(const Value& v, const std::string& context) {
   return quaternion_of(A);
 }
 
-// Refuses members that this form of orientation does not have.
+// Rejects members that this form of orientation does not have.
 void check_members(const Value& v, std::span<const std::string> known, const std::string& context) {
   for (const Value::Member& member : *v.object())
     if (std::ranges::find(known, member.key) == known.end())

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Readers of one Value by its form, with errors that say where it was written. Params and the scene builder use them.
+// Readers of one Value by its form, with errors that have its place. Params and the scene builder use them.
 #pragma once
 
 #include <charconv>
@@ -38,7 +38,7 @@ LOCKSTEP_API std::vector<std::string> words_at(char mark, const std::string& tex
 /// A value as messages show it: `a text ("fast")`, `a number (2.5)`, "a list of 3".
 LOCKSTEP_API std::string shown(const Value&);
 
-/// The context of one item of a list: "link 'A', points[2]".
+/// The context of one item of a list: "joint 'A', points[2]".
 inline std::string item(const std::string& context, std::size_t i) { return context + "[" + std::to_string(i) + "]"; }
 
 /// Tables of keys; of two keys of one name the first counts.
@@ -48,7 +48,7 @@ LOCKSTEP_API const Key* key_in(KeyTables, std::string_view name);
 /// Checks an object of this type against its keys, as Params does.
 LOCKSTEP_API void check_members(const Value& object, const std::string& type, KeyTables, const std::string& owner);
 
-// All throw SceneError by `refuse`; `context` names what is read: "link 'A', law.slope".
+// All throw SceneError by `refuse`; `context` names what is read: "joint 'A', law.slope".
 // Numbers are finite and in SI; with a unit other than Unit::none a number may be a text such as "12 mm".
 LOCKSTEP_API double read_number(const Value&, Unit, const std::string& context);
 LOCKSTEP_API int read_integer(const Value&, const std::string& context);

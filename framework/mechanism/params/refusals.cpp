@@ -27,7 +27,7 @@ void Refusals::raise() const {
   if (empty()) return;
   std::string all;
   for (const std::string& line : lines_) all += (all.empty() ? "" : "\n") + line;
-  throw SceneError(all + (full() ? "\nand perhaps more; these were the first" : ""), first_);
+  throw SceneError(all + (full() ? "\nmore errors may follow these" : ""), first_);
 }
 
 }  // namespace lockstep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Refusals: several refusals of one input as one.
+// Refusals: several errors of one input as one.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace lockstep {
 
-/// What is wrong with an input, a line each; of more than twenty lines the first. What is said again is said once.
+/// What is wrong with an input, a line each; of more than twenty lines the first. Repeated lines are given once.
 class LOCKSTEP_API Refusals {
  public:
-  /// Runs `act`, and keeps what it refuses.
+  /// Runs `act`, and keeps its error.
   template <class F>
   void attempt(F&& act) {
     try {

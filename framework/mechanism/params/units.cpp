@@ -122,7 +122,7 @@ std::vector<std::string> symbol_names() {
   return names;
 }
 
-// Reads a whole unit; on failure `problem` says why.
+// Reads a whole unit; on failure `problem` is the reason.
 UnitFactor unit_factor(std::string_view unit, std::string& problem) {
   UnitFactor total;
   bool divide = false, divided = false;

@@ -30,7 +30,7 @@ LOCKSTEP_API std::string misfit(const std::string& text, std::string_view symbol
 /// A valid text: "12 mm", "1200 rpm", ...; "" for Unit::none.
 LOCKSTEP_API std::string example_of(Unit);
 
-/// The quantity in a text: `value` in SI when `problem` is empty, which else says why the text is refused.
+/// The quantity in a text: `value` in SI when `problem` is empty, otherwise the reason of the error.
 struct Measured {
   double value = 0;
   std::string problem;  ///< `"12 mmm": unknown unit "mmm"; ...`

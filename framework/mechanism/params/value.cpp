@@ -18,7 +18,7 @@ Value::Value(const char* s) : data_(std::string(s)) {}
 Value::Value(std::string s) : data_(std::move(s)) {}
 Value::Value(List items) : data_(std::move(items)) {}
 Value::Value(Object members) : data_(std::move(members)) {}
-// Copied beside and moved in: where a copy runs out of memory, std::variant of libstdc++ 12 destroys what it has not made.
+// Copied first and moved in: if a copy runs out of memory, std::variant of libstdc++ 12 destroys what it has not made.
 Value::Value(const Value& other) : where(other.where) {
   if (const List* items = other.list())
     data_ = List(*items);

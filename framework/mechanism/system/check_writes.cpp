@@ -13,7 +13,7 @@ namespace lockstep {
 namespace {
 
 constexpr std::size_t kFence = 512;  // numbers on each side, more than the largest block of rows holds
-constexpr std::size_t kAtOnce = 64;  // links of a group: their rows stay in the cache
+constexpr std::size_t kAtOnce = 64;  // joints of a group: their rows stay in the cache
 // A NaN that no arithmetic produces; compared bitwise.
 constexpr std::uint64_t kMark = 0x7ff8'dead'beef'cafe;
 
@@ -53,7 +53,7 @@ bool runs(const std::function<void()>& act) {
   }
 }
 
-// Marks the numbers of a block that a link has to write; the others are padding and stay zero.
+// Marks the numbers of a block that a joint has to write; the others are padding and stay zero.
 std::vector<bool> wanted(const RowShape& shape) {
   std::vector<bool> needed(RowSpan::stride(shape), false);
   const auto column = [&](std::size_t at, int n) {
@@ -68,17 +68,17 @@ std::vector<bool> wanted(const RowShape& shape) {
   return needed;
 }
 
-// "C of row phi", "the Jacobian of row phi on its body 2"
+// "C of constraint phi", "the Jacobian of constraint phi on its body 2"
 std::string place_in(const RowShape& shape, const Lock& link, std::size_t at) {
   const auto ld = static_cast<std::size_t>(shape.ld());
-  const std::string row = "row " + link.row_name(static_cast<int>(at % ld));
+  const std::string row = "constraint " + link.row_name(static_cast<int>(at % ld));
   if (at < 3 * ld) return std::string(at < ld ? "C" : at < 2 * ld ? "Ct" : "Qhat") + " of " + row;
   int slot = 0;
   while (slot + 1 < shape.n && at >= shape.J(slot + 1)) ++slot;
   return "the Jacobian of " + row + " on its body " + std::to_string(slot + 1);
 }
 
-// Gathers links of one group in one call, as the evaluation does.
+// Gathers joints of one group in one call, as the evaluation does.
 void check_links(Group links, const RowShape& shape, const Inputs& in, bool in_plane) {
   const std::size_t stride = RowSpan::stride(shape);
   Fenced rows(stride * links.size());
@@ -100,7 +100,7 @@ void check_links(Group links, const RowShape& shape, const Inputs& in, bool in_p
       const double x = rows.data()[l * stride + k];
       if (needed[k] && marked(x))
         refuse(*links[l], "leaves " + place_in(shape, *links[l], k) +
-                              " unwritten; its gather() has to write every number, zeros too, for each link of the "
+                              " unwritten; its gather() has to write every number, zeros too, for each joint of the "
                               "group");
       if (!needed[k] && !marked(x) && x != 0)
         refuse(*links[l], "writes outside of its rows, beyond row " + std::to_string(shape.m - 1) +
@@ -164,11 +164,11 @@ void check_force(const Force& force, const Inputs& in, int n_slots) {
 void check_slots(const Lock& link, int n_slots) {
   const SlotList& on = link.slots();
   if (on.n < 1 || on.n > kMaxSlots)
-    refuse(link, "touches " + std::to_string(on.n) + " moving bodies; a link touches 1 to " +
+    refuse(link, "connects " + std::to_string(on.n) + " moving bodies; a joint connects 1 to " +
                      std::to_string(kMaxSlots) + ": add their slots in setup()");
   for (int i = 0; i < on.n; ++i)
     if (on[i] < 0 || on[i] >= n_slots)
-      refuse(link, "names slot " + std::to_string(on[i]) + " of " + std::to_string(n_slots) +
+      refuse(link, "uses slot " + std::to_string(on[i]) + " of " + std::to_string(n_slots) +
                        "; take it from a marker (marker.body->slot), in setup()");
 }
 

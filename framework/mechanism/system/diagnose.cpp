@@ -39,14 +39,14 @@ std::string law_fault_of(const Force& force, double t) {
   }
 }
 
-// Blames one of its laws if that is at fault, else gives the advice `otherwise`.
+// Names one of its laws if that is at fault, else gives the advice `otherwise`.
 template <class T>
 [[noreturn]] void refuse_number(const T& thing, double t, const std::string& what, const std::string& otherwise) {
   const std::string law = law_fault_of(thing, t);
-  const std::string words = law.empty() ? "; " + otherwise : ": " + law + "; look at its parameters";
+  const std::string words = law.empty() ? "; " + otherwise : ": " + law + "; check its parameters";
   const Thing whose = thing_of(thing);
   throw NonFiniteError(at_time(t) + whose.label() + what + words,
-                       {.thing = whose, .advice = law.empty() ? otherwise : "look at its parameters", .t = t});
+                       {.thing = whose, .advice = law.empty() ? otherwise : "check its parameters", .t = t});
 }
 
 // "body 'b' at [1, 0, 0]" of the moving bodies among these slots.
@@ -61,7 +61,7 @@ std::string place_of(const System& system, const Inputs& in, const SlotNumbers& 
   return words;
 }
 
-// Which number of a link's rows is not finite, and where its bodies are: ": Qhat of row z is nan with body 'b' at ...".
+// The number of a joint's rows that is not finite, and its bodies: ": Qhat of constraint z is nan with body 'b' at ...".
 std::string bad_number(const System& system, const Inputs& in, const RowEntry& e, const RowView& block,
                        const Lock& link) {
   std::vector<int> slots;
@@ -73,10 +73,10 @@ std::string bad_number(const System& system, const Inputs& in, const RowEntry& e
     for (const auto& [what, x] : {std::pair{"the value C", static_cast<double>(block.C(k))},
                                   {"the rate Ct", static_cast<double>(block.Ct(k))},
                                   {"the acceleration Qhat", static_cast<double>(block.Qhat(k))},
-                                  {"the gradient", J}})
+                                  {"the Jacobian", J}})
       if (!std::isfinite(x))
-        return std::string(": ") + what + " of row " + link.row_name(e.own[k]) + " is " + text::number(x) + " with " +
-               place_of(system, in, slots);
+        return std::string(": ") + what + " of constraint " + link.row_name(e.own[k]) + " is " + text::number(x) +
+               " with " + place_of(system, in, slots);
   }
   return {};
 }
@@ -86,8 +86,8 @@ void check_mass_finite(const Body& body, double t) {
   const MassProperties& m = body.mass;
   const auto refuse = [&](const std::string& what) {
     const Thing whose{.kind = "body", .name = body.name};
-    throw NonFiniteError(at_time(t) + whose.words() + " has " + what + "; it must be finite: look at what sets it",
-                         {.thing = whose, .advice = "look at what sets its mass", .t = t});
+    throw NonFiniteError(at_time(t) + whose.words() + " has " + what + "; it must be finite: check what sets it",
+                         {.thing = whose, .advice = "check what sets its mass", .t = t});
   };
   if (!std::isfinite(m.mass)) refuse("a mass of " + text::number(m.mass) + " kg");
   if (!m.center.allFinite()) refuse("a centre of mass that is not finite");
@@ -99,7 +99,7 @@ std::string or_shorter_step(double t) { return t == 0 ? std::string() : std::str
 
 }  // namespace
 
-Thing thing_of(const Lock& link) { return thing_of_kind("link", link); }
+Thing thing_of(const Lock& link) { return thing_of_kind("joint", link); }
 Thing thing_of(const Force& force) { return thing_of_kind("force", force); }
 
 Thing thing_of_row(const System& system, const RowTable& table, int row) {
@@ -115,11 +115,11 @@ std::string or_against_stops(const System& system, const RowTable& table) {
     if (link.unilateral() != nullptr) stops += (stops.empty() ? "'" : "', '") + link.name();
     if ((link.driven() != nullptr && link.driven()->n_drives() > 0) ||
         (link.jointed() != nullptr && link.jointed()->has_laws()))
-      driven += (driven.empty() ? " of link '" : "', '") + link.name();
+      driven += (driven.empty() ? " of joint '" : "', '") + link.name();
   }
   if (stops.empty()) return {};
-  return ", or a law" + (driven.empty() ? driven : driven + "'") + " drives on against the one-sided link " + stops +
-         "' that is touched";
+  return ", or a law" + (driven.empty() ? driven : driven + "'") + " drives against the closed one-sided joint " +
+         stops + "'";
 }
 
 ErrorContext context_of(const Lock& link, double t) {
@@ -153,7 +153,7 @@ void rethrow_from_group(const System& system, const Inputs& in, const RowTable& 
         link->gather(Group(&link, 1), in, alone.spatial_span(shape));
     });
   }
-  // No single link throws on its own: an Error is passed on as it is, anything else names the group.
+  // No single joint throws on its own: an Error is passed on as it is, anything else names the group.
   try {
     throw;
   } catch (const Error&) {
@@ -161,14 +161,14 @@ void rethrow_from_group(const System& system, const Inputs& in, const RowTable& 
   } catch (...) {
     ErrorContext group{.thing = thing_of(*link_of(entry(0))), .t = in.t};
     group.thing.name.clear();
-    group.label = "one of the " + std::to_string(run.n) + " links of type '" + group.thing.type + "'" +
-                  of_plugin(group.thing.origin) + " (none of them throws on its own)";
+    group.label = "one of the " + std::to_string(run.n) + " joints of type '" + group.thing.type + "'" +
+                  of_plugin(group.thing.origin) + " (none of them throws alone)";
     rethrow_in(group);
   }
 }
 
 void refuse_laws(const Lock& link, double t) {
-  refuse_number(link, t, " computed a number that is not finite", "look at its laws");
+  refuse_number(link, t, " computed a number that is not finite", "check its laws");
 }
 
 VecX wrench_of(const System& system, const Inputs& in, const Force& force) {
@@ -182,7 +182,7 @@ void check_wrench(const System& system, const Inputs& in, const Force& force) {
   if (!wrench_of(system, in, force).allFinite())
     refuse_number(force, in.t,
                   " is not finite" + (force.slots().empty() ? "" : " with " + place_of(system, in, force.slots())),
-                  "look at its law and parameters");
+                  "check its law and parameters");
 }
 
 void check_finite(const System& system, const Inputs& in, const RowTable& table, const VecX& f) {
@@ -191,7 +191,7 @@ void check_finite(const System& system, const Inputs& in, const RowTable& table,
     if (O.x.allFinite() && O.A.allFinite() && O.v.allFinite() && O.w.allFinite()) continue;
     const Thing body{.kind = "body", .name = system.body_of_slot(k).name};
     throw NonFiniteError(at_time(in.t) + body.words() + " has a position or velocity that is not finite" +
-                             (in.t == 0 ? "; look at its start" : std::string("; ") + kShorterStep),
+                             (in.t == 0 ? "; check its start" : std::string("; ") + kShorterStep),
                          {.thing = body, .advice = kShorterStep, .t = in.t});
   }
   for (const RowEntry& e : table.entries) {
@@ -216,17 +216,17 @@ void diagnose_rates(const System& system, double t, const VecX& sd) {
   const auto bad = [&](int first, int n) { return !sd.segment(first, n).allFinite(); };
   for (const auto& link : system.links())
     if (bad(link->first_state(), link->n_own_states()))
-      refuse_number(*link, t, ": the rate of its driven speed is not finite", "look at its parameters");
+      refuse_number(*link, t, ": the rate of its driven speed is not finite", "check its parameters");
   for (const auto& auxiliary : system.auxiliaries())
     if (bad(auxiliary->first(), auxiliary->size()))
       throw NonFiniteError(at_time(t) + "the integrated state '" + auxiliary->name() +
-                               "' has a rate that is not finite; look at what feeds it",
+                               "' has a rate that is not finite; check its inputs",
                            {.thing = {.kind = "integrated state", .name = auxiliary->name()}, .t = t});
   for (const auto& angle : system.counted_angles())
     if (bad(angle->first(), CountedAngle::kStates))
       throw NonFiniteError(at_time(t) + "the " + angle->name() + " has a rate that is not finite; " + kShorterStep,
                            {.thing = {.kind = "counted angle", .name = angle->name()}, .t = t});
-  throw NonFiniteError(at_time(t) + "a rate of the integrated states is not finite; look at what feeds them",
+  throw NonFiniteError(at_time(t) + "a rate of the integrated states is not finite; check their inputs",
                        {.thing = {.kind = "mechanism"}, .t = t});
 }
 

@@ -15,7 +15,7 @@
 namespace lockstep::passes {
 namespace {
 
-// A particle takes no moment: whoever exerts one on it is refused. `f`: the sums of all forces.
+// A particle takes no moment: a force that exerts one on it is an error. `f`: the sums of all forces.
 void check_particles(const System& system, const Inputs& in, const VecX& f) {
   const auto turned = [&](const VecX& sum) {
     for (int k = 0; k < system.n_slots(); ++k)
@@ -30,11 +30,11 @@ void check_particles(const System& system, const Inputs& in, const VecX& f) {
     const VecX one = wrench_of(system, in, *force);
     const int k = turned(one);
     if (k < 0) continue;
-    throw ModelError(at_time(in.t) + "force '" + force->name() + "' exerts a moment of " +
-                         text::brief(one.segment<3>(6 * k + 3).norm()) + " N m on body '" +
-                         system.body_of_slot(k).name +
-                         "', which is a particle and cannot turn; give it an inertia, or push at its point",
-                     {.thing = thing_of(*force), .t = in.t});
+    throw ModelError(
+        at_time(in.t) + "force '" + force->name() + "' exerts a moment of " +
+            text::brief(one.segment<3>(6 * k + 3).norm()) + " N m on body '" + system.body_of_slot(k).name +
+            "', which is a particle and cannot rotate; give it an inertia, or apply the force at its point",
+        {.thing = thing_of(*force), .t = in.t});
   }
 }
 
@@ -43,7 +43,7 @@ std::span<double> part(VecX& x, int first, int size) { return {x.data() + first,
 // Numbers of another count would be written past.
 void check_count(const char* what, Eigen::Index found, Eigen::Index needed) {
   if (found == needed) return;
-  throw ModelError(std::string("passes::") + what + ": " + std::to_string(found) + " numbers where " +
+  throw ModelError(std::string("passes::") + what + ": " + std::to_string(found) + " numbers, but " +
                    std::to_string(needed) + " are needed; size them by System::start()");
 }
 
@@ -54,22 +54,21 @@ void check_absent_row(const System& system, const Inputs& in, const Lock& link, 
     const double x = std::abs(all.C(k)),
                  limit = kMost * (link.row_kind(k) == RowKind::translation ? system.length() : 1.0);
     if (x <= limit) return;
-    throw ModelError(
-        "link '" + link.name() + "', row " + link.row_name(k) +
-            ": was left out at the start, since it depended on others, exactly or nearly, and is violated by " +
-            text::brief(x) + " (limit " + text::brief(limit) + ") at t = " + text::number(in.t) +
-            " s; set \"nearly_redundant\" of \"run\" to \"held\" or \"told\", or build it otherwise",
-        {.thing = thing_of(link), .t = in.t});
+    throw ModelError("joint '" + link.name() + "', constraint " + link.row_name(k) +
+                         ": left out at the start as redundant or nearly redundant, but violated by " + text::brief(x) +
+                         " (limit " + text::brief(limit) + ") at t = " + text::number(in.t) +
+                         " s; set \"nearly_redundant\" of \"run\" to \"held\" or \"told\", or correct the geometry",
+                     {.thing = thing_of(link), .t = in.t});
   }
   const double x = std::max({std::abs(all.C(k)), std::abs(all.Ct(k)), std::abs(all.Qhat(k))});
   if (system.plane() && x > 1e-8 * std::max(1.0, system.length()))
-    throw ModelError("link '" + link.name() + "', row " + link.row_name(k) + ": asks for a motion out of the plane (" +
-                         text::brief(x) + ") at t = " + text::number(in.t) +
-                         " s, and the scene is planar; set \"planar\" to \"off\"",
+    throw ModelError("joint '" + link.name() + "', constraint " + link.row_name(k) +
+                         ": prescribes a motion out of the plane (" + text::brief(x) +
+                         ") at t = " + text::number(in.t) + " s, and the scene is planar; set \"planar\" to \"off\"",
                      {.thing = thing_of(link), .t = in.t});
 }
 
-// For a link without planar rows, or some of whose rows are left out: gathers in space and copies what holds.
+// For a joint without planar rows, or some of whose rows are left out: gathers in space and copies what holds.
 void gather_from_space(const System& system, const Inputs& in, RowTable& table, const RowEntry& e) {
   const Lock* link = system.links()[e.link].get();
   const RowShape shape = link->shape();
@@ -90,7 +89,7 @@ void gather_from_space(const System& system, const Inputs& in, RowTable& table, 
   }
 }
 
-// Throws if a force has left the plane since setup. What leaves it is round-off beside forces and weights in it.
+// Throws if a force has left the plane since setup. Below the limit it is round-off of forces and weights in the plane.
 void check_plane(const System& system, const Inputs& in, const VecX& f) {
   const Plane plane = system.plane();
   double inside = 0, outside = 0;
@@ -104,9 +103,8 @@ void check_plane(const System& system, const Inputs& in, const VecX& f) {
     const VecX one = wrench_of(system, in, *force);
     for (int k = 0; k < system.n_slots(); ++k)
       if (const double out = std::abs(one[6 * k + plane.n]); out > 0.5 * kNegligible * inside)
-        throw ModelError("force '" + force->name() + "' pushes out of the plane with " + text::brief(out) +
-                             " N at t = " + text::number(in.t) +
-                             " s, and the scene is planar; set \"planar\" to \"off\"",
+        throw ModelError("force '" + force->name() + "' acts out of the plane with " + text::brief(out) + " N at t = " +
+                             text::number(in.t) + " s, and the scene is planar; set \"planar\" to \"off\"",
                          {.thing = thing_of(*force), .t = in.t});
   }
 }
@@ -240,7 +238,7 @@ void state_rates(const System& system, const Evaluated& values, VecX& sd) {
     if (active)
       named(*link, values.in.t, [&] { link->stateful()->state_rates(values.in, rates); });
     else
-      std::fill(rates.begin(), rates.end(), 0.0);  // restarted when the link is activated
+      std::fill(rates.begin(), rates.end(), 0.0);  // restarted when the joint is activated
   }
   angle_rates(system, values.in, sd);
 }
@@ -289,9 +287,9 @@ std::string row_name(const System& system, const RowTable& table, int row) {
   for (const RowEntry& e : table.entries)
     if (row >= e.first_row && row < e.first_row + e.m) {
       const Lock& link = *system.links()[e.link];
-      return "row " + link.row_name(e.own[row - e.first_row]) + " of link '" + link.name() + "'";
+      return "constraint " + link.row_name(e.own[row - e.first_row]) + " of joint '" + link.name() + "'";
     }
-  return "row " + std::to_string(row);
+  return "constraint " + std::to_string(row);
 }
 
 }  // namespace lockstep::passes

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Planar mechanisms: which rows lie in the plane, and what leaves it. What types say of themselves decides
-// (stays_in_plane, turns_about, PhiSpec); what lies where is read at the start.
+// Planar mechanisms: the rows in the plane, and the parts that leave it. The declarations of types decide
+// (stays_in_plane, turns_about, PhiSpec); positions are read at the start.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -57,7 +57,7 @@ const char* axis_name(Plane plane) { return plane.n == 0 ? "x" : plane.n == 1 ? 
 // `advice`: besides leaving the plane.
 Refusal leaves(Plane plane, Thing thing, const std::string& what, const std::string& advice = {}) {
   return ModelError({.thing = std::move(thing),
-                     .problem = fmt::format("the scene is planar with normal {}, and {}", axis_name(plane), what),
+                     .problem = fmt::format("the scene is planar with normal {}, but {}", axis_name(plane), what),
                      .advice = "set \"planar\" to \"off\"" + advice});
 }
 
@@ -70,28 +70,28 @@ Refusal check_body(const Body& b, const Slot& s, Plane plane, double length) {
     return leaves(plane, body, "it starts with " + text::brief(v[plane.n]) + " m/s along the normal",
                   ", or start in the plane");
   if (std::hypot(w[plane.i()], w[plane.j()]) > kNegligible * w.norm() + kRoundOff)
-    return leaves(plane, body, "it starts turning about an axis in the plane", ", or turn about the normal");
+    return leaves(plane, body, "it starts rotating about an axis in the plane", ", or rotate it about the normal");
   if (s.freedoms == Freedoms::particle || s.bodies.size() > 1) return {};
   const double Ji = s.J(plane.n, plane.i()), Jj = s.J(plane.n, plane.j());
   if (std::hypot(Ji, Jj) <= kNegligible * s.J.trace()) return {};
   return leaves(plane, body,
                 "the normal is not a principal axis of its inertia (products " + text::brief(Ji) + " and " +
-                    text::brief(Jj) + " kg m^2), so it would not stay in the plane without moments from its links");
+                    text::brief(Jj) + " kg m^2), so it would not stay in the plane without moments from its joints");
 }
 
-// Whether the mass centres of a slot's bodies lie beside the plane of their common one.
+// Whether the centres of mass of a slot's bodies are outside the plane of their common one.
 bool has_products(const Slot& s, Plane plane) {
   return std::hypot(s.J(plane.n, plane.i()), s.J(plane.n, plane.j())) > kNegligible * s.J.trace();
 }
 
-// What a type that does not say that it stays in the plane lacks: the line to add, where it is not built in.
+// The message about a type that does not declare that it stays in the plane, with the line to add unless it is built in.
 std::string silence(const std::string& type, const std::string& origin, Plane plane, const std::string& line) {
   if (origin == "built in") return fmt::format("{} may leave the plane with normal {}", type, axis_name(plane));
-  return fmt::format("{} does not say that it stays in the plane with normal {}; let its {}", type, axis_name(plane),
-                     line);
+  return fmt::format("{} does not declare that it stays in the plane with normal {}; add to its {}", type,
+                     axis_name(plane), line);
 }
 
-// The same of the first of two laws that does not say so; "" for none. `normal`: in the axes in which they are imposed.
+// The same for the first of two laws that does not declare it; "" for none. `normal`: in the axes in which they are imposed.
 std::string silence_of(const LawPtr<TranslationLaw>& move, const LawPtr<RotationLaw>& turn, Plane plane,
                        const Vec3& normal) {
   const bool moves = move && !move->stays_in_plane(normal);
@@ -99,11 +99,11 @@ std::string silence_of(const LawPtr<TranslationLaw>& move, const LawPtr<Rotation
   const LawLabel* label = moves ? label_of(move) : label_of(turn);
   return silence(label != nullptr ? "its law '" + label->type + "'" : "its law", label != nullptr ? label->origin : "",
                  plane,
-                 moves ? "class say so: \"bool stays_in_plane(const lockstep::Vec3& normal) const override\""
-                       : "class say so: \"bool turns_about(const lockstep::Vec3& axis) const override\"");
+                 moves ? "class: \"bool stays_in_plane(const lockstep::Vec3& normal) const override\""
+                       : "class: \"bool turns_about(const lockstep::Vec3& axis) const override\"");
 }
 
-// The same of a link or force and its laws. `markers`: of a link, P before S.
+// The same of a joint or force and its laws. `markers`: of a joint, P before S.
 template <class T>
 Refusal silence_of(const char* kind, const T& thing, const std::vector<const Marker*>& markers, const Jointed* joint,
                    Plane plane) {
@@ -113,10 +113,9 @@ Refusal silence_of(const char* kind, const T& thing, const std::vector<const Mar
   for (const Marker* m : markers)
     if (words.empty()) words = silence_of(m->translation_law, m->rotation_law, plane, normal(m));
   if (words.empty())
-    words =
-        silence(fmt::format("'{}'", thing.type()), thing.origin(), plane,
-                "stays_in_plane() say so: \"bool stays_in_plane(lockstep::Plane) const override { return true; }\", or "
-                "the spec of its function: \".stays_in_plane = true\"");
+    words = silence(fmt::format("'{}'", thing.type()), thing.origin(), plane,
+                    "class: \"bool stays_in_plane(lockstep::Plane) const override { return true; }\", or to "
+                    "the spec of its function: \".stays_in_plane = true\"");
   return ModelError({.thing = {.kind = kind, .name = thing.name()}, .problem = words});
 }
 
@@ -126,30 +125,30 @@ Refusal check_declared(const System& system) {
     if (system.merged(*link) || link->stays_in_plane(plane)) continue;
     std::vector<const Marker*> markers;
     for (const auto& [p, s] : link->pairs()) markers.insert(markers.end(), {p, s});
-    return silence_of("link", *link, markers, link->jointed(), plane);
+    return silence_of("joint", *link, markers, link->jointed(), plane);
   }
   for (const auto& force : system.forces())
     if (!force->stays_in_plane(plane)) return silence_of("force", *force, force->markers(), nullptr, plane);
   return {};
 }
 
-// A row must lie in the plane or be normal to it, and must not ask for a motion out of it. Those of a mask keep their
-// directions against the markers. `is_watched`: the row is evaluated while it runs, beside others of its link.
+// A row must be in the plane or normal to it, and must not prescribe a motion out of it. Those of a mask keep their
+// directions against the markers. `is_watched`: the row is evaluated during the run, with others of its joint.
 Refusal check_row(const Lock& link, int row, const RowAtStart& r, bool is_watched, const System& system) {
   const bool of_mask = link.jointed() != nullptr && row < count_rows(link.jointed()->rows());
   std::string problem;
   if (r.in == 0 && r.along == 0 && r.about == 0)
-    problem = "has no direction at the start; turn the link's markers, or";
+    problem = "has no direction at the start; rotate the joint's markers, or";
   else if (r.lies_in() ? r.is_tilted() : !is_watched && !of_mask)
-    problem = "holds a direction that is neither in the plane nor normal to it; turn the link's axes into it, or";
+    problem = "acts in a direction neither in the plane nor normal to it; rotate the joint's axes into it, or";
   else if (!r.lies_in() && r.demand > kNegligible * std::max(1.0, system.length()))
-    problem = "asks for a motion out of the plane (a law, or markers that do not meet: " + text::brief(r.demand) +
+    problem = "prescribes a motion out of the plane (a law, or markers that do not meet: " + text::brief(r.demand) +
               "); keep its law in the plane, or";
   if (problem.empty()) return {};
-  return ModelError(
-      fmt::format("link '{}', row {}: the scene is planar with normal {}, and the row {} set \"planar\" to \"off\"",
-                  link.name(), link.row_name(row), axis_name(system.plane()), problem),
-      {.thing = {.kind = "link", .name = link.name()}, .problem = problem});
+  return ModelError(fmt::format("joint '{}', constraint {}: the scene is planar with normal {}, but the constraint {} "
+                                "set \"planar\" to \"off\"",
+                                link.name(), link.row_name(row), axis_name(system.plane()), problem),
+                    {.thing = {.kind = "joint", .name = link.name()}, .problem = problem});
 }
 
 // A slot on which something with a lever arm along the normal acts, and what that is.
@@ -158,7 +157,7 @@ struct Tipped {
   Thing thing;
 };
 
-// A lever arm along the normal gives moments about axes in the plane: links that hold at all times must take both, or
+// A lever arm along the normal gives moments about axes in the plane: joints that hold at all times must take both, or
 // the body tips over. Three unknowns a slot: along the normal, about both axes.
 Refusal check_tipping(const System& system, RowsAtStart& at_start, std::vector<Tipped> tipped) {
   std::vector<Eigen::Triplet<double>> numbers;
@@ -174,7 +173,7 @@ Refusal check_tipping(const System& system, RowsAtStart& at_start, std::vector<T
         for (int c = 0; c < 3; ++c) numbers.emplace_back(3 * slots[k] + c, m, row.normal[k][c]);
       ++m;
     }
-    for (int k = 0; has_arm && k < slots.n; ++k) tipped.push_back({slots[k], {.kind = "link", .name = link->name()}});
+    for (int k = 0; has_arm && k < slots.n; ++k) tipped.push_back({slots[k], {.kind = "joint", .name = link->name()}});
   }
   for (int k = 0; k < system.n_slots(); ++k)
     if (has_products(system.slot(k), system.plane()))
@@ -189,8 +188,8 @@ Refusal check_tipping(const System& system, RowsAtStart& at_start, std::vector<T
       moment[3 * t.slot + c] = 1;
       if (m > 0 && (Jt * VecX(qr.solve(moment)) - moment).norm() < kNegligible) continue;
       return leaves(system.plane(), t.thing,
-                    "it has a lever arm along the normal, or turns about another axis, which tips body '" +
-                        system.body_of_slot(t.slot).name + "' over, as its links do not take the moment",
+                    "it has a lever arm along the normal, or a moment about another axis: the joints of body '" +
+                        system.body_of_slot(t.slot).name + "' do not take it, so the body tips out of the plane",
                     ", or put all into one plane");
     }
   return {};
@@ -204,9 +203,9 @@ Refusal check_reads(const Force& force, Plane plane, const System::Found& found,
     if (arms)
       return leaves(plane, thing,
                     "it reads reactions, which lack the moments of lever arms along the normal in a planar scene",
-                    ", or put links and forces into one plane");
+                    ", or put joints and forces into one plane");
     if (found.planar_rows[link->number()].held == 0)
-      return leaves(plane, thing, "it reads link '" + link->name() + "', which lies out of the plane");
+      return leaves(plane, thing, "it reads joint '" + link->name() + "', which is out of the plane");
   }
   return {};
 }
@@ -238,8 +237,8 @@ std::optional<ModelError> setup_plane(const System& system, System::Found& found
     PartsInPlane parts;
     for (const int k : force->slots()) parts.add(f.segment<3>(6 * k), f.segment<3>(6 * k + 3) / length, plane);
     if (parts.leaves())
-      return leaves(plane, thing, "it pushes out of the plane (" + text::brief(parts.along) + " N)",
-                    ", or turn it into the plane");
+      return leaves(plane, thing, "it acts out of the plane (" + text::brief(parts.along) + " N)",
+                    ", or rotate it into the plane");
     found.has_offsets = found.has_offsets || parts.has_arm();
     if (parts.has_arm() || dynamic_cast<const MarkerForce*>(force.get()) != nullptr)  // it may have one later
       for (const int slot : force->slots()) tipped.push_back({slot, thing});
@@ -275,7 +274,7 @@ Plane settle_in_plane(System& system, const std::function<bool(Plane)>& starts_i
       if (!system.try_setup() && (!starts_in || starts_in(Plane{n}))) return Plane{n};
     } catch (const std::bad_alloc&) {
       throw;
-    } catch (...) {  // code of a user that throws where it is only looked at will say so in the run
+    } catch (...) {  // user code that throws during this check will report it in the run
     }
   }
   system.set_planar({});

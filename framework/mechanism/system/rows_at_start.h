@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rows of links at the start, against a plane: which lie in it and which are normal to it. Locks by a mask turn with
-// their markers, and other links say that they keep what they are (Lock::stays_in_plane), so that one position is enough.
+// The rows of joints at the start, against a plane: those in it and those normal to it. Locks by a mask rotate with
+// their markers, and other joints declare that they do not change (Lock::stays_in_plane), so one position is enough.
 #pragma once
 
 #include <algorithm>
@@ -44,7 +44,7 @@ struct RowAtStart : PartsInPlane {
   std::array<Vec3, kMaxSlots> normal{};  ///< by slot of the link: along the normal, about both axes in the plane
 };
 
-/// Evaluates links of a system at its start, in any coordinates, with all bodies at rest.
+/// Evaluates joints of a system at its start, in any coordinates, with all bodies at rest.
 class LOCKSTEP_API RowsAtStart {
  public:
   RowsAtStart(const System&, Plane, State start);

@@ -20,7 +20,7 @@ namespace {
 constexpr double kShortest = 1e-12;  // m, of a body with a size; and, of the distance from the origin, its rounding
 constexpr double kApart = 1e-6;      // m, between points: less may be a misfit
 
-// Markers and links of another System would be read as if they were of this one.
+// Markers and joints of another System would be read as if they were of this one.
 void check_markers(const System& system) {
   std::vector<const Body*> own;
   own.reserve(system.bodies().size());
@@ -42,21 +42,21 @@ void check_markers(const System& system) {
     if (force->reacting() == nullptr) continue;
     for (const Lock* link : force->reacting()->reads())
       if (link != nullptr && !known.contains(link))
-        throw ModelError(
-            thing_of(*force).words() + ": link '" + link->name() + "', whose reactions it reads, is of another System",
-            {.thing = thing_of(*force)});
+        throw ModelError(thing_of(*force).words() + ": joint '" + link->name() +
+                             "', whose reactions it reads, belongs to another System",
+                         {.thing = thing_of(*force)});
   }
 }
 
 void order_links(System& system, System::Found& found) {
-  // Links of equal type, pattern, rows and slots form a group; groups are in the order of their first members.
+  // Joints of equal type, pattern, rows and slots form a group; groups are in the order of their first members.
   using Likeness = std::tuple<std::type_index, LinkPattern, int, int>;
   struct Alike {
     std::size_t number;  // of the group
     const Lock* first;
   };
   std::map<Likeness, Alike> known;
-  std::vector<std::size_t> of_link, first;  // groups of the links set up; where each group begins in found.ordered
+  std::vector<std::size_t> of_link, first;  // groups of the joints set up; where each group begins in found.ordered
   of_link.reserve(system.links().size());
   for (std::size_t k = 0; k < system.links().size(); ++k) {
     if (found.merged[k]) continue;
@@ -115,7 +115,7 @@ double length_between_ends(const System& system) {
   return length;
 }
 
-// Particles without links have no length of their own: that between bodies, else 1 m.
+// Particles without joints have no length of their own: that between bodies, else 1 m.
 double length_between_bodies(const System& system) {
   double length = 0;
   for (const Body& body : system.bodies())
@@ -142,12 +142,12 @@ double length_of(const System& system) {
 
 // Apart, since the check is made at every evaluation.
 [[noreturn]] void refuse_size(const System& system, const State& state) {
-  throw ModelError(
-      fmt::format("a state of {} coordinates, {} velocities, {} own states, {} remembered numbers and {} links does "
-                  "not fit a system of {} moving bodies, {} own states, {} remembered numbers and {} links; begin from "
-                  "System::start() once the system is complete",
-                  state.q.size(), state.v.size(), state.s.size(), state.z.size(), state.modes.size(), system.n_slots(),
-                  system.n_states(), system.n_memory(), system.links().size()));
+  throw ModelError(fmt::format(
+      "a state of {} coordinates, {} velocities, {} own states, {} remembered numbers and {} joints does "
+      "not fit a system of {} moving bodies, {} own states, {} remembered numbers and {} joints; begin from "
+      "System::start() once the system is complete",
+      state.q.size(), state.v.size(), state.s.size(), state.z.size(), state.modes.size(), system.n_slots(),
+      system.n_states(), system.n_memory(), system.links().size()));
 }
 
 }  // namespace

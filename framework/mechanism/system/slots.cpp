@@ -42,7 +42,7 @@ void merge(const System& system, const std::vector<const Lock*>& kept, std::vect
     return (v_of(*p.body, P.x) - v_of(*s.body, P.x)).norm() <= 1e-9 &&
            (rotation(p.body->home.q) * p.body->start.w - rotation(s.body->home.q) * s.body->start.w).norm() <= 1e-9;
   };
-  std::unordered_set<const Lock*> stays(kept.begin(), kept.end());  // and links whose reactions are read
+  std::unordered_set<const Lock*> stays(kept.begin(), kept.end());  // and joints whose reactions are read
   for (const auto& force : system.forces())
     if (const Reacting* own = force->reacting())
       for (const Lock* link : own->reads()) stays.insert(link);
@@ -65,7 +65,7 @@ void merge(const System& system, const std::vector<const Lock*>& kept, std::vect
     for (const std::size_t k : bodies[of]) part_of[k] = k;
     links[of].clear(), bodies[of].clear();
   };
-  // A part within which another link acts is not merged: both ends of that link would be on one rigid body.
+  // A part within which another joint acts is not merged: both ends of that joint would be on one rigid body.
   for (std::size_t l = 0; l < system.links().size(); ++l) {
     if (merged[l]) continue;
     for (const auto& [p, s] : system.links()[l]->pairs()) {
@@ -77,7 +77,7 @@ void merge(const System& system, const std::vector<const Lock*>& kept, std::vect
   }
 }
 
-// Mass, inertia and pose of a slot. Its origin is the mass centre; its axes are those of the first body or, `of_world`,
+// Mass, inertia and pose of a slot. Its origin is the centre of mass; its axes are those of the first body or, `of_world`,
 // the world's at the start: in a plane every slot turns about the same one.
 void fill_slot(Slot& s, bool of_world) {
   const Body& first = *s.bodies.front();
@@ -94,7 +94,7 @@ void fill_slot(Slot& s, bool of_world) {
   for (Body* b : s.bodies) {
     const bool own_axes = !of_world && b == &first;
     const Mat3 A = own_axes ? Mat3(Mat3::Identity()) : Mat3(to_slot * rotation(b->home.q));
-    const Vec3 r = to_slot * (b->home.x - s.home.x) + A * b->mass.center;  // mass centre of the body in the slot
+    const Vec3 r = to_slot * (b->home.x - s.home.x) + A * b->mass.center;  // centre of mass of the body in the slot
     b->in_slot = {Vec3(to_slot * (b->home.x - s.home.x)), own_axes ? Quat{} : conjugate(s.home.q) * b->home.q};
     if (s.bodies.size() == 1) b->in_slot.x = A * -b->mass.center;
     s.J += A * b->mass.J * A.transpose();
@@ -117,7 +117,7 @@ void System::setup_slots() {
     if (b.freedoms == Freedoms::particle && !b.fixed && !b.start.w.isZero(0))
       throw ModelError("body '" + b.name + "' is a particle and starts with the angular velocity " +
                            text::brief(b.start.w.norm()) +
-                           " rad/s; a particle does not turn: leave it out, or give the body an inertia",
+                           " rad/s; a particle cannot rotate: remove it, or give the body an inertia",
                        {.thing = {.kind = "body", .name = b.name}});
     if (!b.start.v.allFinite() || !b.start.w.allFinite())
       throw ModelError("body '" + b.name + "' starts with a velocity that is not finite; give numbers",

@@ -77,7 +77,7 @@ std::size_t place_of(std::uint32_t hash, std::size_t places) {
 }  // namespace
 
 std::string_view System::word_of(Kind kind) {
-  constexpr std::array kWords{"thing", "body", "marker", "link", "force", "control input"};
+  constexpr std::array kWords{"thing", "body", "marker", "joint", "force", "control input"};
   return kWords[static_cast<std::size_t>(kind)];
 }
 
@@ -96,7 +96,7 @@ const std::string& System::name_of(const Named& n) const {
   }
 }
 
-// Of things that were named anew the new name is not known here.
+// The new name of renamed things is not known here.
 System::Named System::named_thing(std::string_view name) const {
   if (names_.empty()) return {};  // moved from
   const std::uint32_t hash = hash_of(name);
@@ -124,7 +124,7 @@ void System::take_name(const std::string& name, Kind kind, std::size_t number) {
   ++n_names_;
 }
 
-// A thing that was named anew is looked for.
+// Finds a thing that was renamed.
 template <class Things>
 auto& System::find(const char* kind, Kind of, Things& things, const std::string& name) const {
   if (const Named known = named_thing(name); static_cast<Kind>(known.kind) == of) return things[known.number];
@@ -139,7 +139,7 @@ void System::check_new_name(const std::string& kind, const std::string& name) co
   if (taken.kind == 0) return;
   throw ModelError(kind + " '" + name + "': this name is already taken by a " +
                    std::string(word_of(static_cast<Kind>(taken.kind))) +
-                   "; names are unique in a system, so that a channel name is unambiguous: choose another");
+                   "; names are unique in a system: choose another");
 }
 
 // Its name was checked.
@@ -191,8 +191,8 @@ Marker& System::add_marker_at(const std::string& name, Body& body, const Pose& w
 }
 
 Lock& System::add(std::unique_ptr<Lock> link) {
-  if (!link) throw ModelError("add: no link was given; make one first");
-  check_new_name("link", link->name());
+  if (!link) throw ModelError("add: no joint was given; make one first");
+  check_new_name("joint", link->name());
   ready_ = false;
   Lock& added = *links_.emplace_back(std::move(link));
   take_name(added.name(), Kind::link, links_.size() - 1);
@@ -248,11 +248,11 @@ ControlInput& System::add_input(const std::string& name, double value, const std
 ControlInput& System::input(const std::string& name) { return find("input", Kind::input, inputs_, name); }
 Body& System::body(const std::string& name) { return find("body", Kind::body, bodies_, name); }
 Marker& System::marker(const std::string& name) { return find("marker", Kind::marker, markers_, name); }
-Lock& System::link(const std::string& name) { return *find("link", Kind::link, links_, name); }
+Lock& System::link(const std::string& name) { return *find("joint", Kind::link, links_, name); }
 Force& System::force(const std::string& name) { return *find("force", Kind::force, forces_, name); }
 const Body& System::body(const std::string& name) const { return find("body", Kind::body, bodies_, name); }
 const Marker& System::marker(const std::string& name) const { return find("marker", Kind::marker, markers_, name); }
-const Lock& System::link(const std::string& name) const { return *find("link", Kind::link, links_, name); }
+const Lock& System::link(const std::string& name) const { return *find("joint", Kind::link, links_, name); }
 const Force& System::force(const std::string& name) const { return *find("force", Kind::force, forces_, name); }
 
 bool System::owns(const Lock& link) const {
@@ -266,7 +266,7 @@ bool System::merged(const Lock& link) const {
 
 void System::leave_out(const Lock& link, unsigned rows) {
   if (!owns(link) || rows >> link.row_count() != 0)
-    throw ModelError("link '" + link.name() + "': rows to be left out are not its own, or the system is not set up",
+    throw ModelError("joint '" + link.name() + "': constraints to leave out are not its own, or it is not set up",
                      {.thing = thing_of(link)});
   left_out_.resize(links_.size(), 0U);
   left_out_[static_cast<std::size_t>(link.number())] = rows;

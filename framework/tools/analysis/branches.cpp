@@ -20,7 +20,7 @@ BranchReport find_branches(Dynamics& dynamics, const State& start, const BranchO
   first.v.setZero();
   assemble(dynamics, first);
   if (const DriveReport driven = driven_by(dynamics, first); driven.freedoms > 0)
-    throw ModelError("branches are counted where every coordinate is held or driven; here " + driven.text());
+    throw ModelError("branches need a fully driven mechanism: " + driven.text());
   const double same = options.same * system.length();
   BranchReport report;
   report.branches.push_back({first, 1, 0, 0, ""});

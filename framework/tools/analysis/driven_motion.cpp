@@ -30,7 +30,7 @@ double integral(const MotionLaw& speed, double t0, double t1) {
 DrivenMotion::DrivenMotion(Dynamics& dynamics, State start) : dynamics_(dynamics), state_(std::move(start)) {
   dynamics_.to_slots(state_);
   if (const DriveReport driven = driven_by(dynamics_, state_); !driven.fully_driven())
-    throw ModelError("the motion is not determined by laws: " + driven.text());
+    throw ModelError("the motion is not fully prescribed: " + driven.text());
   for (const auto& link : dynamics_.system().links()) {
     if (link->jointed() == nullptr) continue;
     for (const Drive& drive : link->jointed()->imposed().drives)
@@ -48,8 +48,8 @@ void DrivenMotion::check_states() const {
   for (const auto& link : system.links())
     if (link->n_own_states() > 0 && link->jointed() == nullptr) names.push_back("'" + link->name() + "'");
   if (names.empty()) return;
-  throw ModelError("the motion is not determined by laws: " + text::join(names) +
-                   " is integrated over time (a controller, a work), which needs a run; leave it out");
+  throw ModelError("the motion is not fully prescribed: " + text::join(names) +
+                   " is integrated over time (a controller, a work); use a run, or leave it out");
 }
 
 void DrivenMotion::move_speed_drives(double t0, double t1) {
@@ -63,20 +63,20 @@ void DrivenMotion::move_speed_drives(double t0, double t1) {
   }
 }
 
-/// Gives the trial's angles the values of its pose. False, and why, if one that rows hold is not near where its rates led.
+/// Gives the trial's angles the values of its pose. False, and why, if a constrained one is far from its prediction.
 bool DrivenMotion::settle_angles() {
   const Inputs& in = dynamics_.inputs(trial_);
   for (const auto& angle : dynamics_.system().counted_angles()) {
     const double led = angle->expected(in.s);
     angle->set(in, led, trial_.s);
     if (!angle->coupled() || std::abs(angle->expected(in.s) - led) < CountedAngle::kInDoubt) continue;
-    why_ = "the " + angle->name() + " is more than a quarter turn from where its rates lead";
+    why_ = "the " + angle->name() + " is more than 90 deg from its predicted value";
     return false;
   }
   return true;
 }
 
-/// One step. False, and why, where no pose near the predicted one fits.
+/// One step. False, and why, if no pose near the predicted one satisfies the constraints.
 bool DrivenMotion::step(double t) {
   const double h = t - state_.t;
   trial_ = state_;
@@ -91,11 +91,11 @@ bool DrivenMotion::step(double t) {
   const ProjectReport moved = dynamics_.project(trial_);
   const double length = dynamics_.system().length();
   if (!moved.converged) {
-    why_ = "no position near the one before fits there";
+    why_ = "no position near the previous one satisfies the constraints";
     return false;
   }
   if (!(moved.after_v <= kSlight * std::max(1.0, trial_.v.lpNorm<Eigen::Infinity>()))) {
-    why_ = fmt::format("the mechanism cannot move as its laws ask there: {:.2g} m/s are left (a dead centre)",
+    why_ = fmt::format("the drives prescribe a velocity that the joints do not allow, by {:.2g} m/s (dead centre)",
                        moved.after_v);
     return false;
   }
@@ -139,8 +139,8 @@ void DrivenMotion::refuse(double t) const {
   const bool off = C.size() > 0 && e.norm(C) > kSlight * e.system().length();
   if (C.size() > 0) (off ? C : Cd).cwiseAbs().maxCoeff(&worst);
   throw AssemblyError(fmt::format(
-      "kinematics stopped at t = {:.9g} s: {}; worst: {}. A law may jump in position, or ask for more than the "
-      "mechanism reaches",
+      "kinematics stopped at t = {:.9g} s: {}; worst: {}. A law may jump in position, or exceed the range of the "
+      "mechanism",
       t, why_, C.size() > 0 ? passes::row_name(e.system(), e.rows(), static_cast<int>(worst)) : "none"));
 }
 

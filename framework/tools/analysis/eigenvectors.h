@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eigenvectors and singular values of dense matrices, compiled once: Eigen's solvers cost seconds in each file that names them.
+// Eigenvectors and singular values of dense matrices, compiled once: Eigen's solvers cost seconds in each file that
+// names them.
 #pragma once
 
 #include <lockstep/math.h>
@@ -11,7 +12,7 @@ struct Eigenvectors {
   Eigen::VectorXcd values;
   Eigen::MatrixXcd vectors;  ///< a column for each value
 };
-/// Throws SolveError where the iteration does not converge.
+/// Throws SolveError if the iteration does not converge.
 Eigenvectors eigenvectors(const MatX& A);
 
 /// A = U diag(values) V^T of a square A.

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include "framework/tools/analysis/equilibrium_search.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/tools/analysis/equilibrium_search.h"
 #include "framework/tools/analysis/wild_starts.h"
 
 namespace lockstep {
@@ -35,7 +35,7 @@ Unheld unheld_of(const Stability& s, const System& system, int slot) {
   return out;
 }
 
-/// Whether the slot's poses are the same but for what nothing holds.
+/// Whether the slot's poses are the same except for motions without stiffness.
 bool same_pose(const Pose& p, const Pose& q, const Unheld& unheld, double length, double near) {
   if (!unheld.moves && (p.x - q.x).norm() > near) return false;
   if (unheld.turns == 0) return length * rotation_vector(conjugate(normalized(p.q)) * normalized(q.q)).norm() <= near;
@@ -86,7 +86,7 @@ EquilibriaReport find_equilibria(Dynamics& dynamics, const State& start, const E
     next.state.v.setZero();
     scatter(system, 2 * system.length(), random, next.state);
     try {
-      if (!fit(dynamics, next.state)) throw SolveError("off its rows");
+      if (!fit(dynamics, next.state)) throw SolveError("off its constraints");
       // Newton's method alone goes to unstable ones too; every other start goes downhill.
       next.report =
           find_equilibrium(dynamics, next.state, {.relaxation_steps = 0, .friction = false, .nearest = k % 2 == 0});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Statics: Newton's method on rows and forces, downhill.
+// Statics: Newton's method on constraints and forces, towards lower potential energy.
 #include <lockstep/equilibrium.h>
 #include "framework/foundation/support/finding_kinds.h"
 
@@ -61,8 +61,8 @@ void EquilibriumSearch::run() {
     if (release()) continue;
     if (releases_ > most_releases())
       throw SolveError(
-          fmt::format("statics: the one-sided links {} come into force and are released without end; "
-                      "start nearer to the equilibrium, or take the ones that touch as two-sided",
+          fmt::format("statics: the one-sided joints {} close and open again without end; start nearer to the "
+                      "equilibrium, or make those in contact two-sided",
                       text::join(contact_names())));
     report_.stability = judge_rest(*now_.e, now_.lambda);
     if (options_.nearest || report_.stability.unstable.empty() || report_.left.size() == kLeaves) break;
@@ -79,7 +79,7 @@ bool EquilibriumSearch::settle(State& state) {
   } catch (const NonFiniteError&) {
   }
   state.v.setZero();
-  const Inputs& in = dynamics_.inputs(state);  // turns go on from the pose before
+  const Inputs& in = dynamics_.inputs(state);  // angles continue from the previous pose
   for (const auto& angle : system_.counted_angles()) angle->set(in, angle->expected(in.s), state.s);
   return fits;
 }
@@ -162,7 +162,7 @@ bool EquilibriumSearch::take_step() {
   const bool taken = search_line(state_, [&](double share) {
     advance_state(state_, share, step_);
     if (!settle(state_)) return false;
-    if (touch(state_)) return settle(state_) && look();  // the next step knows of the link
+    if (touch(state_)) return settle(state_) && look();  // the next step includes the joint
     if (!look() || !accepts(slope, unbalanced, power)) return false;
     if (share < 1)
       shift_ = std::max(2 * shift_, least_shift());
@@ -223,28 +223,29 @@ void EquilibriumSearch::finish() {
     if (!report_.by_friction)
       report_.notes.push_back(
           {&finding::analysis_note, "force '" + force->name() + "'",
-           fmt::format("{} '{}' is taken as it acts without motion: friction that is smooth at rest "
-                       "holds nothing, and with real friction it may rest beside this position too",
+           fmt::format("{} '{}' exerts no friction at rest, as its law is smooth; with real friction, positions near "
+                       "this one are at rest too",
                        force->type(), force->name())});
   for (const Marker& marker : system_.markers())
     if (moves_under_force(marker))
       report_.notes.push_back(
           {&finding::analysis_note, "marker '" + marker.name + "'",
-           fmt::format("marker '{}' moves by a law: dampers on it act as they do at that instant", marker.name)});
+           fmt::format("marker '{}' moves by a law: dampers on it act by its velocity at that time", marker.name)});
   if (system_.n_error_controlled_states() > 0)
-    report_.notes.push_back({&finding::analysis_note, "",
-                             "integrated states (controllers, drives by speed) keep their values of the start"});
+    report_.notes.push_back(
+        {&finding::analysis_note, "", "integrated states (controllers, drives by speed) keep their initial values"});
 }
 
 std::string EquilibriumReport::method() const {
-  if (by_friction) return "the start, where friction holds it";
+  if (by_friction) return "the start, held by friction";
   const std::string newton = fmt::format("Newton's method, {} iteration{}", iterations, iterations == 1 ? "" : "s");
   return relaxed ? fmt::format("dynamic relaxation, {} steps, after {}", relaxation_steps, newton) : newton;
 }
 
 namespace {
 
-// Moves a state that lies in the plane but for rounding exactly into it. `from`: in the plane. False: it lies outside.
+// Moves a state that lies in the plane except for rounding exactly into it. `from`: in the plane. False: it lies
+// outside.
 bool put_into(Plane plane, const System& system, const State& from, State& state) {
   for (int k = 0; k < system.n_slots(); ++k) {
     Pose pose = state.slot_pose(k);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One-sided links of a search: they come into force where they are touched, and are released where they would pull.
+// One-sided joints of a search: they close on contact, and open if they would pull.
 #include "framework/tools/analysis/equilibrium_search.h"
 
 namespace lockstep {

@@ -11,8 +11,8 @@ namespace lockstep {
 namespace {
 
 std::string words_of(const GripReport& grip) {
-  return fmt::format("'{}' ({}) would have to carry {:.6g} {}, and can {:.6g}", grip.force, grip.what, grip.carries,
-                     grip.unit, grip.most);
+  return fmt::format("'{}' ({}) needs {:.6g} {} (limit {:.6g})", grip.force, grip.what, grip.carries, grip.unit,
+                     grip.most);
 }
 
 }  // namespace
@@ -30,9 +30,9 @@ bool EquilibriumSearch::rests_by_friction() {
   now_.lambda = load.lambda;
   for (std::size_t i = 0; i < contacts_.size(); ++i)
     if (pulls(i)) {
-      report_.notes.push_back({&finding::analysis_note, "link '" + contacts_[i].link->name() + "'",
-                               "friction could hold the start, but the one-sided link '" + contacts_[i].link->name() +
-                                   "' would have to pull there"});
+      report_.notes.push_back({&finding::analysis_note, "joint '" + contacts_[i].link->name() + "'",
+                               "friction could hold the start, but the one-sided joint '" + contacts_[i].link->name() +
+                                   "' would have to pull"});
       return false;
     }
   RestMatrices held(*now_.e, load.lambda);
@@ -41,14 +41,14 @@ bool EquilibriumSearch::rests_by_friction() {
   if (found.kind == Stability::Kind::unstable) {
     report_.notes.push_back(
         {&finding::analysis_note, "",
-         "friction could hold the start, but what it does not grip is unstable: " + found.unstable.front().words});
+         "friction could hold the start, but a motion without friction is unstable: " + found.unstable.front().words});
     return false;
   }
   if (found.kind == Stability::Kind::stable) found.kind = Stability::Kind::gripped;
   found.freedoms = static_cast<int>(A.N.cols());
   report_.stability = std::move(found);
   report_.by_friction = true;
-  now_.unbalanced = 0;  // but for the round-off of a balance that was solved for
+  now_.unbalanced = 0;  // except for round-off
   return true;
 }
 

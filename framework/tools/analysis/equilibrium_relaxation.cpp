@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a search does where Newton's method fails, and how it leaves unstable positions.
+// Dynamic relaxation if Newton's method fails, and the way out of unstable positions.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -41,16 +41,15 @@ void EquilibriumSearch::no_equilibrium() {
       words += (words.empty() ? "" : "; ") + motion_words(system_, now_.e->inputs(), (pushes < 0 ? -1 : 1) * m.motion) +
                ", and nothing holds it";
   }
-  const std::string did = fmt::format(
-      "statics: no equilibrium was found by {} iterations of Newton's method and {} steps of dynamic "
-      "relaxation; what is left of the forces is {:.3g} of the largest",
-      report_.iterations, report_.relaxation_steps, now_.unbalanced);
+  const std::string did =
+      fmt::format("{} iterations of Newton's method and {} steps of relaxation leave {:.3g} of the largest force",
+                  report_.iterations, report_.relaxation_steps, now_.unbalanced);
   const std::string moving = motion_words(system_, now_.e->inputs(), now_.a);
   const std::string friction = beyond_friction();
-  throw SolveError(did + ". " + (friction.empty() ? "" : "At first, " + friction + ". ") +
-                   (words.empty() ? "Under the forces " + moving +
-                                        ". Start nearer to where it should rest, or hold that motion by a spring"
-                                  : "Under the forces " + words + ": hold it by a link, a drive or a spring"));
+  throw SolveError("statics: no equilibrium: under the forces " +
+                   (words.empty() ? moving + "; start nearer to the equilibrium, or hold that motion by a spring"
+                                  : words + "; hold it by a joint, a drive or a spring") +
+                   ". " + (friction.empty() ? "" : "At first, " + friction + ". ") + did);
 }
 
 void EquilibriumSearch::push_off(const FreeMotion& motion) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One search for an equilibrium: Newton's method, dynamic relaxation where that fails, one-sided links.
+// One search for an equilibrium: Newton's method, dynamic relaxation if that fails, one-sided joints.
 #pragma once
 
 #include <string>
@@ -31,36 +31,36 @@ class EquilibriumSearch {
   void run();
 
  private:
-  /// Onto the rows, without velocities. False where that fails: too far off, or outside of where a law or function of a
+  /// Onto the rows, without velocities. False if that fails: too far off, or outside of where a law or function of a
   /// link is defined.
   bool settle(State& state);
 
   // -- Newton's method
 
   double least_shift() const;
-  /// A step of Newton's method that goes with the forces, unless `either_way`, and is not too long. False where there is
+  /// A step of Newton's method that goes with the forces, unless `either_way`, and is not too long. False if there is
   /// none.
   bool find_step(bool either_way);
-  /// In the free motions, K u = mu M u: against each stiffness by its size, so that the step goes downhill where K is not
-  /// positive too; `either_way`: against each as it is. What nothing holds and nothing pushes stays.
+  /// In the free motions, K u = mu M u: against each stiffness by its size, so that the step goes downhill where K is
+  /// not positive too; `either_way`: against each as it is. What nothing holds and nothing pushes stays.
   bool find_dense_step(bool either_way);
   /// (K + s M) dx + J^T dl = r, J dx = -C. s grows until the step goes with the forces and is short enough.
   bool find_sparse_step(bool either_way);
   bool accepts(double slope_before, double unbalanced_before, double power_before) const;
-  /// The largest turn, rad, or move by the extent of the mechanism.
+  /// The largest rotation, rad, or move by the extent of the mechanism.
   double size_of(const VecX& step) const;
-  /// Looks at the present state. False where its forces are not finite.
+  /// Looks at the present state. False if its forces are not finite.
   bool look();
-  /// One step along the line. False where no share of it is accepted; the state is then the old one.
+  /// One step along the line. False if no share of it is accepted; the state is then the old one.
   bool take_step();
   /// At most so many steps, which are added to those made.
   bool newton(int& made, int most);
 
   // -- friction
 
-  /// Whether friction holds the present state, and what it does not grip is held otherwise; if so, the report tells it.
+  /// Whether friction holds the present state, and motions without friction are stable; if so, it is reported.
   bool rests_by_friction();
-  /// What the friction of the state given does not hold, in a sentence; "" where it has no part in it.
+  /// The loads beyond the friction of the given state, in a sentence; "" if there are none.
   std::string beyond_friction() const;
 
   // -- dynamic relaxation
@@ -76,7 +76,7 @@ class EquilibriumSearch {
   /// Leaves one along the motion that grows.
   void push_off(const FreeMotion& motion);
 
-  // -- one-sided links
+  // -- one-sided joints
 
   std::size_t most_releases() const { return 200 + 4 * contacts_.size(); }
   /// Puts into force those that the state passes through, or touches. Returns whether there were any.
@@ -86,11 +86,11 @@ class EquilibriumSearch {
   bool pulls(std::size_t i) const {
     return contacts_.in_force(i, state_) && contacts_.watched(i, state_) && push(i) < -kNegligible * now_.force;
   }
-  /// Releases the link that pulls most. Returns whether one did.
+  /// Releases the joint that pulls most. Returns whether one did.
   bool release();
   std::vector<std::string> contact_names() const;
 
-  /// Whether a law moves it at this instant, and a force acts on it.
+  /// Whether a law moves it at this time, and a force acts on it.
   bool moves_under_force(const Marker& marker) const;
   void finish();
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Accounts of bodies and links from one solution of the equations of motion.
+// Accounts of bodies and joints from one solution of the equations of motion.
 #include <lockstep/explain.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace lockstep {
 namespace {
 
-// What forces exert on a slot, and links, part by part.
+// The loads of forces and joints on a slot, part by part.
 void add_loads(const System& system, const Evaluated& v, int slot, std::vector<Contribution>& out) {
   const auto add = [&](const std::string& what, const Vec6& f) {
     out.push_back({what, f.head<3>(), v.in.slot(slot).A * f.tail<3>()});
@@ -35,7 +35,7 @@ void add_loads(const System& system, const Evaluated& v, int slot, std::vector<C
     const int n = link.driven() ? link.driven()->n_drives() : 0;
     for (int d = -1; d < n; ++d) {  // -1: the joint
       const auto takes = [&](int k) { return link.row(entry.own[k]).drive == d; };
-      add(d < 0 ? "link '" + link.name() + "'" : "drive " + link.name() + "." + link.driven()->drive(d).name,
+      add(d < 0 ? "joint '" + link.name() + "'" : "drive " + link.name() + "." + link.driven()->drive(d).name,
           -load_of(v.rows, entry, i, v.lambda, takes));
     }
   }
@@ -82,8 +82,7 @@ BodyBalance balance_of(Dynamics& dynamics, const State& state, const Body& body)
   const System& system = dynamics.system();
   if (body.slot == kGround)
     throw ModelError("body '" + body.name +
-                     "' does not move, so that nothing needs to balance on it; ask for a body "
-                     "that moves, or for the link that holds on to it");
+                     "' does not move, so it has no balance; name a moving body, or a joint on it");
   const Solution& v = dynamics.solution_at(state);
   const Slot& slot = system.slot(body.slot);
   const Motion& m = v.in.slot(body.slot);
@@ -144,9 +143,9 @@ LinkAccount account_of(Dynamics& dynamics, const State& state, const Lock& link)
 LinkEquations equations_of(Dynamics& dynamics, const State& state, const Lock& link) {
   const System& system = dynamics.system();
   if (system.merged(link))
-    throw ModelError("link '" + link.name() +
-                     "' was merged: its bodies move as one and it has no rows; give \"merge\": \"off\" "
-                     "(System::set_merge) to see them");
+    throw ModelError("joint '" + link.name() +
+                     "' is merged: its bodies move as one, so it has no constraints; give \"merge\": \"off\" "
+                     "(System::set_merge)");
   const Inputs& in = dynamics.inputs(state);
   RowTable room;
   const Lock* const one = &link;

@@ -21,7 +21,7 @@ class ForcesAtRest {
   VecX a, lambda, r, C;
   double unbalanced = 0,  ///< largest of r, relative
       force = 0,          ///< largest force on a body, N; moments by the length
-      speed_up = 0;       ///< largest acceleration, m/s^2; turns by the length
+      speed_up = 0;       ///< largest acceleration, m/s^2; rotations by the length
 
  private:
   double largest(const VecX&) const;
@@ -47,8 +47,8 @@ Vec6 load_of(const RowTable& table, const RowEntry& entry, int i, const VecX& la
   return sum;
 }
 
-/// The largest single load on each slot, N: its weight, each applied force and their sum, the reaction of a link; moments
-/// by the length. Each by itself, since all of them together vanish if nothing else holds a body.
+/// The largest single load on each slot, N: its weight, each applied force and their sum, the reaction of a link;
+/// moments by the length. Each by itself, since all of them together vanish if nothing else holds a body.
 VecX largest_loads(const Evaluation&, const VecX& lambda);
 
 }  // namespace lockstep

@@ -33,8 +33,8 @@ std::vector<GripOf> grips_at(const Evaluation& e, const VecX& lambda) {
 }
 
 /// Forces t along the directions of all grips with B t = b, where each grip g has a limit and a weight p: the smallest
-/// sum of p (t/limit)^2. Where each weight is multiplied by the share of its grip, round by round, the largest share falls
-/// to the least that there is (Lawson).
+/// sum of p (t/limit)^2. Where each weight is multiplied by the share of its grip, round by round, the largest share
+/// falls to the least that there is (Lawson).
 class Balance {
  public:
   Balance(const RestMatrices& A, const VecX& r, std::vector<GripOf> grips)
@@ -61,7 +61,7 @@ class Balance {
     for (std::size_t k = 0; k < along_.size(); ++k) f += t_[static_cast<Eigen::Index>(k)] * *along_[k];
     return f;
   }
-  /// The size of what a grip carries.
+  /// The size of the load of a grip.
   double carries(std::size_t g) const {
     double square = 0;
     for (std::size_t k = 0; k < of_.size(); ++k)
@@ -127,7 +127,7 @@ FrictionLoad friction_load(Dynamics& dynamics, const ForcesAtRest& now, const Re
   const VecX none = VecX::Zero(e.rows().n_rows);
   VecX a, added;
   double least = std::numeric_limits<double>::infinity(), before = least;
-  // Where nothing balances a load it presses nothing together: a clamp that falls has no grip.
+  // An unbalanced load presses nothing together: a falling clamp has no friction.
   balance.forget_limits();
   for (int k = 0; k < kRounds; ++k) {
     if (!balance.solve()) return out;

@@ -10,7 +10,7 @@
 
 namespace lockstep {
 
-/// Forces of friction that balance what the rows leave.
+/// Forces of friction that balance the forces which the rows leave.
 struct FrictionLoad {
   bool balances = false;          ///< whether there are any, however large; the rest is only then filled in
   bool holds = false;             ///< whether some are within their limits
@@ -19,8 +19,8 @@ struct FrictionLoad {
   MatX ungripped;                 ///< free motions that no friction holds, in the unknowns of the matrices
 };
 
-/// The least forces of friction, each by its limit, that balance the forces at this state; where those are beyond a limit,
-/// the ones whose largest share of a limit is least.
+/// The least forces of friction, each by its limit, that balance the forces at this state; where those are beyond a
+/// limit, the ones whose largest share of a limit is least.
 FrictionLoad friction_load(Dynamics&, const ForcesAtRest&, const RestMatrices&);
 
 }  // namespace lockstep

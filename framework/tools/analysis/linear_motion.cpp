@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Small deviations from a state, in axes that turn with it.
+// Small deviations from a state, in axes that rotate with it.
 //
-// The axes turn with Om. A body may turn on in them with r = w - Om about an axis of symmetry. With W = Om, all in slot
-// axes, deviations dth seen from axes that turn with Om have
+// The axes rotate with Om. A body may rotate in them with r = w - Om about a symmetry axis. With W = Om, all in slot
+// axes, deviations dth relative to axes that rotate with Om have
 //
 //   dv = dx' + Om x dx                 da  = dx'' + 2 Om x dx' + Om x (Om x dx)                  (9.20)
 //   dw = dth' + W x dth                dal = dth'' + (W - r) x dth' - r x (W x dth)              (9.28)
@@ -30,7 +30,7 @@ struct Turning {
   Vec3 spin = Vec3::Zero(), u0 = Vec3::Zero();
 };
 
-// What a slot does, in the world but for w and al.
+// The motion of a slot, in the world except for w and al.
 struct SlotMotion : Motion {
   Vec3 a, al;
 };
@@ -64,8 +64,8 @@ struct Share {
   double of_limit() const { return size == 0 ? 0.0 : size / limit; }
 };
 
-// The worst of a slot: that of its mass centre, or an angular one about a principal axis. Each axis has a limit of its
-// own: a moment of no matter to a body is much to its slender axis, and the other way round.
+// The worst of a slot: that of its centre of mass, or an angular one about a principal axis. Each axis has a limit of
+// its own: a moment of no matter to a body is much to its slender axis, and the other way round.
 Share worst_of(const System& system, const MechanismMatrices& at, int slot, const Vec3& a, const Vec3& al,
                double round_off) {
   const double limit = kSlight * load_of(at, slot);
@@ -91,8 +91,8 @@ Unrest unrest_of(const System& system, const MechanismMatrices& at, const std::v
   Unrest out;
   double worst = -1, worst_speed = -1;
   const double most = most_load(at);
-  // Forces f_i accelerate constrained bodies by m_k a_k^2 <= sum f_i^2/m_i (Gauss's principle): so does the round-off of
-  // springs that the whole length draws, f_i = K_ii length.
+  // Forces f_i accelerate constrained bodies by m_k a_k^2 <= sum f_i^2/m_i (Gauss's principle): so does the round-off
+  // of springs that the whole length draws, f_i = K_ii length.
   double springs = 0;  // f_i/sqrt(m_i)
   for (std::size_t i = 0; i < at.unknowns.size(); ++i) {
     const auto c = static_cast<Eigen::Index>(i);
@@ -120,7 +120,7 @@ Unrest unrest_of(const System& system, const MechanismMatrices& at, const std::v
   return out;
 }
 
-// The body that turns on in the axes and is not symmetric about that; "" where there is none.
+// The body that rotates in the axes and is not symmetric about that axis; "" if there is none.
 std::string turns_unevenly(const System& system, const std::vector<SlotMotion>& slots, const Vec3& spin) {
   for (std::size_t k = 0; k < slots.size(); ++k) {
     const Vec3 r = left_over_spin(slots[k], spin);
@@ -165,8 +165,8 @@ std::vector<Vec3> spins_of(const MechanismMatrices& at, const std::vector<SlotMo
   return spins;
 }
 
-// The state that a steady motion reaches after a third of a turn: of the axes, else of a body in them, else after it went
-// the length.
+// The state that a steady motion reaches after a third of a turn: of the axes, else of a body in them, else after it
+// went the length.
 State later(const State& state, const std::vector<SlotMotion>& slots, const Turning& axes, double length,
             const VecX& s_rate) {
   double rate = axes.spin.norm();
@@ -196,55 +196,54 @@ State later(const State& state, const std::vector<SlotMotion>& slots, const Turn
 
 std::string seen(const Vec3& spin) {
   return spin.isZero(0) ? ""
-                        : " seen from axes that turn with [" + text::brief(spin[0]) + ", " + text::brief(spin[1]) +
+                        : " relative to axes that rotate with [" + text::brief(spin[0]) + ", " + text::brief(spin[1]) +
                               ", " + text::brief(spin[2]) + "] rad/s";
 }
 
-// What moves or accelerates in these axes; "" where all are within their limits.
+// What moves or accelerates in these axes; "" if all are within their limits.
 std::string restless(const Turning& axes, const Unrest& u, const std::string& when) {
   std::string words;
   if (u.acceleration > u.acceleration_limit)
-    words = "body '" + u.accelerates + "' accelerates with " + text::brief(u.acceleration) + " m/s^2" + when +
+    words = "body '" + u.accelerates + "' accelerates at " + text::brief(u.acceleration) + " m/s^2" + when +
             " (limit " + text::brief(u.acceleration_limit) + ")";
   if (u.speed > u.speed_limit)
-    words += (words.empty() ? "" : ", ") + ("body '" + u.moves + "' moves with " + text::brief(u.speed) + " m/s" +
-                                            when + " (limit " + text::brief(u.speed_limit) + ")");
+    words += (words.empty() ? "" : ", ") + ("body '" + u.moves + "' moves at " + text::brief(u.speed) + " m/s" + when +
+                                            " (limit " + text::brief(u.speed_limit) + ")");
   return words.empty() ? "" : words + seen(axes.spin);
 }
 
-// Why the state is not steady in these axes; "" where it is.
+// Why the state is not steady in these axes; "" if it is.
 std::string why_unsteady(Dynamics& dynamics, const State& state, const MechanismMatrices& at,
                          const std::vector<SlotMotion>& slots, const Turning& axes, const Unrest& unrest) {
   if (std::string words = restless(axes, unrest, ""); !words.empty()) return words;
   if (axes.spin.isZero(0) && at_rest(at, slots)) return "";
   const System& system = dynamics.system();
   if (const std::string body = turns_unevenly(system, slots, axes.spin); !body.empty())
-    return "body '" + body + "' turns" + seen(axes.spin) +
-           " about an axis that is none of symmetry of its inertia, so that the coefficients change with its angle; "
-           "give the spin of axes that turn with it";
+    return "body '" + body + "' rotates" + seen(axes.spin) +
+           " about an axis that is no symmetry axis of its inertia, so the coefficients change with its angle; give "
+           "the spin of axes that rotate with it";
   VecX rate = VecX::Zero(state.s.size());
   passes::state_rates(system, dynamics.evaluate(state), rate);
   const State then = later(state, slots, axes, at.length, rate);
   if (dynamics.violation(then) > kSlight * at.length)
-    return "the joints do not let it go on like this for a third of a turn";
+    return "the joints do not allow this motion for a third of a revolution";
   const MechanismMatrices at_then = matrices_at(dynamics, then);
   return restless(axes, unrest_of(system, at_then, motions_of(then, Unknowns(system).to_slots(at_then.a)), axes),
-                  " a third of a turn later");
+                  " a third of a revolution later");
 }
 
 void refuse_own_states(const System& system) {
   for (const auto& own : system.auxiliaries())
     if (own->controls_error())
       throw ModelError("'" + own->name() + "' has " + std::to_string(own->size()) +
-                       " states with equations of their own, which the linear equations do not hold; leave it out");
+                       " states of user-defined equations, which linearisation does not support; leave it out");
   for (const auto& link : system.links())
     if (link->n_own_states() > 0 && link->jointed() == nullptr)
-      throw ModelError("link '" + link->name() +
-                       "' has integrated states of its own, which the linear equations do not "
-                       "hold; leave it out");
+      throw ModelError("joint '" + link->name() +
+                       "' has integrated states, which linearisation does not support; leave it out");
 }
 
-// Friction depends on the reactions, which the linear equations keep: right only where it is zero.
+// Friction depends on the reactions, which the linear equations keep constant: right only if it is zero.
 void refuse_acting_friction(Dynamics& dynamics, const State& state, const MechanismMatrices& at) {
   const System& system = dynamics.system();
   const Solution& solution = dynamics.evaluate(state);
@@ -254,11 +253,9 @@ void refuse_acting_friction(Dynamics& dynamics, const State& state, const Mechan
     const VecX one = load_of(*force, solution.in, system, &reactions) - load_of(*force, solution.in, system);
     for (int k = 0; k < system.n_slots(); ++k)
       if (const double a = one.segment<3>(6 * k).norm() / system.slot(k).mass; a > kSlight * load_of(at, k))
-        throw ModelError(
-            "force '" + force->name() + "' depends on the reactions and acts (" + text::brief(a) + " m/s^2 on '" +
-            system.body_of_slot(k).name +
-            "'), which the linear equations do not hold; take a state in which nothing slides, or leave it "
-            "out");
+        throw ModelError("force '" + force->name() + "' is active friction (" + text::brief(a) + " m/s^2 on '" +
+                         system.body_of_slot(k).name +
+                         "'), which linearisation does not support; use a state without sliding, or leave it out");
   }
 }
 
@@ -269,11 +266,11 @@ std::vector<Finding> notes_on(const System& system, const State& state) {
   };
   for (const auto& link : system.links()) {
     if (link->unilateral() != nullptr)
-      note("one-sided link '" + link->name() + "'",
-           state.modes[link->number()] ? " is in contact and held as two-sided" : " is open and left out");
+      note("one-sided joint '" + link->name() + "'",
+           state.modes[link->number()] ? " is in contact and taken as two-sided" : " is open and left out");
     if (link->n_own_states() > 0 && !link->jointed()->imposed().hold)
-      note("link '" + link->name() + "'", ": the speed of its drive is held");
-    if (link->n_own_memory() > 0) note("link '" + link->name() + "'", ": its memory is held");
+      note("joint '" + link->name() + "'", ": the speed of its drive is held");
+    if (link->n_own_memory() > 0) note("joint '" + link->name() + "'", ": its memory is held");
   }
   for (const auto& force : system.forces()) {
     if (force->n_own_memory() > 0) note("force '" + force->name() + "'", ": its memory is held");
@@ -283,7 +280,7 @@ std::vector<Finding> notes_on(const System& system, const State& state) {
   return notes;
 }
 
-// D and K in the turning axes, (9.20) and above.
+// D and K in the rotating axes, (9.20) and above.
 void turn_axes(const System& system, const State& state, const std::vector<SlotMotion>& slots, LinearMotion& out) {
   if (at_rest(out, slots) && out.spin.isZero(0)) return;
   const Unknowns at(system);
@@ -298,8 +295,8 @@ void turn_axes(const System& system, const State& state, const std::vector<SlotM
   out.D += out.M * at.square(rate);
 }
 
-// Sets the axes in which the state is steady, and its unrest in them. If there are none, those that are given, else those
-// at rest; returns why it is not steady.
+// Sets the axes in which the state is steady, and its residual motion in them. If there are none, those that are given,
+// else those at rest; returns why it is not steady.
 std::string settle_axes(Dynamics& dynamics, const State& state, const std::vector<SlotMotion>& slots,
                         const LinearMotionOptions& options, LinearMotion& out) {
   const System& system = dynamics.system();
@@ -310,13 +307,13 @@ std::string settle_axes(Dynamics& dynamics, const State& state, const std::vecto
     const std::string words = why_unsteady(dynamics, state, out, slots, axes, unrest);
     out.spin = spin, out.unrest = unrest;
     if (words.empty()) return words;
-    if (why.empty() && unrest.is_still()) why = words;  // now, and not later: that says more than what follows
+    if (why.empty() && unrest.is_still()) why = words;  // now, and not later: the most specific reason
   }
   const Turning given = options.spin ? turning_with(*options.spin, slots) : Turning{};
   out.spin = given.spin;
   out.unrest = unrest_of(system, out, slots, given);
   if (why.empty()) why = restless(given, out.unrest, "");
-  return why.empty() ? "it goes on in a straight line, and the joints do not let it" : why;
+  return why.empty() ? "it moves in a straight line, which the joints do not allow" : why;
 }
 
 }  // namespace
@@ -334,10 +331,10 @@ LinearMotion linear_motion(Dynamics& dynamics, const State& given, const LinearM
   const std::string why = settle_axes(dynamics, state, slots, options, out);
   if (!why.empty() && !options.frozen)
     throw ModelError("the state at t = " + text::brief(state.t) + " s is neither an equilibrium nor a steady motion: " +
-                     why + "; linearise about one that is, or ask for the frozen coefficients of this instant");
+                     why + "; use an equilibrium (find_equilibrium), or frozen coefficients");
   out.notes = notes_on(system, state);
   if (!why.empty())
-    out.notes.insert(out.notes.begin(), {&finding::analysis_note, "", "frozen coefficients of one instant: " + why});
+    out.notes.insert(out.notes.begin(), {&finding::analysis_note, "", "frozen coefficients of one state: " + why});
   turn_axes(system, state, slots, out);
   return out;
 }

@@ -106,8 +106,8 @@ MatX lowest_motions(const LinearMotion& m, int count, bool redundant) {
       }
       if (V.all().cols() == before) return m.D.norm() == 0 ? wanted.all() : V.all();  // damped, l has no x of its own
       if (V.all().cols() > most)
-        throw SolveError("the lowest " + std::to_string(count) + " eigenvalues did not settle in " +
-                         std::to_string(most) + " steps; ask for fewer, or for a dense solution (dense_limit)");
+        throw SolveError("the lowest " + std::to_string(count) + " eigenvalues did not converge in " +
+                         std::to_string(most) + " steps; request fewer, or a dense solution (dense_limit)");
     }
   }
 }

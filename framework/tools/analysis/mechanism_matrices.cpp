@@ -63,9 +63,9 @@ void write_rows(const System& system, const RowTable& table, const Unknowns& at,
 
 constexpr double kMostLever = 10;  // of the largest load
 
-// The loads, levers and moments of each slot. The arm on which a moment accelerates a mass centre most is the radius of
-// gyration: M / (2 sqrt(J m)), here with the largest J of the slot, so that no slender axis makes much of a moment that
-// its hinge carries.
+// The loads, levers and moments of each slot. The arm on which a moment accelerates a centre of mass most is the radius
+// of gyration: M / (2 sqrt(J m)), here with the largest J of the slot, so that no slender axis makes much of a moment
+// that its hinge carries.
 void write_loads(const System& system, const Evaluation& e, const Unknowns& at, MechanismMatrices& m) {
   VecX sum = VecX::Zero(6 * system.n_slots());
   for (const auto& force : system.forces())

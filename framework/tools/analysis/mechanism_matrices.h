@@ -11,7 +11,7 @@ namespace lockstep {
 
 SparseMat mass_of(const System&, const Unknowns&);
 
-/// dv of displacements that rest in axes which turn with a spin, world: Om x dx, and W x dth in slot axes (9.20).
+/// dv of displacements that rest in axes that rotate with a spin, world: Om x dx, and W x dth in slot axes (9.20).
 SparseMat carried_by(const Vec3& spin, const System&, const State&);
 
 /// The bodies of a slot: "arm + bob".

@@ -27,9 +27,9 @@ MinimalCoordinates minimal_coordinates(Dynamics& dynamics, const State& state, c
     if (!stopping_form(e, at, N, stress)) continue;
     Eigen::Index row = 0;
     stress.cwiseAbs().maxCoeff(&row);
-    throw ModelError("in this pose row " + m.rows[row] +
-                     " depends on others and does not elsewhere (a singular position: a change point, rods in line): "
-                     "the mechanism has no single linearisation there; take another state");
+    throw ModelError("constraint " + m.rows[row] +
+                     " depends on others in this pose only (singular configuration: change point, rods in line), so no "
+                     "linearisation exists; use another state");
   }
   return {turned.asDiagonal() * N, rows.nearly()};
 }

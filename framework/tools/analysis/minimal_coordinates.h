@@ -10,10 +10,10 @@
 
 namespace lockstep {
 
-/// dx = N y. Columns of N are orthonormal where turns count as lengths (times MechanismMatrices::length).
+/// dx = N y. Columns of N are orthonormal with rotations as lengths (times MechanismMatrices::length).
 struct MinimalCoordinates {
-  MatX N;          ///< unknowns x freedoms
-  int nearly = 0;  ///< rows whose pivots lie between 1e-9 and 1e-3: near a singular position
+  MatX N;          ///< unknowns x degrees of freedom
+  int nearly = 0;  ///< rows whose pivots lie between 1e-9 and 1e-3: near a singular configuration
 };
 
 /// Turns as lengths: what a displacement of each unknown by 1 is divided by.
@@ -27,7 +27,7 @@ MinimalCoordinates minimal_coordinates(Dynamics&, const State&, const MechanismM
 /// Unknowns that can stand for the minimal coordinates: N = C inverse(C at these), well conditioned.
 std::vector<int> independent_unknowns(const MechanismMatrices&, const MatX& N);
 
-/// The factor of a mass matrix in minimal coordinates. Throws SolveError where it is not positive definite.
+/// The factor of a mass matrix in minimal coordinates. Throws SolveError if it is not positive definite.
 Eigen::LLT<MatX> mass_factor(const MatX& M);
 
 }  // namespace lockstep

@@ -57,7 +57,7 @@ MatX basis_of(Dynamics& dynamics, const State& state, const LinearMotion& motion
   if (c.nearly > 0)
     out.notes.push_back(
         {&finding::analysis_note, "",
-         "a singular position is near: " + std::to_string(c.nearly) + " of the rows nearly depend on others"});
+         "a singular configuration is near: " + std::to_string(c.nearly) + " constraints nearly depend on others"});
   out.freedoms = static_cast<int>(c.N.cols());
   return c.N;
 }

@@ -7,7 +7,7 @@
 
 namespace lockstep {
 
-/// M, K and the basis of the free motions, with turns as lengths.
+/// M, K and the basis of the free motions, with rotations as lengths.
 struct RestMatrices {
   Unknowns at;     ///< all of the mechanism
   SparseMat M, K;  ///< masses, stiffness with the geometric one

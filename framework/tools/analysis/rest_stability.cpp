@@ -59,7 +59,7 @@ VecX unit_motion(const RestMatrices& A, const System& system, const VecX& u) {
 }  // namespace
 
 std::string to_string(Stability::Kind kind) {
-  constexpr const char* kWords[] = {"stable", "neutral", "unstable", "not judged", "gripped"};
+  constexpr const char* kWords[] = {"stable", "neutral", "unstable", "not judged", "sticking"};
   return kWords[static_cast<int>(kind)];
 }
 

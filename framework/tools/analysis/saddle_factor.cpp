@@ -61,8 +61,8 @@ VecX SaddleFactor::solve(const VecX& f) const {
     x = next, left = next_left, error = now;
   }
   if (!(error <= kNegligible))
-    throw SolveError("the sparse matrix of the linear equations is too badly conditioned: a solution leaves " +
-                     std::to_string(error) + " of its terms; ask for a dense solution (dense_limit)");
+    throw SolveError("the sparse matrix of the linear equations is ill-conditioned: the relative residual is " +
+                     std::to_string(error) + "; use a dense solution (dense_limit)");
   return scale_.cwiseProduct(x.head(n));
 }
 

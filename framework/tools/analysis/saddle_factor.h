@@ -15,7 +15,7 @@ class SaddleFactor {
   /// Factors A, unknowns x unknowns, with the rows J of the mechanism. `redundant`: whether rows depend on one another;
   /// E is zero otherwise. Throws SolveError for a singular matrix.
   SaddleFactor(const MechanismMatrices&, const SparseMat& A, bool redundant);
-  /// x for this f: on the constraints. Throws SolveError where x is not finite, or solves the equations to less than 1e-9.
+  /// x for this f: on the constraints. Throws SolveError if x is not finite, or solves the equations to less than 1e-9.
   VecX solve(const VecX& f) const;
 
  private:

@@ -113,7 +113,7 @@ Spectrum spectrum_of(const LinearMotion& m, const MatX& N) {
     solve_symmetric(own, zero, out);
   } else {
     // Slow modes err by round-off of A over their share of the rate: it is no faster than K asks for, but as long as
-    // round-off of D/rate is none beside 1.
+    // round-off of D/rate is negligible relative to 1.
     const double rate =
         std::max({std::sqrt(size_K), std::sqrt(zero), size_D * (std::numeric_limits<double>::epsilon() / kRoundOff)});
     const Companion companion(own.K, D, rate, zero / (rate * rate));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eigenvalues of l^2 M + l D + K in motions of a mechanism, zeros told from round-off.
+// Eigenvalues of l^2 M + l D + K in motions of a mechanism, zeros separated from round-off.
 #pragma once
 
 #include <complex>
@@ -12,7 +12,7 @@ namespace lockstep {
 /// One eigenvalue: a zero, a real one, or of a pair that with Im l > 0.
 struct Eigenvalue {
   std::complex<double> l;
-  double bound;        ///< what round-off and unrest may have changed
+  double bound;        ///< its error by round-off and residual accelerations
   Eigen::VectorXcd x;  ///< its motion, in the unknowns
 };
 
@@ -22,7 +22,7 @@ struct Spectrum {
   std::vector<Eigenvalue> all;  ///< by rising |l|; of zeros one for each motion that nothing holds
 };
 
-/// That of the motions N y. Throws SolveError where M is not positive definite or the decomposition does not converge.
+/// That of the motions N y. Throws SolveError if M is not positive definite or the decomposition does not converge.
 Spectrum spectrum_of(const LinearMotion&, const MatX& N);
 
 }  // namespace lockstep

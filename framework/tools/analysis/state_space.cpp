@@ -26,7 +26,7 @@ namespace {
 constexpr double kDifferenceStep = 4e-3;  // of a difference, in rad, or of the length; the second step is half of it
 constexpr double kRateStep = 1e-2;        // the same of rates, in their units: what depends on them is nearly quadratic
 
-// Puts the inputs back to zero, whatever happens.
+// Puts the inputs back to zero in any case.
 class Inputs0 {
  public:
   explicit Inputs0(const std::vector<LinearInput>& all) : all_(all) { clear(); }
@@ -59,8 +59,8 @@ VecX derivative(F&& at, double h, VecX& off) {
   return fine;
 }
 
-// How an input acts: it is added to its law; where that is the speed of a drive, the value of the coordinate is a state,
-// and u its rate.
+// How an input acts: it is added to its law; where that is the speed of a drive, the value of the coordinate is a
+// state, and u its rate.
 class Actuator {
  public:
   Actuator(const System& system, const LinearInput& input) : law_(input.law.get()), unit_(input.unit) {
@@ -142,7 +142,7 @@ class Outputs {
     for (std::size_t k = 0; k < channels_.size(); ++k) out[static_cast<Eigen::Index>(k)] = channels_[k].value(sample);
     return out;
   }
-  // Refuses what reads integrated states other than coordinates of drives: the linear equations have none.
+  // Throws for channels of integrated states other than coordinates of drives: the linear equations have none.
   void refuse_integrals() const {
     if (state_.s.size() == 0) return;
     State moved = state_;
@@ -155,7 +155,7 @@ class Outputs {
     for (std::size_t k = 0; k < channels_.size(); ++k)
       if (now[static_cast<Eigen::Index>(k)] != then[static_cast<Eigen::Index>(k)])
         throw ModelError("output '" + channels_[k].name +
-                         "' depends on an integrated state, which the linear equations do not hold; take its rate (a "
+                         "' depends on an integrated state, which linearisation does not support; use its rate (a "
                          "power in place of a work)");
   }
 
@@ -183,7 +183,7 @@ Reduced reduce(const LinearMotion& m, const MatX& N) {
   return r;
 }
 
-// Two for each freedom: a displacement, whose velocity is that of the axes, and its rate.
+// Two for each degree of freedom: a displacement, whose velocity is that of the axes, and its rate.
 void add_states(const System& system, const State& state, const LinearMotion& m, const Reduced& r,
                 std::vector<Direction>& out) {
   static constexpr const char* kNames[] = {"move_x", "move_y", "move_z", "turn_x", "turn_y", "turn_z"};
@@ -211,8 +211,8 @@ void add_states(const System& system, const State& state, const LinearMotion& m,
     }
 }
 
-// How far two derivatives of C, with R below it, are apart, relative to the largest in the same block: rows by what they
-// measure, forces, moments.
+// How far two derivatives of C, with R below it, are apart, relative to the largest in the same block: rows by what
+// they measure, forces, moments.
 double accuracy_of(const VecX& derivative, const VecX& off, const LinearMotion& m) {
   struct Block {
     double scale = 0, largest = 0, apart = 0;
@@ -236,7 +236,7 @@ double accuracy_of(const VecX& derivative, const VecX& off, const LinearMotion& 
 }
 
 // How far two derivatives of the outputs are apart, relative to the largest of the same row. A row that is round-off
-// beside one of the same unit, or at all, says nothing.
+// relative to one of the same unit, or at all, does not count.
 double accuracy_of_outputs(const MatX& derivatives, const MatX& off, const std::vector<Channel>& channels) {
   const VecX largest = derivatives.rowwise().lpNorm<Eigen::Infinity>();
   double worst = 0;
@@ -265,9 +265,7 @@ void add_inputs(const LinearInput& input, const Actuator& acts, const LinearMoti
   const VecX C_u = by_value.head(rows);
   const VecX R_u = by_value.tail(by_value.size() - rows), R_ud = by_rate.tail(by_rate.size() - rows);
   if (by_value.isZero(0) && by_rate.isZero(0))
-    throw ModelError("input '" + input.name +
-                     "' acts on nothing at this state; put its law in a drive or a force that is "
-                     "in force");
+    throw ModelError("input '" + input.name + "' has no effect at this state; put its law in an active drive or force");
   VecX G = VecX::Zero(m.M.rows());
   const bool moves = !C_u.isZero(0);
   if (moves) {
@@ -275,7 +273,7 @@ void add_inputs(const LinearInput& input, const Actuator& acts, const LinearMoti
     G = -least_norm(J, C_u, kDependent);
     if ((J * G + C_u).norm() > 10 * kDependent * C_u.norm())
       throw ModelError("input '" + input.name +
-                       "' moves against other rows: the joints leave nothing that could follow it");
+                       "' contradicts other constraints: the joints allow no motion that follows it");
     G -= r.N * VecX(G(r.chosen));
   }
   const auto column = [&](std::vector<Direction>& to, const std::string& suffix, const std::string& unit,
@@ -289,7 +287,7 @@ void add_inputs(const LinearInput& input, const Actuator& acts, const LinearMoti
   Direction& value = column(speed ? states : inputs, "", "", m.K * G + R_u, length_step);
   value.dx = G, value.u.y = 1;
   if (by_value_alone && !speed) return;  // a state of its own has a rate, which moves it
-  // dv of dx' = G u' in the axes: the turning of dx itself is in the column of the value
+  // dv of dx' = G u' in the axes: the rotation of dx itself is in the column of the value
   Direction& rate = column(inputs, speed ? "" : "_d", "/s", m.D * G + R_ud, kRateStep);
   rate.dv = G, rate.u.yd = 1;
   if (speed) rate.rate_of = static_cast<Eigen::Index>(states.size()) - 1;
@@ -324,8 +322,7 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
   out.spin = m.spin, out.unrest = m.unrest, out.notes = m.notes;
   if (!out.spin.isZero(0))
     out.notes.push_back({&finding::analysis_note, "",
-                         "about a steady rotation: outputs are those of this instant, and of every one only if they do "
-                         "not depend on the angle"});
+                         "about a steady rotation: outputs that depend on the angle are valid at this time only"});
   const Outputs outputs(dynamics, state, channels);
   outputs.refuse_integrals();
   std::vector<Direction> columns, of_inputs;

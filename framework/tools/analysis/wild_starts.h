@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Random starts of a mechanism, brought onto its rows, and how far poses are apart.
+// Random starts of a mechanism, projected onto its constraints, and distances of poses.
 #pragma once
 
 #include <random>
@@ -22,14 +22,16 @@ class LOCKSTEP_API Scatter {
   std::mt19937_64 engine_;
 };
 
-/// Moves every slot by up to `size`, m, along each axis, and turns it any way; in a plane within it and about its normal.
+/// Moves every slot by up to `size`, m, along each axis, and rotates it at random; in a plane within it and about its
+/// normal.
 LOCKSTEP_API void scatter(const System&, double size, Scatter&, State&);
 
-/// Newton's method onto the rows, with halved steps where one does not reduce |C|. False where it ends elsewhere, or where
+/// Newton's method onto the rows, with halved steps where one does not reduce |C|. False if it ends elsewhere, or where
 /// rows are not finite or contradict one another on the way. The state is in the slots' own coordinates.
 bool fit(Dynamics&, State&);
 
-/// Largest distance of a mass centre between two states, or turn times System::length(), m; `body`: takes whose it is.
+/// Largest distance of a centre of mass between two states, or rotation times System::length(), m; `body`: takes its
+/// name.
 LOCKSTEP_API double apart(const System&, const State& a, const State& b, std::string* body = nullptr);
 
 }  // namespace lockstep

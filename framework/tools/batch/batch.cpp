@@ -13,7 +13,7 @@ Batch::Batch(std::span<System* const> systems, int first, const CopiesOptions& o
       stabilization_(options.stabilization) {
   std::string why_not;
   const Trees trees = trees_of(systems, Formulation::joint, why_not);
-  if (trees.empty()) throw ModelError("copies: no joint coordinates in lanes: " + why_not);
+  if (trees.empty()) throw ModelError("batch: joint coordinates are not possible: " + why_not);
   for (std::size_t l = 0; l < kL; ++l) {
     systems_[l] = systems[l < systems.size() ? l : 0];
     states_[l].setZero(systems_[l]->n_states());

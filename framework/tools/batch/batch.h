@@ -22,14 +22,14 @@ namespace lockstep::lanes {
 struct Landing {
   double before = 0, after = 0;  ///< |C|, m
   bool converged = true;
-  bool velocities_met = true;  ///< false: the copy goes on alone
+  bool velocities_met = true;  ///< false: the copy continues alone
 };
 
 class LOCKSTEP_API Batch {
  public:
   using Trees = std::vector<TreeLayout>;
-  /// The trees of copies, one each; none where a copy has none that runs in lanes, `why_not` then says what stands in the
-  /// way, by name. The systems are set up, and suited.
+  /// The trees of copies, one each; none if a copy has none that runs in lanes, `why_not` then gives the reason. The
+  /// systems are set up, and suited.
   static Trees trees_of(std::span<System* const> systems, Formulation, std::string& why_not);
 
   /// `first`: the number of the first of them, for messages. Throws ModelError if trees_of() has none.
@@ -63,7 +63,7 @@ class LOCKSTEP_API Batch {
   /// Largest accelerations of a slot by the last evaluate(), m/s^2, rad/s^2.
   double largest_a(std::size_t lane) const;
   double largest_alpha(std::size_t lane) const;
-  /// Whether errors of steps are found on the bodies by the following four: by squares, NaN where one is none. Else
+  /// Whether errors of steps are found on the bodies by the following four: by squares, NaN if one is none. Else
   /// ErrorNorm finds them copy by copy.
   bool weighs_errors() const { return n_controlled_ == 0; }
   /// Takes the states y for the starts of steps.
@@ -134,7 +134,7 @@ class LOCKSTEP_API Batch {
   Passes pass_;
   bool watches_ = false, has_forces_ = false;
   bool reads_motions_ = false;  // forces, or rates of states
-  Flags8 lost_{};               // lanes in which user code threw since this was cleared; alone they are told by name
+  Flags8 lost_{};               // lanes in which user code threw since this was cleared; reported by the scalar code
   std::vector<int> stateful_;   // numbers of links in force with states of their own
   std::vector<std::size_t>
       integrated_;  // auxiliaries that are evaluated; the others read the power of laws, and there are none

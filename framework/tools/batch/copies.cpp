@@ -21,40 +21,40 @@ LinkPattern pattern_of(const Lock& link) {
   return pattern;
 }
 
-// How mechanism b differs from the first, a; "" if it is a copy.
+// How mechanism b differs from the first, a; "" if it has the same topology.
 std::string difference(const System& a, const System& b) {
   const auto counts = [](const std::string& what, auto x, auto y) {
     return std::to_string(y) + " " + what + " instead of " + std::to_string(x);
   };
   if (a.n_slots() != b.n_slots()) return counts("moving bodies", a.n_slots(), b.n_slots());
-  if (a.links().size() != b.links().size()) return counts("links", a.links().size(), b.links().size());
-  if (a.n_states() != b.n_states()) return counts("states of its own", a.n_states(), b.n_states());
+  if (a.links().size() != b.links().size()) return counts("joints", a.links().size(), b.links().size());
+  if (a.n_states() != b.n_states()) return counts("integrated states", a.n_states(), b.n_states());
   if (a.auxiliaries().size() != b.auxiliaries().size())
-    return counts("states of the user's own", a.auxiliaries().size(), b.auxiliaries().size());
+    return counts("custom integrated states", a.auxiliaries().size(), b.auxiliaries().size());
   for (std::size_t k = 0; k < a.auxiliaries().size(); ++k) {
     const Auxiliary &x = *a.auxiliaries()[k], &y = *b.auxiliaries()[k];
     if (x.size() != y.size() || x.first() != y.first() || x.controls_error() != y.controls_error() ||
         x.reads_solution() != y.reads_solution() || x.vanishes_without_laws() != y.vanishes_without_laws() ||
         x.name() != y.name())
-      return "states '" + y.name() + "' in place of '" + x.name() + "', or of another kind";
+      return "states '" + y.name() + "' instead of '" + x.name() + "', or of another kind";
   }
   for (int k = 0; k < a.n_slots(); ++k)
     if (a.slot(k).freedoms != b.slot(k).freedoms)
       return "body '" + b.body_of_slot(k).name + "', which is a particle in one of them only";
   for (std::size_t i = 0; i < a.links().size(); ++i) {
     const Lock &x = *a.links()[i], &y = *b.links()[i];
-    const std::string who = "link '" + y.name() + "', ";
+    const std::string who = "joint '" + y.name() + "', ";
     if (x.type() != y.type()) return who + "which is " + std::string(y.type()) + " instead of " + std::string(x.type());
     if (a.merged(x) != b.merged(y)) return who + "which is merged into a body in one of them only";
     if (x.active_at_start() != y.active_at_start()) return who + "which is active in one of them only";
     if (a.merged(x)) continue;
-    if (pattern_of(x) != pattern_of(y)) return who + "whose rows, laws or drives differ";
+    if (pattern_of(x) != pattern_of(y)) return who + "which has other constraints, laws or drives";
     const auto bodies = [](const Lock& l) {
       std::vector<int> slots;
       for (const auto& [p, s] : l.pairs()) slots.push_back(p->body->slot), slots.push_back(s->body->slot);
       return slots;
     };
-    if (bodies(x) != bodies(y)) return who + "which joins other bodies";
+    if (bodies(x) != bodies(y)) return who + "which connects other bodies";
   }
   return "";
 }
@@ -62,28 +62,27 @@ std::string difference(const System& a, const System& b) {
 // Makes the integrator of this name; empty if the registry has none.
 std::function<std::unique_ptr<Integrator>()> maker(const Registry& registry, const std::string& name) {
   if (registry.integrators.find(name) == nullptr) return {};
-  return [&registry, name] { return registry.integrators.make(name, Params{}, &registry, "copies"); };
+  return [&registry, name] { return registry.integrators.make(name, Params{}, &registry, "batch"); };
 }
 
 void check(const CopiesOptions& o, const EmbeddedScheme* scheme) {
   if (scheme == nullptr)
-    throw ModelError("copies: integrator \"" + o.integrator + "\" has no lanes; take dop853, dopri5 or rk4");
+    throw ModelError("batch: integrator \"" + o.integrator + "\" is not vectorised; use dop853, dopri5 or rk4");
   if (scheme->tableau.n_stages > Weights::kMost)
-    throw ModelError("copies: integrator \"" + o.integrator + "\" has " + std::to_string(scheme->tableau.n_stages) +
-                     " stages, lanes hold " + std::to_string(Weights::kMost));
+    throw ModelError("batch: integrator \"" + o.integrator + "\" has " + std::to_string(scheme->tableau.n_stages) +
+                     " stages, the limit is " + std::to_string(Weights::kMost));
   if (!(o.step >= 0) || !(o.max_step >= 0) || !std::isfinite(o.step + o.max_step) ||
       (scheme->error == nullptr && o.step == 0))
-    throw ModelError("copies: step " + text::brief(o.step) + " s, largest " + text::brief(o.max_step) + " s; " +
-                     (scheme->error == nullptr ? o.integrator + " needs a step above zero, and " : "") +
-                     "none is negative");
+    throw ModelError("batch: step " + text::brief(o.step) + " s, largest " + text::brief(o.max_step) + " s; " +
+                     (scheme->error == nullptr ? o.integrator + " needs a step above 0" : "they must be 0 or more"));
   if (!(o.tolerance.relative >= 0) || !(o.tolerance.atol_x >= 0) || !(o.tolerance.relative + o.tolerance.atol_x > 0))
-    throw ModelError("copies: tolerances " + text::brief(o.tolerance.relative) + " and " +
-                     text::brief(o.tolerance.atol_x) + "; give numbers that are not negative, one of them above zero");
+    throw ModelError("batch: tolerances " + text::brief(o.tolerance.relative) + " and " +
+                     text::brief(o.tolerance.atol_x) + "; they must be 0 or more, and one of them above 0");
   if (o.stabilization.kind == Stabilization::Kind::baumgarte)
-    throw ModelError("copies: no lanes for Baumgarte's stabilisation; take project or none");
+    throw ModelError("batch: Baumgarte stabilisation is not vectorised; use project or none");
   if (!(o.stabilization.tolerance > 0))
-    throw ModelError("copies: tolerance of the constraints " + text::brief(o.stabilization.tolerance) +
-                     " m; it must be above zero");
+    throw ModelError("batch: tolerance of the constraints " + text::brief(o.stabilization.tolerance) +
+                     " m; it must be above 0");
 }
 
 }  // namespace
@@ -98,17 +97,17 @@ struct Copies::Work {
 
   void check_states(std::span<const State> states) const {
     if (states.size() != systems.size())
-      throw ModelError("copies: " + std::to_string(states.size()) + " states for " + std::to_string(systems.size()) +
-                       " copies; give one each");
+      throw ModelError("batch: " + std::to_string(states.size()) + " states for " + std::to_string(systems.size()) +
+                       " instances; give one for each");
     for (std::size_t i = 0; i < states.size(); ++i) {
       systems[i]->check_size(states[i]);
       if (states[i].coordinates)
-        throw ModelError("copies: the state of copy " + std::to_string(i) +
+        throw ModelError("batch: the state of instance " + std::to_string(i) +
                          " is in joint coordinates; convert it first (Dynamics::to_slots)");
       for (std::size_t k = 0; k < states[i].modes.size(); ++k)
         if (states[i].modes[k] != systems[i]->links()[k]->active_at_start())
-          throw ModelError("copies: link '" + systems[i]->links()[k]->name() +
-                           "' is not in the state that it has at the start; lanes keep one set of links");
+          throw ModelError("batch: joint '" + systems[i]->links()[k]->name() +
+                           "' is switched in a state; start with the active joints of System::start");
     }
   }
   std::size_t first(const lanes::Batch& batch) const { return batch.first(); }
@@ -116,14 +115,14 @@ struct Copies::Work {
 
 namespace {
 
-// Why these mechanisms have no lanes; "" if they have.
+// Why these mechanisms cannot be vectorised; "" if they can.
 std::string unsuited(std::span<System* const> systems, Formulation formulation) {
   for (System* system : systems) {
     system->setup();
     if (std::string why = lanes::unsuited(*system); !why.empty()) return why;
   }
   if (formulation != Formulation::joint && formulation != Formulation::automatic)
-    return "lanes run in joint coordinates; take the formulation auto or joint";
+    return "a batch needs joint coordinates; use formulation auto or joint";
   std::string why;
   lanes::Batch::trees_of(systems, formulation, why);
   return why;
@@ -143,19 +142,20 @@ Copies::Copies(std::vector<System*> systems, CopiesOptions options) : work_(std:
   w.make_integrator = maker(options.registry ? *options.registry : w.own, options.integrator);
   if (w.make_integrator) w.method = w.make_integrator();
   check(options, w.method ? w.method->scheme() : nullptr);
-  if (systems.empty()) throw ModelError("copies: no mechanism was given; give at least one");
+  if (systems.empty()) throw ModelError("batch: no mechanism is given; give at least one");
   if (!w.method->info().joint)
-    throw ModelError("copies: integrator \"" + options.integrator + "\" does not take joint coordinates, as lanes do");
+    throw ModelError("batch: integrator \"" + options.integrator +
+                     "\" does not support joint coordinates; use dop853, dopri5 or rk4");
   for (std::size_t i = 0; i < systems.size(); ++i) {
-    if (!systems[i]) throw ModelError("copies: copy " + std::to_string(i) + " is null; give a mechanism");
+    if (!systems[i]) throw ModelError("batch: instance " + std::to_string(i) + " is null; give a mechanism");
     systems[i]->setup();
     const std::string differs = difference(*systems[0], *systems[i]);
     if (!differs.empty())
-      throw ModelError("copies: copy " + std::to_string(i) + " is another mechanism than copy 0: it has " + differs +
-                       "; copies have equal bodies and links");
+      throw ModelError("batch: instance " + std::to_string(i) + " differs from instance 0: it has " + differs +
+                       "; give instances with the same bodies and joints");
   }
   if (const std::string why = lockstep::unsuited(systems, options.formulation); !why.empty())
-    throw ModelError("copies: this mechanism cannot run in lanes: " + why + "; run its copies one by one");
+    throw ModelError("batch: this mechanism cannot be vectorised: " + why + "; run its instances one by one");
   w.systems = std::move(systems), w.options = std::move(options);
   const std::span<System* const> all(w.systems);
   for (std::size_t i = 0; i < all.size(); i += kLanes) {
@@ -174,11 +174,11 @@ std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<con
   w.check_states(starts);
   if (!std::is_sorted(times.begin(), times.end()) ||
       !std::all_of(times.begin(), times.end(), [](double t) { return std::isfinite(t); }))
-    throw ModelError("copies: the times are not ascending and finite; sort them");
+    throw ModelError("batch: the times must be ascending and finite; sort them");
   for (const State& state : starts)
     if (!times.empty() && state.t > times.front())
-      throw ModelError("copies: a start at " + text::number(state.t) + " s lies behind the first wanted time, " +
-                       text::number(times.front()) + " s; leave out the times before the starts");
+      throw ModelError("batch: a start at " + text::number(state.t) + " s is after the first output time, " +
+                       text::number(times.front()) + " s; remove the times before the starts");
   std::vector<CopyReport> reports(starts.size());
   if (times.empty()) return reports;
   const bool watches = w.method->info().passes_singular && w.options.stabilization.kind == Stabilization::Kind::project;

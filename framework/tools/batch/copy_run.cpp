@@ -85,7 +85,7 @@ void RunTask::tell_step(int copy, const State& state, bool jumped) const {
 void RunTask::go_on_from(double t) const {
   bool on = true;
   by_caller([&] { on = !go_on || go_on(t); });
-  if (!on) throw StepError("broken off", t);
+  if (!on) throw StepError("stopped by the caller", t);
 }
 
 namespace {

@@ -60,13 +60,13 @@ struct RunTask {
 };
 
 /// Takes a state from the near side of the jump of a law to its instant t, in the slots' own coordinates: velocities that
-/// jump are projected, as StepLoop does. Throws AssemblyError where positions jump, and what the laws throw.
+/// jump are projected, as StepLoop does. Throws AssemblyError if positions jump, and what the laws throw.
 void pass_jump(Dynamics&, State&, double t);
 
 /// LastSteps::check of a copy that has made n steps and reached t.
 void check_length(const LastSteps&, const RunTask&, double end, double t, long n);
 
-/// Throws AssemblyError where a start, in the slots' own coordinates, violates the constraints, as StepLoop does.
+/// Throws AssemblyError if a start, in the slots' own coordinates, violates the constraints, as StepLoop does.
 void check_copy(Dynamics&, const State&);
 
 /// Runs a copy from `state` through the times from the next one on by StepLoop, whose steps end at each of them, or until

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An attempt at a step in lanes: steps chosen, stages, errors, and who takes it.
+// An attempt at a step in lanes: steps chosen, stages, errors, and the lanes that accept it.
 #include <algorithm>
 #include <array>
 #include <cmath>

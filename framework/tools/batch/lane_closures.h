@@ -58,7 +58,7 @@ struct LaneClosures {
     Rows rows = begin();
     tree.accelerate(rows, rate);
   }
-  /// The elimination alone, of the jacobians as found last.
+  /// The elimination alone, of the Jacobians as found last.
   LOCKSTEP_LANE void factor() const {
     Rows rows = begin();
     tree.inward(rows);
@@ -157,7 +157,7 @@ struct LaneClosures {
     if constexpr (G::kFlat) normal = 2;  // in the order of its axes
     for (int i = 0; i < 3; ++i) K[i == normal ? i : 3 + i] = T{};
   }
-  // The jacobians in world axes, and J M^-1 J' of each row.
+  // The Jacobians in world axes, and J M^-1 J' of each row.
   LOCKSTEP_LANE void read_jacobians() const {
     const std::array<int, 3> axes = tree.plan.axes();
     for (std::size_t j = 0; j < plan.n_rows(); ++j) {

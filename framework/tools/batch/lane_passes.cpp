@@ -16,8 +16,8 @@ Passes passes(Instructions set) {
   if (set == Instructions::best)
     set = has_avx512 ? Instructions::avx512 : has_fma ? Instructions::fma : Instructions::plain;
   if ((set == Instructions::avx512 && !has_avx512) || (set == Instructions::fma && !has_fma))
-    throw ModelError(std::string("copies: this machine has no ") + (set == Instructions::fma ? "FMA" : "AVX-512") +
-                     " instructions; take the best that it has");
+    throw ModelError(std::string("batch: this processor has no ") + (set == Instructions::fma ? "FMA" : "AVX-512") +
+                     " instructions; use Instructions::best");
   if (set == Instructions::avx512) return avx512::all_passes();
   return set == Instructions::fma ? fma::all_passes() : plain::all_passes();
 }

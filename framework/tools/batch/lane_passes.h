@@ -24,7 +24,7 @@ struct Passes {
   // The same with loops.
   /// As accelerate_tree, with the rows that close the loops: J, c, and their multipliers.
   void (*accelerate_closed)(const LaneData&, double* rate) = nullptr;
-  /// The elimination alone, of the jacobians as found last.
+  /// The elimination alone, of the Jacobians as found last.
   void (*factor_closures)(const LaneData&) = nullptr;
   /// The change of the velocities, and of the slots', by which residuals r vanish, by the last elimination.
   void (*correct_closures)(const LaneData&, const double* r, double* dv) = nullptr;

@@ -35,34 +35,32 @@ const char* law_word(const Marker& m) { return m.translation_law ? "translation"
 }  // namespace
 
 std::string unsuited_link(const Lock& link) {
-  const std::string who = "link '" + link.name() + "' ";
+  const std::string who = "joint '" + link.name() + "' ";
   const MarkerLock* lock = plain_lock(link);
-  if (!lock)
-    return who + "(" + std::string(link.type()) +
-           ") is no lock of markers alone; only joints that are a mask run in lanes";
+  if (!lock) return who + "(" + std::string(link.type()) + ") is not a joint of a mask alone, as a batch needs";
   for (const Marker* m : {&lock->p(), &lock->s()})
     if (law_on(*m)) return who + "has the marker '" + m->name + "', which has a " + law_word(*m) + " law";
   const int P = lock->p().body->slot, S = lock->s().body->slot;
-  if (P == S) return who + "joins two bodies that move as one";
+  if (P == S) return who + "connects two bodies of one rigid group";
   return "";
 }
 
 std::string unsuited(const System& system) {
   for (const auto& own : system.auxiliaries())
     if (reads_solution(*own, system))
-      return "the states of '" + own->name() + "' read accelerations or reactions, which lanes do not keep";
+      return "the states of '" + own->name() + "' read accelerations or reactions, which a batch does not keep";
   if (system.n_slots() == 0) return "nothing moves";
   for (const auto& force : system.forces())
     if (force->is_switched()) return "force '" + force->name() + "' is switched by events";
   for (const auto& force : system.forces())
     if (force->reacting() != nullptr)
-      return "force '" + force->name() + "' (" + std::string(force->type()) + ") reads the reactions of links";
+      return "force '" + force->name() + "' (" + std::string(force->type()) + ") reads the reactions of joints";
   for (const auto& link : system.links())
-    if (link->unilateral()) return "link '" + link->name() + "' is one-sided, and lanes know no impacts";
+    if (link->unilateral()) return "joint '" + link->name() + "' is one-sided, and a batch has no impacts";
   for (const auto& link : system.links())
     if (system.left_out(*link) != 0)
-      return "rows of link '" + link->name() + "' are left out, and lanes have all of them";
-  if (system.held_down_to() > 0) return "rows hold that nearly depend on others, which lanes do not factor";
+      return "redundant constraints of joint '" + link->name() + "' are left out, which a batch does not support";
+  if (system.held_down_to() > 0) return "nearly redundant constraints are kept, which a batch does not support";
   return "";
 }
 

@@ -29,7 +29,7 @@ struct Link {
   Turn turn = Turn::none;
   std::array<int, 6> row{};           ///< row k is this row of the lock
   int P = 0, S = 0;                   ///< slots; the ground is the number of slots
-  std::ptrdiff_t J_P = -1, J_S = -1;  ///< of its jacobians; -1: the ground
+  std::ptrdiff_t J_P = -1, J_S = -1;  ///< of its Jacobians; -1: the ground
   std::size_t frames = 0;             ///< of its markers, frames::size packs
   std::size_t law = 0;                ///< of its laws, law::size packs, where there are any
   std::size_t x = 0;                  ///< of its rows, m packs
@@ -50,7 +50,7 @@ namespace law {
 inline constexpr std::size_t p = 0, pd = 3, pdd = 6, q = 9, A = 13, w = 22, a = 25, size = 28;
 }
 
-/// Why the mechanism cannot run in lanes, but for its tree; "" if it can. The system is set up.
+/// Why the mechanism cannot run in lanes, apart from its tree; "" if it can. The system is set up.
 std::string unsuited(const System&);
 
 }  // namespace lockstep::lanes

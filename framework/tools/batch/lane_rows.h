@@ -8,7 +8,7 @@
 
 namespace lockstep::lanes {
 
-/// What the rows are for: accelerations need the right side Qhat, the projection C and Ct.
+/// What the rows are for: accelerations need the right-hand side Qhat, the projection C and Ct.
 enum class For { acceleration, projection };
 
 /// f(Unit<j>) for an axis j known at run time. f is compiled three times: keep it short. It returns one type for all.
@@ -19,7 +19,7 @@ LOCKSTEP_LANE auto along(int j, F&& f) {
   return f(vec::Unit<2>{});
 }
 
-/// Of a link: its bodies' motions (lane_plan.h, body), markers, laws, and its jacobians (none: the ground);
+/// Of a link: its bodies' motions (lane_plan.h, body), markers, laws, and its Jacobians (none: the ground);
 /// rows along the axes of S.
 template <For kFor, class Array>
 struct LinkRows {

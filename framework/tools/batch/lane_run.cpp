@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Explicit Runge-Kutta in lanes: every copy has its own time, step and error control; the attempts are made together. A
-// copy whose attempt is rejected repeats it with a smaller step while the others go on.
+// copy whose attempt is rejected repeats it with a smaller step while the others continue.
 #include "framework/tools/batch/lane_run.h"
 
 #include <algorithm>
@@ -130,7 +130,7 @@ void LaneRun::arrive(int lane) {
   if (the.going && the.schedule.reach() <= t_[l]) arrive(lane);  // an output at a jump, or a jump just behind one
 }
 
-// To those who follow every step.
+// To callers that follow every step.
 void LaneRun::tell_step(int lane, bool jumped) {
   if (!task_.step) return;
   told_ = state_;
@@ -206,7 +206,7 @@ void LaneRun::update_memory(int lane) {
   batch_.put(lane, state_, y_.data());
 }
 
-// Repeats with a smaller step; a copy that cannot go on leaves for the scalar code, which reports the error.
+// Repeats with a smaller step; a copy that cannot continue leaves for the scalar code, which reports the error.
 void LaneRun::reject(int lane, double factor) {
   const auto l = static_cast<std::size_t>(lane);
   ++reports_[l].rejected;
@@ -215,7 +215,7 @@ void LaneRun::reject(int lane, double factor) {
   if (fixed_ || step_vanished(t_[l], lanes_[l].advised, lanes_[l].asked)) leave(lane);
 }
 
-// The run of a copy goes on outside of the lanes.
+// The run of a copy continues outside of the lanes.
 void LaneRun::leave(int lane) {
   const auto l = static_cast<std::size_t>(lane);
   State state = state_;

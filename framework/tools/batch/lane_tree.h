@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // LaneTree: the recursion of a tree (dynamics/tree/recursion_in.h) on arrays of any numbers, in space or in a plane: its
-// nodes, and how they move. World axes; forces and accelerations of a slot about its mass centre. Private to the room.
+// nodes, and how they move. World axes; forces and accelerations of a slot about its centre of mass. Private.
 #pragma once
 
 #include "framework/dynamics/tree/recursion_in.h"

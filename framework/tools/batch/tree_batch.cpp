@@ -16,12 +16,12 @@
 namespace lockstep::lanes {
 namespace {
 
-// Why a tree has no lanes; "" if it has.
+// Why a tree cannot be vectorised; "" if it can.
 std::string why_no_lanes(const TreeLayout& layout, const System& system) {
-  if (layout.tree->n_v() == 0) return "laws alone move it, no coordinate is free";
+  if (layout.tree->n_v() == 0) return "it is moved by laws alone, no coordinate is free";
   for (const auto& force : system.forces())
     if (system.plane() && !force->stays_in_plane(system.plane()))
-      return "force '" + force->name() + "' does not say that it stays in the plane of the system";
+      return "force '" + force->name() + "' does not declare that it stays in the plane of the system";
   return "";
 }
 
@@ -63,7 +63,7 @@ Batch::Trees Batch::trees_of(std::span<System* const> systems, Formulation formu
     if (why_not.empty() && !trees.empty() &&
         !(has_equal_joints(*trees.front().tree, *layout.tree) &&
           are_alike(*systems.front(), trees.front(), *system, layout)))
-      why_not = "the joints of two copies are not laid out alike";
+      why_not = "the joints of two instances are ordered differently";
     if (!why_not.empty()) return {};
     trees.push_back(std::move(layout));
   }
@@ -129,7 +129,7 @@ void Batch::fill_joints() {
   }
 }
 
-// Of the mass centres along the normal, which moves nobody: after the laws.
+// Of the centres of mass along the normal, where nothing moves: after the laws.
 void Batch::put_heights(int lane) {
   const auto at = [&](std::span<double> p, std::size_t i) -> double& { return p[kL * i + lane]; };
   for (std::size_t k = 0; k < data_.plan.nodes.size(); ++k) {

@@ -131,8 +131,8 @@ TreeClosures::Residuals TreeClosures::residuals() {
   return out;
 }
 
-// Dynamics::joint_accelerations for each lane. One whose rows are not met then goes on alone: but for redundant ones that
-// miss by rounding, as those do in which nothing moves.
+// Dynamics::joint_accelerations for each lane. One whose rows are not met then continues alone: except for redundant
+// ones that miss by rounding, as those do in which nothing moves.
 Flags8 TreeClosures::accelerate(int n, double* rate) {
   pass_.accelerate_closed(data_, rate);
   Residuals now = residuals();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Projection of eight states in joint coordinates onto the rows that close their loops, by the rule of
-// dynamics/evaluate/closure_projection.cpp for each copy; a copy that has converged does not move while others go on.
+// dynamics/evaluate/closure_projection.cpp for each copy; a copy that has converged waits for the others.
 #include <algorithm>
 #include <cmath>
 
@@ -109,7 +109,7 @@ bool Batch::project_positions(double* y, const Numbers8& t, const Flags8& wanted
 }
 
 // A factor of a position before serves while each round leaves a tenth at most; with one of this position the proximal
-// term alone leaves something. Copies whose velocities are not met then go on alone.
+// term alone leaves something. Copies whose velocities are not met then continue alone.
 void Batch::project_velocities(double* y, const Numbers8& t, const Flags8& wanted, bool factored,
                                std::array<Landing, kLanes>& landed) {
   const Numbers8 v_max = largest_of(moving::v), w_max = largest_of(moving::w), first = closures_->norm_Cd();

@@ -24,9 +24,9 @@ void check(const ChartSpec& spec) {
   if (spec.panels.empty())
     throw ModelError(fmt::format("chart \"{}\" has no panels; give it at least one", spec.title));
   for (const Panel& p : spec.panels)
-    check_panel(p.series, spec.log_x, p.log_y, spec.title, p.y_label,
-                std::string("a series with numbers") +
-                    (spec.log_x || p.log_y ? " above zero, or take the logarithm away" : ""));
+    check_panel(
+        p.series, spec.log_x, p.log_y, spec.title, p.y_label,
+        std::string("a series with numbers") + (spec.log_x || p.log_y ? " above zero, or use linear axes" : ""));
 }
 
 void range(Script& out, char a, const std::optional<Range>& r) {

@@ -97,9 +97,7 @@ void add_panel(Script& out, const GridSpec& spec, const Legend& legend, std::siz
   axis(out, 'x', panel.x_label, true, x.low, x.high);
   axis(out, 'y', "", true, y.low, y.high);
   out.line("set xtics nomirror out\nset ytics nomirror out");
-  const Range seen_x = decades(x, 0.08), seen_y = panel.y_range.second > 0 ? panel.y_range : decades(y, 0.15);
-  out.line(
-      fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]", seen_x.first, seen_x.second, seen_y.first, seen_y.second));
+  ranges(out, decades(x, 0.08), panel.y_range.second > 0 ? panel.y_range : decades(y, 0.15));
   strip(out, panel, spec.strip_label);
   std::vector<std::string> clauses;
   for (std::size_t i = 0; i < panel.series.size(); ++i) {

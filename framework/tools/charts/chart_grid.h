@@ -15,7 +15,7 @@ struct GridPanel {
   std::vector<Series> series;
   double strip_from = 0;  ///< above this y the panel is a shaded strip; 0: no strip
   Range y_range{0, 0};    ///< {0, 0}: that of the data
-  Series open_ends{};     ///< points with a ring: where curves would go on
+  Series open_ends{};     ///< points with a ring: ends of curves that could continue
 };
 
 /// Series of one label have one colour and one mark in all panels, and one entry in the legend.
@@ -24,7 +24,7 @@ struct GridSpec {
   std::size_t n_columns = 2;
   std::vector<GridPanel> panels{};
   std::string strip_label{};             ///< "failed"
-  std::string open_label{};              ///< of the rings, in the legend: "not tried beyond"
+  std::string open_label{};              ///< of the rings, in the legend: "finer settings not tried"
   std::vector<std::string> remarks{};    ///< lines of text below
   int width = 1300, panel_height = 400;  ///< pixels
 };

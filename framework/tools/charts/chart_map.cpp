@@ -21,7 +21,7 @@ void check(const MapSpec& spec) {
     throw ModelError(fmt::format("map \"{}\": {} columns and {} rows; it needs at least two of each", spec.title,
                                  spec.x.size(), spec.y.size()));
   if (spec.cells.size() != spec.x.size() * spec.y.size())
-    throw ModelError(fmt::format("map \"{}\": {} cells for {} x {} centres; give one a centre, row after row",
+    throw ModelError(fmt::format("map \"{}\": {} cells for {} x {} centres; give one per centre, row after row",
                                  spec.title, spec.cells.size(), spec.x.size(), spec.y.size()));
   const auto rising = [&](const std::vector<double>& c, bool log, char a) {
     if (std::adjacent_find(c.begin(), c.end(), std::greater_equal<>()) != c.end() || (log && c.front() <= 0))
@@ -40,13 +40,13 @@ void check(const MapSpec& spec) {
 }
 
 // Half way to the neighbours, in the logarithm on a logarithmic axis; the outer edges mirror the inner ones.
-std::vector<double> edges(const std::vector<double>& centers, bool log) {
-  std::vector<double> c = centers, e;
-  if (log) std::transform(c.begin(), c.end(), c.begin(), [](double v) { return std::log(v); });
+std::vector<double> edges(std::vector<double> c, bool log) {
+  std::vector<double> e;
+  for (double& v : c) v = log ? std::log(v) : v;
   e.push_back(c[0] - 0.5 * (c[1] - c[0]));
   for (std::size_t i = 1; i < c.size(); ++i) e.push_back(0.5 * (c[i - 1] + c[i]));
   e.push_back(c.back() + (c.back() - e.back()));
-  if (log) std::transform(e.begin(), e.end(), e.begin(), [](double v) { return std::exp(v); });
+  for (double& v : e) v = log ? std::exp(v) : v;
   return e;
 }
 
@@ -57,7 +57,7 @@ void cell_data(Script& out, const std::string& name, const MapSpec& spec, int ki
   for (std::size_t j = 0; j < spec.y.size(); ++j)
     for (std::size_t i = 0; i < spec.x.size(); ++i) {
       const double value = spec.cells[j * spec.x.size() + i];
-      const bool shown = kind < 0 ? std::isfinite(value) : std::lround(value) == kind && std::isfinite(value);
+      const bool shown = std::isfinite(value) && (kind < 0 || std::lround(value) == kind);
       const double row[] = {spec.x[i], spec.y[j], ex[i], ex[i + 1], ey[j], ey[j + 1], value};
       if (shown) out.row(row);
     }
@@ -99,7 +99,7 @@ void add_map(Script& out, const MapSpec& spec) {
   const std::vector<double> ex = edges(spec.x, spec.log_x), ey = edges(spec.y, spec.log_y);
   axis(out, 'x', spec.x_label, spec.log_x, ex.front(), ex.back());
   axis(out, 'y', spec.y_label, spec.log_y, ey.front(), ey.back());
-  out.line(fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]", ex.front(), ex.back(), ey.front(), ey.back()));
+  ranges(out, {ex.front(), ex.back()}, {ey.front(), ey.back()});
   out.line("set grid front lc rgb '#ffffff' lw 0.3");
   notes(out, spec.notes);
   for (std::size_t i = 0; i < spec.curves.size(); ++i) {
@@ -112,22 +112,14 @@ void add_map(Script& out, const MapSpec& spec) {
   plot(out, clauses);
 }
 
-// Numbers of the kinds that some map shows.
-std::vector<std::size_t> shown_kinds(const MapGridSpec& spec) {
-  std::vector<std::size_t> shown;
-  for (std::size_t k = 0; k < spec.maps.front().kinds.size(); ++k)
-    if (std::ranges::any_of(spec.maps, [&](const MapSpec& map) { return has_kind(map, static_cast<int>(k)); }))
-      shown.push_back(k);
-  return shown;
-}
-
 std::vector<std::string> legend_entries(const MapGridSpec& spec) {
   std::vector<std::string> entries;
   const std::vector<MapSpec::Kind>& kinds = spec.maps.front().kinds;
-  for (const std::size_t k : shown_kinds(spec))
-    entries.push_back(fmt::format("keyentry with boxes lc rgb '{}' fs solid 0.85 title {}",
-                                  color_or(kinds[k].color, k, "kind \"" + kinds[k].label + "\""),
-                                  quoted_text(kinds[k].label)));
+  for (std::size_t k = 0; k < kinds.size(); ++k)
+    if (std::ranges::any_of(spec.maps, [&](const MapSpec& map) { return has_kind(map, static_cast<int>(k)); }))
+      entries.push_back(fmt::format("keyentry with boxes lc rgb '{}' fs solid 0.85 title {}",
+                                    color_or(kinds[k].color, k, "kind \"" + kinds[k].label + "\""),
+                                    quoted_text(kinds[k].label)));
   if (!spec.curve_label.empty())
     entries.push_back(
         fmt::format("keyentry with lines lc rgb '#111111' lw 2.4 title {}", quoted_text(spec.curve_label)));
@@ -216,18 +208,15 @@ void write_bars(const std::string& path, const BarSpec& spec) {
   out.line(
       fmt::format("set key at screen {:.5f}, screen {:.5f} left bottom horizontal", kLeftOfBars / spec.width, top));
   out.line(fmt::format("set xrange [-0.6:{}]", static_cast<double>(spec.categories.size()) - 0.4));
-  if (!spec.log_y)
-    out.line(fmt::format("set yrange [{}:*]", std::min(0.0, y.low)));
-  else
-    out.line(fmt::format("set yrange [{}:{}]", y.low / 3, y.high * 3));
   std::size_t letters = 0;
   for (const BarSpec::Group& g : spec.groups)
     for (const double v : g.values) letters = std::max(letters, fmt::format("{:.4g}", v).size());
   const double pixels = (spec.width - kLeftOfBars - right) / static_cast<double>(spec.categories.size()) * width;
   const bool upright = 7.5 * static_cast<double>(letters) > pixels;  // wider than their bar
-  if (upright && !spec.log_y) out.line(fmt::format("set yrange [{}:{}]", std::min(0.0, y.low), 1.15 * y.high));
-  if (upright && spec.log_y)
-    out.line(fmt::format("set yrange [{}:{}]", y.low / 3, y.high * 3 * std::cbrt(y.high / y.low)));
+  if (spec.log_y)
+    out.line(fmt::format("set yrange [{}:{}]", y.low / 3, y.high * 3 * (upright ? std::cbrt(y.high / y.low) : 1)));
+  else
+    out.line(fmt::format("set yrange [{}:{}]", std::min(0.0, y.low), upright ? fmt::format("{}", 1.15 * y.high) : "*"));
   const char* const stand = upright ? "rotate by 90 left offset 0,0.4" : "offset 0,0.6";
   std::vector<std::string> clauses;
   for (std::size_t g = 0; g < spec.groups.size(); ++g) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/charts/chart_path.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -52,8 +50,7 @@ void write_path(const std::string& path, const PathSpec& spec) {
   out.line("unset key");
   axis(out, 'x', spec.x_label, false, x.low, x.high);
   axis(out, 'y', spec.y_label, false, y.low, y.high);
-  out.line(
-      fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]", seen_x.first, seen_x.second, seen_y.first, seen_y.second));
+  ranges(out, seen_x, seen_y);
   notes(out, {{spec.x[first], spec.y[first], "start"}});
   plot(out, {plot_clause("p0s0", curve, 0)});
   draw_page(out, path, spec.width, spec.height);

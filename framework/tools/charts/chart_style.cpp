@@ -52,6 +52,18 @@ std::size_t character_end(const std::string& text, std::size_t at) {
   return std::min(at, text.size());
 }
 
+void point_data(Script& out, const std::string& name, const Series& s, const std::vector<std::size_t>& which) {
+  out.begin_data(name);
+  for (std::size_t i : which) {
+    const double row[] = {s.x[i], s.y[i]};
+    if (std::isfinite(s.x[i]) && std::isfinite(s.y[i]))
+      out.row(row);
+    else
+      out.gap();
+  }
+  out.end_data();
+}
+
 constexpr std::size_t kTitleLetters = 84;  // in a line: 870 pixels
 
 // A title in one or two lines of one size; what is longer is cut off.
@@ -69,12 +81,10 @@ std::string fitted(const std::string& title) {
 
 double title_height(const std::string& title) { return title.empty() ? 0 : title.size() <= kTitleLetters ? 40 : 62; }
 
-std::string color(std::size_t n) { return std::string(kColors[n % kColors.size()]); }
-
 std::string color_or(const std::string& wanted, std::size_t n, const std::string& what) {
-  if (wanted.empty()) return color(n);
+  if (wanted.empty()) return std::string(kColors[n % kColors.size()]);
   if (!is_color(wanted))
-    throw ModelError(fmt::format("{}: color \"{}\" is none; write it like \"#0072b2\", or leave it out", what, wanted));
+    throw ModelError(fmt::format("{}: \"{}\" is not a colour; write it like \"#0072b2\", or omit it", what, wanted));
   return wanted;
 }
 
@@ -124,22 +134,6 @@ void notes(Script& out, const std::vector<Note>& all) {
   }
 }
 
-namespace {
-
-void point_data(Script& out, const std::string& name, const Series& s, const std::vector<std::size_t>& which) {
-  out.begin_data(name);
-  for (std::size_t i : which) {
-    const double row[] = {s.x[i], s.y[i]};
-    if (std::isfinite(s.x[i]) && std::isfinite(s.y[i]))
-      out.row(row);
-    else
-      out.gap();
-  }
-  out.end_data();
-}
-
-}  // namespace
-
 void series_data(Script& out, const std::string& name, const Series& s) { point_data(out, name, s, thinned(s)); }
 
 void path_data(Script& out, const std::string& name, const Series& s) {
@@ -158,24 +152,22 @@ std::string plot_clause(const std::string& name, const Series& s, std::size_t n)
   const int dash = s.style == SeriesStyle::dashes ? 2 : n < kColors.size() ? 1 : 4;
   const std::string line = fmt::format("lc rgb '{}' lw 1.8 dt {}", tint, dash);
   const std::string mark = fmt::format("pt {}", kMarks[n % kMarks.size()]);
-  switch (s.style) {
-    case SeriesStyle::points:
-      return fmt::format("${} using 1:2 with points {} lc rgb '{}' {}", name, mark, tint, legend);
-    case SeriesStyle::band:
-      return fmt::format("${} using 1:2 with lines lc rgb '{}' lw 7 dt 1 {}", name, tint, legend);
-    case SeriesStyle::crosses:
-      return fmt::format("${} using 1:2 with points pt 2 ps 0.8 lw 1.8 lc rgb '{}' {}", name, tint, legend);
-    case SeriesStyle::linespoints:
-      return fmt::format("${} using 1:2 with linespoints {} {} {}", name, mark, line, legend);
-    default:
-      return fmt::format("${} using 1:2 with lines {} {}", name, line, legend);
-  }
+  std::string how = "lines " + line;
+  if (s.style == SeriesStyle::points) how = fmt::format("points {} lc rgb '{}'", mark, tint);
+  if (s.style == SeriesStyle::band) how = fmt::format("lines lc rgb '{}' lw 7 dt 1", tint);
+  if (s.style == SeriesStyle::crosses) how = fmt::format("points pt 2 ps 0.8 lw 1.8 lc rgb '{}'", tint);
+  if (s.style == SeriesStyle::linespoints) how = fmt::format("linespoints {} {}", mark, line);
+  return fmt::format("${} using 1:2 with {} {}", name, how, legend);
 }
 
 std::string block_name(std::size_t panel, std::size_t series) { return fmt::format("p{}s{}", panel, series); }
 
 void plot(Script& out, const std::vector<std::string>& clauses) {
   out.line(fmt::format("plot {}", fmt::join(clauses, ", \\\n     ")));
+}
+
+void ranges(Script& out, const Range& x, const Range& y) {
+  out.line(fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]", x.first, x.second, y.first, y.second));
 }
 
 void margins(Script& out, double left, double right, double top, double bottom) {

@@ -12,9 +12,7 @@
 
 namespace lockstep::chart_style {
 
-/// The n-th colour of a palette for colour-blind readers.
-LOCKSTEP_API std::string color(std::size_t n);
-/// `wanted` if it is "#rrggbb", the n-th colour for ""; else throws ModelError naming `what`.
+/// `wanted` if it is "#rrggbb", the n-th of a palette for colour-blind readers for ""; else throws ModelError naming `what`.
 LOCKSTEP_API std::string color_or(const std::string& wanted, std::size_t n, const std::string& what);
 /// Begins a page of n panels, one below the other, with its title above the legend: fonts, grid, borders.
 LOCKSTEP_API void begin_page(Script&, std::size_t n, const std::string& title);
@@ -38,6 +36,8 @@ void panel_data(Script& out, const std::vector<P>& panels) {
 }
 /// One plot command of these clauses.
 LOCKSTEP_API void plot(Script&, const std::vector<std::string>& clauses);
+/// What the next plot shows along its axes.
+LOCKSTEP_API void ranges(Script&, const Range& x, const Range& y);
 /// Edges of the next plot, as fractions of the picture from its left and its lower edge.
 LOCKSTEP_API void margins(Script&, double left, double right, double top, double bottom);
 /// How many legend entries of `letters` letters fit side by side into `width` pixels.

@@ -26,8 +26,7 @@ class TemporaryFolder {
     std::string name = (fs::temp_directory_path() / "lockstep-chart-XXXXXX").string();
     if (!mkdtemp(name.data()))
       throw FileError(
-          fmt::format("cannot make the folder \"{}\" for a chart's script: {}; set TMPDIR to a folder that "
-                      "can be written",
+          fmt::format("cannot create the folder \"{}\" for the script of a chart: {}; set TMPDIR to a writable folder",
                       name, std::strerror(errno)));
     path_ = name;
   }
@@ -58,12 +57,12 @@ std::string head(const char* file, const std::string& terminal) {
 void hand_over(const std::string& made, const std::string& file, const std::string& said) {
   std::error_code none;
   if (const auto size = fs::file_size(made, none); none || size == 0)
-    throw FileError(fmt::format("gnuplot drew nothing for \"{}\"; it said: {}", file, said));
+    throw FileError(fmt::format("gnuplot drew nothing for \"{}\"; its message: {}", file, said));
   std::error_code failed;
   fs::copy_file(made, file, fs::copy_options::overwrite_existing, failed);
   if (failed)
     throw FileError(
-        fmt::format("cannot write \"{}\": {}; check the folder and the space left, or give another file name", file,
+        fmt::format("cannot write \"{}\": {}; check the folder and the free space, or give another file name", file,
                     failed.message()));
 }
 
@@ -124,10 +123,10 @@ void draw(const Script& script, const std::string& path, int width, int height) 
         << head("chart.svg", fmt::format("svg size {},{} font 'sans-serif,15'", width, height)) << script.text()
         << "set output\n";
     if (!out.flush())
-      throw FileError(fmt::format("cannot write \"{}\"; set TMPDIR to a folder with space left", commands));
+      throw FileError(fmt::format("cannot write \"{}\"; set TMPDIR to a folder with free space", commands));
   }
   const auto [status, said] = run_child({program, "-d", "chart.gp"}, folder.path(), true);
-  if (status != 0) throw FileError(fmt::format("gnuplot could not draw \"{}\"; it said: {}", path, said));
+  if (status != 0) throw FileError(fmt::format("gnuplot could not draw \"{}\"; its message: {}", path, said));
   hand_over(folder.file("chart.svg"), base + ".svg", said);
   hand_over(folder.file("chart.png"), base + ".png", said);
 }

@@ -16,7 +16,7 @@ LOCKSTEP_API std::string find_gnuplot();
 class LOCKSTEP_API Script {
  public:
   Script& line(std::string_view commands);
-  /// A data block `$name`: rows of numbers, in which what is not finite becomes a gap, and blank rows.
+  /// A data block `$name`: rows of numbers, in which a value that is not finite is a gap, and blank rows.
   Script& begin_data(std::string_view name);
   Script& row(std::span<const double> numbers);
   Script& gap();
@@ -32,7 +32,7 @@ class LOCKSTEP_API Script {
 LOCKSTEP_API std::string quoted_text(std::string_view text);
 
 /// Draws the script twice, as `<base>.svg` and `<base>.png`, width x height pixels; base is `path` without .svg or
-/// .png. Throws FileError: gnuplot is missing, refuses (with its own words), or a file cannot be written.
+/// .png. Throws FileError: gnuplot is missing, fails (with its message), or a file cannot be written.
 LOCKSTEP_API void draw(const Script& script, const std::string& path, int width, int height);
 
 }  // namespace lockstep

@@ -62,17 +62,17 @@ class ForceCheck final : public StateCheck {
 
   bool description() override {
     if (slots_.empty()) {
-      add("markers", "acts at no marker of a body that moves, so that nothing can be checked", "markers()");
+      add("markers", "acts at no marker of a moving body, so nothing can be checked", "markers()");
       return false;
     }
     const Reacting* const own = force_.reacting();
     if (own || force_.observable()) quantities_ = own ? own->quantities() : force_.observable()->quantities();
     for (const Quantity& q : quantities_)
-      if (q.name.empty()) add("quantities", "tells a quantity without a name", "quantities()");
+      if (q.name.empty()) add("quantities", "has a quantity without a name", "quantities()");
     if (own == nullptr) return true;
     const std::vector<const Lock*> read = own->reads();
     if (std::ranges::find(read, nullptr) != read.end()) {
-      add("reads", "reads the reactions of a link that is not there", "reads()");
+      add("reads", "reads the reactions of a missing joint", "reads()");
       return true;
     }
     passes::lay_out(system_, std::vector<bool>(system_.links().size(), true), rows_);
@@ -85,14 +85,14 @@ class ForceCheck final : public StateCheck {
   void at_state() override {
     for (int k = 0; k < n_; ++k)
       if (std::ranges::find(slots_, k) == slots_.end() && !is_.middleCols<6>(6 * k).isZero(0))
-        add("bodies", fmt::format("pushes body '{}', on which none of its markers() is", body(k)),
-            "markers(): they say on which bodies it acts, to messages, to the tangent and to planar motion");
+        add("bodies", fmt::format("acts on body '{}', which has none of its markers()", body(k)),
+            "markers(): they declare the bodies on which it acts, for messages, the tangent and planar motion");
     balance();
     tangent();
   }
 
-  // f.v + dV/dt + dissipation - supply = 0 along a motion. Where it is not, either the force at rest is not the gradient,
-  // or what goes with the velocities is wrong: D - S = -(f.v + dV/dt).
+  // f.v + dV/dt + dissipation - supply = 0 along a motion. If it is not, either the force at rest is not the gradient,
+  // or its part that depends on velocities is wrong: D - S = -(f.v + dV/dt).
   void balance() {
     const Slope dV = first_derivative(
         [&](double x) { return VecX::Constant(1, force_.potential(coasted(state_, x).in())); }, std::min(0.05, quiet_));
@@ -102,29 +102,28 @@ class ForceCheck final : public StateCheck {
       P += is_.row(0).segment<3>(6 * k).dot(state_.slot(k).v) + is_.row(0).segment<3>(6 * k + 3).dot(state_.slot(k).w);
     if (D < 0)
       add("dissipation", fmt::format("dissipation() is {:.6g} W, below zero", D),
-          "dissipation(): what dampers take out; what is put in belongs into supply()");
+          "dissipation(): the power taken by dampers; power that is put in belongs to supply()");
     const double size = std::max({std::abs(P), std::abs(dV.value[0]), std::abs(D), std::abs(S)});
     const double off = std::abs(P + dV.value[0] + D - S);
     report_.compared(size > 0 ? dV.error[0] / size : 0);
     if (off <= dV.error[0] + kRounding * size) return;
     add("balance",
-        fmt::format("gives {:.6g} W to the bodies, and -dV/dt - dissipation() + supply() are {:.6g} W (dissipation "
+        fmt::format("gives {:.6g} W to the bodies, but -dV/dt - dissipation() + supply() is {:.6g} W (dissipation "
                     "{:.6g}, supply {:.6g})",
                     P, S - D - dV.value[0], D, S),
-        "potential(), dissipation() and supply(); the energy balance of a run rests on them", off);
+        "potential(), dissipation() and supply(); the energy balance of a run depends on them", off);
     if (gradient()) return;
     const std::string damper = "dissipation(): minus the force of the damper times the speed it damps";
     add("damping",
-        fmt::format("its force at rest fits potential() and supply(), so that what goes with the velocities is wrong: "
-                    "dissipation() - supply() is {:.6g} W, and the force asks for {:.6g} W",
+        fmt::format("its force at rest fits potential() and supply(), so its part that depends on velocities is wrong: "
+                    "dissipation() - supply() is {:.6g} W, but the force gives {:.6g} W",
                     D - S, -P - dV.value[0]),
-        S != 0 ? damper + "; or at supply(): the power that laws and motors put in"
-        : -P - dV.value[0] < 0
-            ? "supply(): the power that laws and motors put in; a force that is to damp has the wrong sign"
-            : damper);
+        S != 0                 ? damper + "; or at supply(): the power that laws and motors put in"
+        : -P - dV.value[0] < 0 ? "supply(): the power that laws and motors put in; a damping force has the wrong sign"
+                               : damper);
   }
 
-  // Whether the force at rest is not -dV/d(x, turn) + dS/d(v, w).
+  // Whether the force at rest is not -dV/d(x, rotation) + dS/d(v, w).
   bool gradient() {
     TestState still = state_;
     still.stop();
@@ -144,7 +143,7 @@ class ForceCheck final : public StateCheck {
          [&](int k) {
            return fmt::format("{} along {} {} axis", name(0, k), k % 6 < 3 ? "the world's" : "its", "xyz"[k % 3]);
          },
-         "at rest, and potential() and supply() say", here(),
+         "at rest, but potential() and supply() give", here(),
          [](int) {
            return "potential(), whose gradient is minus the force, or at supply(), if a law or motor makes the force";
          },
@@ -152,7 +151,7 @@ class ForceCheck final : public StateCheck {
         asked);
   }
 
-  // K = -df/d(x, turn), D = -df/d(v, w).
+  // K = -df/d(x, rotation), D = -df/d(v, w).
   void tangent() {
     TangentSum sum;
     sum.lay_out(n_);

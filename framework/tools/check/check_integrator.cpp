@@ -63,25 +63,25 @@ class StepCheck {
     const State& state = run.state;
     if (info_.adaptive) {
       const double h = run.method->first_step(run.dynamics, state, 0.1);
-      expect(h >= 0 && h <= 0.1, "first", fmt::format("first_step() is {} s where at most 0.1 s were allowed", h),
+      expect(h >= 0 && h <= 0.1, "first", fmt::format("first_step() is {} s, at most 0.1 s is allowed", h),
              "first_step()");
     }
     for (const double h : {1e-2, 1e-3, 1e-3, 1e-5, 2e-2, 5e-3, 5e-3, 5e-3, 5e-3, 5e-3}) {
       const State before = state;
       const StepReport report = run.step(h);
-      const std::string here = fmt::format("(asked for {} s at t = {:.6g} s, {})", h, before.t, motion.name);
+      const std::string here = fmt::format("(requested: {} s at t = {:.6g} s, {})", h, before.t, motion.name);
       expect(report.h > 0 && report.h <= h * (1 + kSame), "length",
              fmt::format("makes a step of {} s {}", report.h, here),
              "the h of step(): one step of at most h, its length in StepReport::h");
       expect(info_.adaptive || std::abs(report.h - h) <= kSame * h, "length",
-             fmt::format("makes a step of {} s though it is not adaptive {}", report.h, here),
+             fmt::format("makes a step of {} s although it is not adaptive {}", report.h, here),
              "step(), or adaptive in info()");
       expect(std::abs(state.t - before.t - report.h) <= kSame * std::max(1.0, std::abs(state.t)), "time",
-             fmt::format("the time went on by {:.9g} s and its report says {:.9g} s {}", state.t - before.t, report.h,
-                         here),
+             fmt::format("the time advances by {:.9g} s, but the report gives {:.9g} s {}", state.t - before.t,
+                         report.h, here),
              "state.t and StepReport::h in step()");
       expect(state.z == before.z && state.modes == before.modes && state.watched == before.watched, "memory",
-             fmt::format("changes what the state remembers (z, or which links are in force) {}", here),
+             fmt::format("changes the memory of the state (z, or the active joints) {}", here),
              "step(): z and modes belong to the simulation, which writes them when a step is accepted");
       const bool finite = state.q.allFinite() && state.v.allFinite();
       expect(finite, "finite", fmt::format("the new state is not finite {}", here), "step()");
@@ -90,28 +90,28 @@ class StepCheck {
         const double n = state.q.segment<4>(7 * k + 3).norm();
         expect(std::abs(n - 1) <= kSame, "unit",
                fmt::format("a quaternion has length {:.12g} after a step {}", n, here),
-               "the end of step(): Dynamics::project, or Dynamics::normalize where nothing is projected");
+               "the end of step(): Dynamics::project, or Dynamics::normalize if nothing is projected");
       }
       const double C = run.dynamics.violation(state), limit = 2 * run.dynamics.options().stabilization.tolerance;
       expect(!(C > limit), "constraints",
              fmt::format("the new state violates the constraints by {:.3g} m, more than {:.3g} m {}", C, limit, here),
-             "the end of step(): Dynamics::project(state) where options().stabilization says project", C);
+             "the end of step(): Dynamics::project(state) if options().stabilization is project", C);
       run.dynamics.accept(run.state);
     }
   }
 
-  // Equal runs: another object, and the same begun anew.
+  // Equal runs: another object, and the same after a second begin().
   void repeats(const ClosedMotion& motion) {
     Going run(make_, motion), other(make_, motion);
     const State first = run.go(12), second = other.go(12);
     run.begin(motion.system->start());
     const State& again = run.go(12);
     expect(equal(first, second), "equal",
-           fmt::format("two runs of two objects differ by {:.3g} ({})", distance(first, second), motion.name),
+           fmt::format("runs of two objects differ by {:.3g} ({})", distance(first, second), motion.name),
            "static or uninitialised variables");
     expect(equal(first, again), "begin",
-           fmt::format("begun anew it runs otherwise, by {:.3g} ({})", distance(first, again), motion.name),
-           "begin(): it has to forget the history and what a step-size control knows");
+           fmt::format("a run after a second begin() differs by {:.3g} ({})", distance(first, again), motion.name),
+           "begin(): it has to reset the history and the step-size control");
   }
 
   // save() and restore(), on the same object (a step taken back) and on another one (a checkpoint).
@@ -129,10 +129,10 @@ class StepCheck {
       const double apart = distance(end, by.go(4));
       expect(
           apart <= kSame, key, fmt::format("{} {:.3g} apart ({})", what, apart, motion.name),
-          "save() and restore(): all that the next step reads beside the state, the history and the step-size control");
+          "save() and restore(): all that the next step reads in addition to the state: history and step-size control");
     };
-    again(run, "restore", "taken back by restore(), the same steps end");
-    again(other, "checkpoint", "another object, begun and restored, goes on");
+    again(run, "restore", "after restore(), the same steps end");
+    again(other, "checkpoint", "another object, begun and restored, ends");
   }
 
   // Equations of motion that give NaN: an error, and the state as it was.
@@ -152,18 +152,19 @@ class StepCheck {
       thrown = false;
     } catch (const Error&) {
     } catch (const std::exception& error) {
-      expect(false, "error", fmt::format("throws something that is no lockstep::Error: {}", what_of(error)), "step()");
+      expect(false, "error", fmt::format("throws an exception that is not a lockstep::Error: {}", what_of(error)),
+             "step()");
     }
-    expect(thrown, "nan", "makes a step though the equations of motion give no number (NaN)",
-           "step(): Dynamics::rate throws then; let it pass, or evaluate where the force acts");
-    expect(!thrown || equal(run.state, before), "unchanged", "a step that throws leaves another state behind",
-           "step(): work on a copy, and write the state only at the end");
+    expect(thrown, "nan", "makes a step although the equations of motion give NaN",
+           "step(): Dynamics::rate throws then; do not catch it, and evaluate when the force acts");
+    expect(!thrown || equal(run.state, before), "unchanged", "a step that throws changes the state",
+           "step(): use a temporary state, and write the state only at the end");
     broken = false;
     run.begin(motion.system->start());
     const State &anew = run.go(5), &fresh = other.go(5);
     expect(equal(anew, fresh), "after",
-           fmt::format("begun anew after an error it runs otherwise, by {:.3g}", distance(anew, fresh)),
-           "begin(): it has to forget whatever the broken step left");
+           fmt::format("a run after an error and begin() differs by {:.3g}", distance(anew, fresh)),
+           "begin(): it has to reset what the failed step left");
   }
 
  private:
@@ -235,23 +236,23 @@ void check_order(const IntegratorMaker& make, const IntegratorInfo& info, const 
     const Run found = run(make, info, motion, setting);
     if (!found.complete && !info.adaptive) continue;
     if (!found.complete)
-      return report.add(
-          "adaptive", {fmt::format("does not come to the end of the {} at a tolerance of {:.0e}", motion.name, setting),
-                       "step() and StepReport::h_next"});
+      return report.add("adaptive",
+                        {fmt::format("does not reach the end of the {} at a tolerance of {:.0e}", motion.name, setting),
+                         "step() and StepReport::h_next"});
     if (found.error < kFloor) break;
     if (found.error < kCoarse) settings.push_back(setting), h.push_back(found.h), errors.push_back(found.error);
     if (!info.adaptive && h.size() >= 4 && found.error < 1e-8) break;
   }
   if (h.size() < (info.adaptive ? 3 : 2))
-    return report.add("converges", {fmt::format("does not come near the closed form of the {} at any {}", motion.name,
+    return report.add("converges", {fmt::format("does not converge to the closed form of the {} at any {}", motion.name,
                                                 info.adaptive ? "tolerance" : "step"),
                                     "step()"});
   if (info.adaptive) {
     const double power = slope(settings, errors);
-    report.note(fmt::format("error on the {} as the tolerance to the power of {:.2f}", motion.name, power));
+    report.note(fmt::format("error on the {} proportional to the tolerance to the power {:.2f}", motion.name, power));
     if (power < 0.6 || power > 1.7)
       report.add("tolerance",
-                 {fmt::format("its error on the {} goes with the tolerance to the power of {:.2f}; 1 is wanted",
+                 {fmt::format("its error on the {} is proportional to the tolerance to the power {:.2f}, not 1",
                               motion.name, power),
                   "set_tolerance(), the norm of the estimate and the exponent of the step-size control"});
   } else if (h.size() > 3) {  // the last two halvings: coarser runs may not show the order yet
@@ -262,11 +263,11 @@ void check_order(const IntegratorMaker& make, const IntegratorInfo& info, const 
       fmt::format("order {:.2f} on the {} ({} of {:.3g} to {:.3g} s, errors {:.2g} to {:.2g})", order, motion.name,
                   info.adaptive ? "mean steps" : "steps", h.front(), h.back(), errors.front(), errors.back());
   report.compared(0);
-  report.note(fmt::format("{}, {} is told", measured, info.order));
+  report.note(fmt::format("{}, info() declares {}", measured, info.order));
   if (!(order > info.order - kOrderRoom))
     report.add("order",
-               {fmt::format("is of {}, and its info() tells {}", measured, info.order),
-                order < 0.5 ? "step(): the error does not fall at all"
+               {fmt::format("is of {}, but info() declares {}", measured, info.order),
+                order < 0.5 ? "step(): the error does not decrease at all"
                             : "the coefficients, the times of the stages, the first steps of a multistep method, and "
                               "order in info()"},
                info.order - order);
@@ -289,7 +290,7 @@ void check_dense_output(const IntegratorMaker& make, const ClosedMotion& motion,
     for (const double share : {0.0, 0.4, 1.0}) {
       const double t = start.t + share * h_made;
       if (!going.method->dense(t, inside))
-        return add("dense", "dense() has an answer right after begin() and none after a step",
+        return add("dense", "dense() returns a state right after begin() and none after a step",
                    "dense(): always, or never");
       if (std::abs(inside.t - t) > kRoundOff)
         add("dense", "dense() at a time gives a state of another time", "dense(): out.t = t");
@@ -297,18 +298,19 @@ void check_dense_output(const IntegratorMaker& make, const ClosedMotion& motion,
       if (share == 0.4 && error > 1e-13) h.push_back(h_made), e.push_back(error);
       if (share != 0.4 && gap > (share == 0 ? 1e-10 : 1e-6 + 10 * motion.error(going.state)))
         add("dense",
-            fmt::format("dense() at the {} of a step of {:.3g} s is {:.3g} away from the state there ({})",
+            fmt::format("dense() at the {} of a step of {:.3g} s differs from the state by {:.3g} ({})",
                         share == 0 ? "beginning" : "end", h_made, gap, motion.name),
             "dense() at the ends of the step");
     }
   }
   if (h.size() < 3) return;
   const double order = slope(h, e);
-  report.note(fmt::format("dense(): its error inside one step falls with the power {:.2f} of the step on the {}", order,
-                          motion.name));
+  report.note(fmt::format("dense(): its error inside one step decreases with the power {:.2f} of the step on the {}",
+                          order, motion.name));
   if (order < 2.6)
     add("dense order",
-        fmt::format("dense() inside a step falls only with the power {:.2f} of the step on the {}", order, motion.name),
+        fmt::format("the error of dense() decreases only with the power {:.2f} of the step on the {}", order,
+                    motion.name),
         "dense(): a polynomial of order 2 at least; a method without one returns false");
 }
 
@@ -316,12 +318,12 @@ void check_dense_output(const IntegratorMaker& make, const ClosedMotion& motion,
 
 CheckReport check_integrator(const IntegratorMaker& make, const CheckOptions& options) {
   const std::unique_ptr<Integrator> first = make ? make() : nullptr;
-  if (!first) throw ModelError("check_integrator: its maker gives no integrator; give one that does");
+  if (!first) throw ModelError("check_integrator: the maker returns no integrator; return one");
   const IntegratorInfo info = first->info();
   CheckReport report(fmt::format("integrator '{}'", info.name), options.seed);
   if (info.name.empty()) report.add("name", {"has no name", "info()"});
   if (info.order < 1) {
-    report.add("order", {fmt::format("tells order {}", info.order), "info(): 1 or more"});
+    report.add("order", {fmt::format("declares order {}", info.order), "info(): 1 or more"});
     return report;
   }
   const ClosedMotion top = free_top(), pendulum = hinged_pendulum();
@@ -336,7 +338,7 @@ CheckReport check_integrator(const IntegratorMaker& make, const CheckOptions& op
     }
     check.throws(pendulum);
   } catch (const Error& error) {
-    report.add("throws", {fmt::format("gives up on a plain motion: {}", error.what()), "step()"});
+    report.add("throws", {fmt::format("fails on a simple motion: {}", error.what()), "step()"});
   }
   return report;
 }

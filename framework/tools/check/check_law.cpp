@@ -42,7 +42,7 @@ struct LawNumbers {
   }
 };
 
-// The largest of each number; nothing where one is not finite.
+// The largest of each number; empty if one is not finite.
 VecX sizes(const LawNumbers& law, const CheckOptions& options, CheckReport& report) {
   const auto instant = [&](int i) { return options.from + (options.to - options.from) * i / kInstants; };
   VecX size = law.all.at(options.from).cwiseAbs();
@@ -52,14 +52,15 @@ VecX sizes(const LawNumbers& law, const CheckOptions& options, CheckReport& repo
     size = size.cwiseMax(f.cwiseAbs());
     for (int c = 0; c < f.size(); ++c)
       if (!std::isfinite(f[c])) {
-        report.add("finite", {fmt::format("{} is {} at t = {} s", law.name(c), f[c], text::number(t)),
-                              "its formula there: a division by zero, a root or a logarithm of a negative number"});
+        report.add("finite",
+                   {fmt::format("{} is {} at t = {} s", law.name(c), f[c], text::number(t)),
+                    "its formula at that time: a division by zero, a root or a logarithm of a negative number"});
         return {};
       }
     law.all.at(instant(kInstants - i));
     if (law.all.at(t) != f)
-      report.add("same", {fmt::format("says something else at t = {} s when it is asked again", text::number(t)),
-                          "what it keeps between two calls: a law is a function of t alone"});
+      report.add("same", {fmt::format("returns another value at t = {} s in a second call", text::number(t)),
+                          "members that change between calls: a law is a function of t alone"});
   }
   return size;
 }
@@ -80,12 +81,12 @@ void check_rates(const LawNumbers& law, const VecX& size, const CheckOptions& op
       const int first = law.n_values + (level - 1) * law.n;
       const auto what = [&](int k) { return fmt::format("{} at t = {} s", law.name(first + k), text::number(t)); };
       const auto look = [&](int k) {
-        return fmt::format("the formula of {}, and at the terms that come with the chain rule", law.name(first + k));
+        return fmt::format("the formula of {}, and at the terms of the chain rule", law.name(first + k));
       };
       compare(report,
               {fmt::format("slope {}", level), law.all.at(t).segment(first, law.n),
                VecX::Constant(law.n, size.segment(first, law.n).maxCoeff()), what,
-               fmt::format("differences of {} say", law.levels[level - 1]), "", look},
+               fmt::format("differences of {} give", law.levels[level - 1]), "", look},
               first_derivative(level == 1 ? value : rate, reach));
     }
   }
@@ -95,13 +96,13 @@ template <class Law>
 CheckReport checked(const Law& law, const char* kind, const std::string& name, const CheckOptions& options,
                     const std::array<const char*, 3>& levels) {
   if (!(options.to > options.from) || !std::isfinite(options.to - options.from))
-    throw ModelError(
-        fmt::format("check_law: from {} s to {} s is no time to look at; give a later end", options.from, options.to));
+    throw ModelError(fmt::format("check_law: the end {1} s must be after the start {0} s; give a later end",
+                                 options.from, options.to));
   CheckReport report(name.empty() ? kind : fmt::format("{} '{}'", kind, name), options.seed);
   LawNumbers own{levels, {}, {}, 0, 0};
   own.all = {[&](double t) { return numbers(law.at(t)); }, [&](int c) { return own.name(c); },
              [&](double t0, double t1, std::vector<double>& out) { law.breakpoints(t0, t1, out); },
-             "breakpoints(): append every instant where the value or one of its two derivatives jumps"};
+             "breakpoints(): append every time at which the value or one of its two derivatives jumps"};
   own.change = [&](double t, double x) { return change(law.at(t), law.at(t + x)); };
   const auto n_all = static_cast<int>(own.all.at(options.from).size());
   own.n = static_cast<int>(own.change(options.from, 0).size()), own.n_values = n_all - 2 * own.n;

@@ -16,7 +16,7 @@
 namespace lockstep {
 namespace {
 
-// Gathers links of one pattern in one call. A row has C, Ct, Qhat, and the jacobian with 6 columns per slot of the
+// Gathers links of one pattern in one call. A row has C, Ct, Qhat, and the Jacobian with 6 columns per slot of the
 // system; it holds `before` when the links begin to write. `outside`: whether they wrote outside of their rows.
 std::vector<MatX> gathered(const System& system, Group links, const TestState& at, double before = 0,
                            bool* outside = nullptr) {
@@ -57,7 +57,7 @@ MatX rows_of(const System& system, const Lock& link, const TestState& at) {
   return gathered(system, Group(&self, 1), at)[0];
 }
 
-// `sign` times C over time, along the motion without accelerations; the link's own states go on by their rates.
+// `sign` times C over time, along the motion without accelerations; the link's own states advance by their rates.
 // The states by Gauss's rule over the rates along the motion; at each point s itself is extrapolated linearly.
 Curve C_along(const System& system, const Lock& link, TestState from, double sign) {
   return [&system, &link, sign, from = std::move(from)](double end) -> VecX {
@@ -95,14 +95,14 @@ class LockCheck final : public StateCheck {
 
  private:
   MatX numbers(const TestState& at) override { return rows_of(system_, link_, at); }
-  std::string row(int k) const { return "row " + link_.row_name(k); }
+  std::string row(int k) const { return "constraint " + link_.row_name(k); }
   auto J(int k, int slot) const { return is_.block<1, 6>(k, 3 + 6 * slot); }
 
   std::string name(Eigen::Index k, Eigen::Index column) const override {
     constexpr const char* kParts[] = {"C of ", "Ct of ", "Qhat of "};
     const std::string its = row(static_cast<int>(k));
     if (column < 3) return kParts[column] + its;
-    return fmt::format("the jacobian of {} on body '{}'", its, body(static_cast<int>(column - 3) / 6));
+    return fmt::format("the Jacobian of {} on body '{}'", its, body(static_cast<int>(column - 3) / 6));
   }
 
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
@@ -127,14 +127,14 @@ class LockCheck final : public StateCheck {
     const int n_drives = link_.driven() ? link_.driven()->n_drives() : 0;
     std::set<std::string> names;
     for (int k = 0; k < m_; ++k) {
-      if (link_.row_name(k).empty()) add("names", fmt::format("row {} has no name", k), "plan_rows()");
+      if (link_.row_name(k).empty()) add("names", fmt::format("constraint {} has no name", k), "plan_rows()");
       if (!names.insert(link_.row_name(k)).second)
-        add("names", fmt::format("two rows are called '{}'", link_.row_name(k)), "plan_rows()");
+        add("names", fmt::format("two constraints are called '{}'", link_.row_name(k)), "plan_rows()");
       if (const int drive = link_.row(k).drive; drive < -1 || drive >= n_drives)
         add("drives", fmt::format("{} belongs to drive {}, of {} drives", row(k), drive, n_drives),
             "plan_rows() (LinkRow::drive) and n_drives()");
     }
-    if (link_.pairs().empty()) add("pairs", "names no pair of markers", "pairs()");
+    if (link_.pairs().empty()) add("pairs", "has no pair of markers", "pairs()");
     bool moves = false;
     for (const auto& [p, s] : link_.pairs())
       for (const Marker* marker : {p, s}) {
@@ -143,15 +143,14 @@ class LockCheck final : public StateCheck {
         moves = true;
         if (link_.slots().position(slot) < 0)
           add("slots",
-              fmt::format("slots() leaves out body '{}', on which its marker '{}' is", marker->body->name,
-                          marker->name),
+              fmt::format("slots() lacks body '{}', which has its marker '{}'", marker->body->name, marker->name),
               "the slots that plan_rows() returns");
       }
     if (const Observable* own = link_.observable())
       for (const Quantity& q : own->quantities())
         if (q.name.empty()) add("quantities", "has a quantity without a name", "quantities()");
     if (n_ == 0 || !moves)
-      add("slots", "touches no body that moves, so that nothing can be checked", "the bodies of its markers");
+      add("slots", "touches no moving body, so nothing can be checked", "the bodies of its markers");
     return n_ > 0 && moves;
   }
 
@@ -162,8 +161,8 @@ class LockCheck final : public StateCheck {
     for (int k = 0; k < m_; ++k)
       for (int c = 0; c < r.cols(); ++c)
         if (std::isnan(r(k, c)))
-          add("written " + name(k, c), name(k, c) + " is not written: what stood there before shows through",
-              "gather(): it writes every number of every row and slot, by set(), also those that are zero");
+          add("written " + name(k, c), name(k, c) + " is not written: it keeps the number from before",
+              "gather(): write every number of every row and slot by set(), zeros too");
     if (outside)
       add("outside", "writes outside of its rows",
           "gather(): row numbers from 0 to row_count() - 1, slots from slots().position()");
@@ -180,11 +179,11 @@ class LockCheck final : public StateCheck {
       return ((a - b).colwise().norm().array() <= kRounding * (1 + b.colwise().norm().array())).all();
     };
     if (!near(as_one[0], is_) || !near(as_one[1], rows_of(system_, other, state_)))
-      add("group", "two links gathered as one group are not what they are alone",
-          "gather(): for each i, links[i] (not this) writes into out.lane(i)");
+      add("group", "two joints gathered as one group differ from each one alone",
+          "gather(): for each i, links[i] (not this) writes to out.lane(i)");
   }
 
-  // C, Ct and the jacobian do not depend on velocities.
+  // C, Ct and the Jacobian do not depend on velocities.
   void pose_alone() {
     TestState on = state_;
     for (Motion& O : on.motions) O.v *= 1.7, O.w *= -0.6;
@@ -194,7 +193,7 @@ class LockCheck final : public StateCheck {
       for (int c = 0; c < r.cols(); ++c)
         if (std::abs(r(k, c) - is_(k, c)) > kNegligible * (1 + std::abs(is_(k, c))))
           add(fmt::format("velocity {}", k), name(k, c) + " changes with the velocities",
-              "gather(): C, Ct and the jacobian follow from the pose and the time; velocities go into Qhat alone");
+              "gather(): C, Ct and the Jacobian depend on pose and time alone; velocities belong to Qhat");
   }
 
   void turns() override {
@@ -204,7 +203,7 @@ class LockCheck final : public StateCheck {
     }
   }
 
-  // dC/d(x, turn), column by column.
+  // dC/d(x, rotation), column by column.
   void jacobian() {
     const auto C = [&](const TestState& at) -> VecX { return numbers(at).col(0); };
     const VecX size = is_.rightCols(6 * n_).cwiseAbs().rowwise().maxCoeff();
@@ -215,8 +214,8 @@ class LockCheck final : public StateCheck {
         compare(
             report_,
             {fmt::format("J {} {}", slot, j / 3), is_.col(3 + 6 * slot + j), size,
-             [&](int k) { return fmt::format("jacobian of {} with respect to {}", row(k), unknown_name(slot, j + 6)); },
-             "differences say", here(),
+             [&](int k) { return fmt::format("Jacobian of {} with respect to {}", row(k), unknown_name(slot, j + 6)); },
+             "differences give", here(),
              [&](int k) {
                const auto of = columns.begin() + j / 3 * 3;
                return jacobian_hint(k, slot, j >= 3, {of[0].value[k], of[1].value[k], of[2].value[k]});
@@ -224,44 +223,44 @@ class LockCheck final : public StateCheck {
             columns[j]);
       for (int k = 0; k < m_; ++k)
         if (link_.row_kind(k) == RowKind::rotation && J(k, slot).head<3>().norm() > kSlight * size[k])
-          add("kind", fmt::format("{} is of the kind rotation, but moves of body '{}' change it", row(k), body(slot)),
+          add("kind",
+              fmt::format("{} is of the kind rotation, but translations of body '{}' change it", row(k), body(slot)),
               "plan_rows(): RowKind::translation for metres, RowKind::function for anything else");
     }
   }
 
   std::string jacobian_hint(int k, int slot, bool turn, const Vec3& should_be) const {
     if (link_.slots().position(slot) < 0)
-      return fmt::format("slots(), which setup() fills: {} depends on body '{}', which is not among slots()", row(k),
+      return fmt::format("slots(), which setup() fills: {} depends on body '{}', which slots() lacks", row(k),
                          body(slot));
     const Vec3 is = J(k, slot).segment<3>(turn ? 3 : 0).transpose();
     const Mat3& A = state_.slot(slot).A;
     const double near = 1e-5 * should_be.norm();
     if (turn && (is - A * should_be).norm() <= near)
-      return "the axes: its three numbers are right in world axes, and the angular velocity is in the body's own";
+      return "the axes: its three numbers are in world axes, but the angular velocity is in body axes";
     if (!turn && (is - A.transpose() * should_be).norm() <= near)
-      return "the axes: its three numbers are right in body axes, and the velocity is in the world's";
-    if (is.isZero(0)) return fmt::format("set() for body '{}' in gather(), which gives it nothing", body(slot));
+      return "the axes: its three numbers are in body axes, but the velocity is in world axes";
+    if (is.isZero(0)) return fmt::format("set() for body '{}' in gather(), which is missing", body(slot));
     return fmt::format("the {} vector of set() for body '{}' in gather(), in {} axes", turn ? "second" : "first",
-                       body(slot), turn ? "its own" : "world");
+                       body(slot), turn ? "body" : "world");
   }
 
-  // Ct = dC/dt with the bodies held; the link's own states go on. Qhat = Jh a - Cdd (4.14), so without accelerations it
-  // is -Cdd.
+  // Ct = dC/dt with the bodies at rest; the link's own states advance. Qhat = Jh a - Cdd (4.14), so without
+  // accelerations it is -Cdd.
   void time_derivatives() {
     TestState held = state_;
     held.stop();
     compare(
         report_,
         {"Ct", is_.col(1), is_.col(0).cwiseAbs(), [&](int k) { return name(k, 1); },
-         "differences in time with the bodies held say", here(),
+         "differences in time with bodies at rest give", here(),
          [](int) {
-           return "Ct in gather(): the rate of C by its laws alone, the markers' own motion included, with the sign "
-                  "that the law has in C";
+           return "Ct in gather(): the rate of C by its laws and its markers' motion, with the sign of the law in C";
          }},
         first_derivative(C_along(system_, link_, held, 1), quiet_));
     compare(report_,
             {"Qhat", is_.col(2), VecX::Zero(m_), [&](int k) { return name(k, 2); },
-             "second differences of C along a motion say", here(),
+             "second differences of C along a motion give", here(),
              [&](int k) { return "Qhat = -(dJh/dt v + dCt/dt) in gather()" + diagnose_right_side(k); }},
             minus_Cdd(state_));
   }
@@ -312,7 +311,7 @@ class LockCheck final : public StateCheck {
     return "";
   }
 
-  // K = d(Jh^T lambda)/d(x, turn), (9.4).
+  // K = d(Jh^T lambda)/d(x, rotation), (9.4).
   void tangent() {
     Draw draw(options_.seed + 1000 + static_cast<std::uint64_t>(index_));
     VecX lambda(m_);
@@ -334,18 +333,18 @@ class LockCheck final : public StateCheck {
 CheckReport check_lock(System& system, const Lock& link, const CheckOptions& options) {
   const auto& all = system.links();
   if (std::none_of(all.begin(), all.end(), [&](const auto& l) { return l.get() == &link; }))
-    throw ModelError(fmt::format("check_lock: link '{}' is not in the system; add it by System::add", link.name()));
-  CheckReport report(fmt::format("link '{}' ({})", link.name(), link.type()), options.seed);
+    throw ModelError(fmt::format("check_lock: joint '{}' is not in the system; add it by System::add", link.name()));
+  CheckReport report(fmt::format("joint '{}' ({})", link.name(), link.type()), options.seed);
   if (set_up(system, report)) LockCheck(system, link, nullptr, report, options).run();
   return report;
 }
 
 CheckReport check_lock(const Registry& registry, const std::string& type, const Params& params,
                        const CheckOptions& options) {
-  return check_in_samples(fmt::format("link type '{}'", type), options, [&](SampleSystem& sample) {
+  return check_in_samples(fmt::format("joint type '{}'", type), options, [&](SampleSystem& sample) {
     const auto add = [&](const char* name) {
       return &sample.system.add(
-          registry.links.make(type, sample.attachment(name), params, &registry, fmt::format("link '{}'", name)));
+          registry.links.make(type, sample.attachment(name), params, &registry, fmt::format("joint '{}'", name)));
     };
     const Lock *first = add("first"), *second = add("second");  // for the test of groups
     return [=, &sample, &options](CheckReport& report) {

@@ -22,7 +22,7 @@ struct LOCKSTEP_API ClosedMotion {
 
 /// A body of revolution, thrown: L is constant, and q = exp(t L/J1) q0 exp(t (1 - J3/J1) w3 e3).
 LOCKSTEP_API ClosedMotion free_top();
-/// A rod on a hinge let go at 1.2 rad: sin(theta/2) = k cn(u)/dn(u), k = sin(0.6), u = t sqrt(m g l/(2 J)). A force
+/// A rod on a hinge released at 1.2 rad: sin(theta/2) = k cn(u)/dn(u), k = sin(0.6), u = t sqrt(m g l/(2 J)). A force
 /// without an effect counts the accepted steps, so that there is memory.
 LOCKSTEP_API ClosedMotion hinged_pendulum();
 

@@ -13,20 +13,20 @@ namespace lockstep {
 
 inline constexpr double kRounding = 1e-10;  ///< of a number, as a part of its size
 
-/// Numbers that an object says, component by component.
+/// Numbers that an object reports, component by component.
 struct Declared {
   std::string key;                       ///< of the findings, with the number of the component
   VecX is;                               ///< the numbers
-  VecX size;                             ///< beside their own, by which rounding counts
+  VecX size;                             ///< in addition to their own, by which rounding counts
   std::function<std::string(int)> what;  ///< "yd at t = 1 s"
-  std::string source;                    ///< what the differences are of: "differences of y say"
+  std::string source;                    ///< what the differences are of: "differences of y give"
   std::string where;                     ///< " (seed 7, state 3)"
   std::function<std::string(int)> look;  ///< where to look for the cause
   double rounding = kRounding;
   int kind = 1;  ///< so many components have one key
 };
 
-/// Compares each with what differences say. A finding is a difference beyond their error and rounding; whether there is.
+/// Compares each with differences. A finding is a difference beyond their error and rounding; whether there is.
 bool compare(CheckReport&, const Declared&, const Slope&);
 
 }  // namespace lockstep

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kHalvings = 34;
 
-// A component changes by `size` at the instant t, which is known to about 1e-9 of the interval.
+// A component changes by `size` at time t, which is known to about 1e-9 of the interval.
 struct Jump {
   double t, size;
 };
@@ -75,13 +75,13 @@ std::vector<double> told_breakpoints(const TimedNumbers& f, const CheckOptions& 
   std::vector<double> told{before};
   f.breakpoints(options.from, options.to, told);
   if (told.empty() || told.front() != before)
-    report.add("append", {"breakpoints() does not keep what was in the list", "breakpoints(): it has to append"});
+    report.add("append", {"breakpoints() removes earlier entries of the list", "breakpoints(): it has to append"});
   std::erase(told, before);
   for (const double t : told)
     if (!(t > options.from && t < options.to))
-      report.add("outside", {fmt::format("breakpoints({}, {}) tells {} s, which is not between them",
+      report.add("outside", {fmt::format("breakpoints({}, {}) reports {} s, which is not between them",
                                          text::number(options.from), text::number(options.to), text::number(t)),
-                             "breakpoints(): it appends the instants in (t0, t1) only"});
+                             "breakpoints(): it appends only times in (t0, t1)"});
   std::sort(told.begin(), told.end());
   return told;
 }
@@ -93,11 +93,11 @@ void check_jumps(const TimedNumbers& f, const CheckOptions& options, CheckReport
     for (const Jump& j : all) instants.push_back(fmt::format("{:.9g}", j.t));
     const std::size_t n = instants.size();
     if (n > 3) instants.resize(3);
-    report.add(
-        fmt::format("jump {}", c % n_keys),
-        {fmt::format("{} jumps by {:.3g} at t = {} s{}, which breakpoints() does not tell", f.name(c), all.front().size,
-                     text::join(instants, n > 3 ? ", " : " and "), n > 3 ? fmt::format(" and {} more", n - 3) : ""),
-         f.look});
+    report.add(fmt::format("jump {}", c % n_keys),
+               {fmt::format("{} jumps by {:.3g} at t = {} s{}, which breakpoints() does not report", f.name(c),
+                            all.front().size, text::join(instants, n > 3 ? ", " : " and "),
+                            n > 3 ? fmt::format(" and {} more", n - 3) : ""),
+                f.look});
   }
 }
 

@@ -11,17 +11,17 @@
 
 namespace lockstep {
 
-/// A function of time whose jumps an object has to tell.
+/// A function of time whose jumps an object has to report.
 struct TimedNumbers {
   Curve at;
   std::function<std::string(int component)> name;
   std::function<void(double t0, double t1, std::vector<double>& out)> breakpoints;
-  std::string look;  ///< where they are told
+  std::string look;  ///< where they are reported
 };
 
-/// What breakpoints() tells between options.from and options.to, in order; reports what is wrong in that.
+/// The breakpoints() between options.from and options.to, in order; reports errors in them.
 std::vector<double> told_breakpoints(const TimedNumbers&, const CheckOptions&, CheckReport&);
-/// Reports the jumps that are not told; of components that are equal modulo `n_keys`, the first that jumps.
+/// Reports jumps outside of the breakpoints; of components that are equal modulo `n_keys`, the first that jumps.
 void check_jumps(const TimedNumbers&, const CheckOptions&, CheckReport&, int cells, int n_keys);
 
 }  // namespace lockstep

@@ -26,10 +26,10 @@ void CheckReport::note(std::string words) {
 }
 
 void CheckReport::compared(double error) {
-  constexpr double kBlind = 0.1;  // differences without a digit judge nothing
+  constexpr double kBlind = 0.1;  // differences without a digit are not used
   ++n_comparisons_;
   if (!std::isfinite(error)) return;
-  if (error >= kBlind) return note("some differences had no digit, as beside a steep place, and judged nothing there");
+  if (error >= kBlind) return note("some differences had no digit, as near a steep place, and were not used");
   accuracy_ = std::max(accuracy_, error);
 }
 
@@ -45,8 +45,8 @@ std::string CheckReport::text() const {
   constexpr std::size_t kMost = 20;
   std::string out = subject_ + ": ";
   if (ok()) {
-    out += fmt::format("nothing found in {} comparisons (seed {}", n_comparisons_, seed_);
-    if (accuracy_ > 0) out += fmt::format("; differences good to {:.1g} or better", accuracy_);
+    out += fmt::format("no findings in {} comparisons (seed {}", n_comparisons_, seed_);
+    if (accuracy_ > 0) out += fmt::format("; differences accurate to {:.1g} or better", accuracy_);
     out += ")\n";
   } else {
     out += fmt::format("{} {} (seed {})\n", findings_.size(), findings_.size() == 1 ? "finding" : "findings", seed_);
@@ -66,8 +66,8 @@ std::string likeness(double is, double should_be) {
   if (is == 0 && should_be != 0) return ", so it is missing";
   if (should_be == 0) return "";
   if (near(-should_be)) return ", so it has the wrong sign";
-  if (near(0.5 * should_be)) return ", so it is half of that: a factor 2 is missing";
-  if (near(2 * should_be)) return ", so it is twice that: a factor 2 is too much";
+  if (near(0.5 * should_be)) return ", so it is half the value: a factor of 2 is missing";
+  if (near(2 * should_be)) return ", so it is twice the value: a factor of 2 is superfluous";
   return "";
 }
 

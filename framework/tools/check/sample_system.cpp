@@ -77,13 +77,13 @@ CheckReport check_in_samples(const std::string& subject, const CheckOptions& opt
       if (!set_up(sample.system, report)) break;
     } catch (const ModelError& error) {
       if (&kind == kKinds) throw;
-      report.note(fmt::format("not tried with {}: {}", kind.name, error.what()));
+      report.note(fmt::format("not checked with {}: {}", kind.name, error.what()));
       continue;
     }
     check(found);
     report.take(found);
     if (found.ok()) continue;
-    report.note(fmt::format("the first findings came with {}", kind.name));
+    report.note(fmt::format("the first findings are with {}", kind.name));
     break;
   }
   return report;

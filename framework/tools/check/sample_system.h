@@ -36,7 +36,7 @@ class SampleSystem {
 /// Adds the objects under check to the system and returns their check.
 using MakeCheck = std::function<std::function<void(CheckReport&)>(SampleSystem&)>;
 
-/// Makes and runs a check in each kind of sample system until one of them reports findings. What the maker refuses is
+/// Makes and runs a check in each kind of sample system until one of them reports findings. What the maker rejects is
 /// thrown in the first and noted in the others.
 CheckReport check_in_samples(const std::string& subject, const CheckOptions&, const MakeCheck&);
 

@@ -4,7 +4,7 @@
 //   f'(0)  = (1/h)   sum_k  a_k (f(kh) - f(-kh)),          k = 1 ... 4: error h^8
 //   f''(0) = (1/h^2) sum_k  b_k (f(kh) - 2 f(0) + f(-kh))
 //
-// for steps h = reach/4, reach/8, ...: what order 6 says differently is the truncation, and the eighth difference of
+// for steps h = reach/4, reach/8, ...: the difference to order 6 is the truncation, and the eighth difference of
 // the finest step, where nothing smooth is left, the rounding noise of f. Of each component the step with the least sum
 // of both is taken.
 #pragma once

@@ -62,7 +62,7 @@ bool set_up(System& system, CheckReport& report) {
     system.setup();
     return true;
   } catch (const UserCodeError& error) {
-    report.add("setup", {error.what(), "what it says"});
+    report.add("setup", {error.what(), "the function it names"});
     return false;
   }
 }
@@ -86,7 +86,7 @@ std::string StateCheck::here() const {
 int StateCheck::n_freedoms(int slot) const { return system_.slot(slot).freedoms == Freedoms::particle ? 3 : 6; }
 
 std::string StateCheck::unknown_name(int slot, int k) const {
-  constexpr const char* kMotion[] = {"translation", "turn", "velocity", "angular velocity"};
+  constexpr const char* kMotion[] = {"translation", "rotation", "velocity", "angular velocity"};
   return fmt::format("the {} of body '{}' {} {} axis", kMotion[k / 3], body(slot),
                      k / 3 % 2 == 0 ? "along the world's" : "about its", "xyz"[k % 3]);
 }
@@ -128,7 +128,7 @@ bool StateCheck::find_state(Draw& draw) {
     if (!is_.allFinite()) continue;
     if (i > 0 && index_ > 0)
       report_.note(
-          fmt::format("some states had to be taken nearer to the start, where its rows are finite (state {})", index_));
+          fmt::format("some states are closer to the start, where its constraints are finite (state {})", index_));
     return true;
   }
   for (int k = 0; k < is_.rows(); ++k)
@@ -149,9 +149,9 @@ void StateCheck::same_again() {
   numbers(random_state(system_, start_of(system_, state_.t), draw, 0.1, 0.1));
   if (numbers(state_) != is_)
     add("same",
-        fmt::format("{} when it is asked again at the same inputs",
-                    is_link_ ? "says something else" : "pushes otherwise"),
-        "what the class keeps between two calls: its numbers follow from the Inputs alone, memory belongs into z "
+        fmt::format("{} in a second call with the same inputs",
+                    is_link_ ? "has other constraints" : "exerts another force"),
+        "members that change between calls: its numbers follow from the Inputs alone, memory belongs to z "
         "(n_memory())");
   for (const int slot : slots_) {
     TestState on = state_;
@@ -162,15 +162,14 @@ void StateCheck::same_again() {
       const double sign = is_link_ && (r.row(k) + is_.row(k)).norm() < (r.row(k) - is_.row(k)).norm() ? -1 : 1;
       if ((r.row(k) - sign * is_.row(k)).cwiseAbs().maxCoeff(&c) > kNegligible * (1 + is_.row(k).norm()))
         add("sign",
-            fmt::format("{} is another one when the quaternion of body '{}' changes its sign, which is the same "
-                        "orientation",
+            fmt::format("{} changes with the sign of the quaternion of body '{}', which is the same orientation",
                         name(k, c), body(slot)),
             "its use of e0 ... e3: take products of two of them, the matrix A, or angle_z()");
     }
   }
 }
 
-// What is remembered at one state settles: of a link within some calls, as where it iterates, of a force at once.
+// The memory at one state converges: of a link within some calls, as it may iterate, of a force at once.
 void StateCheck::memory() {
   if (remembering_ == nullptr) return;
   TestState on = state_;
@@ -183,10 +182,8 @@ void StateCheck::memory() {
     if (i == 1) second = last;
   }
   if (last > kNegligible * (1 + on.z.norm()) && last > 0.999 * second)
-    add("memory",
-        "accept_step() at one state, called again and again there, adds the same each time, or settles nowhere",
-        "accept_step(): what is remembered is where the object is, as the nearest branch of an angle, and no sum over "
-        "calls");
+    add("memory", "repeated accept_step() at one state adds the same each time, or does not converge",
+        "accept_step(): remember the present value, such as the nearest branch of an angle, not a sum over calls");
 }
 
 void StateCheck::jumps() {
@@ -201,12 +198,12 @@ void StateCheck::jumps() {
   const auto n = static_cast<int>(is_.rows());
   check_jumps({at, [&](int c) { return name(c % n, c / n); },
                [&](double t0, double t1, std::vector<double>& out) { breakpoints(t0, t1, out); },
-               "breakpoints(): append those of every law that it uses, and of its markers' laws"},
+               "breakpoints(): append those of all its laws, and of its markers' laws"},
               options_, report_, 200, n);
 }
 
-// A jump of J makes third differences of up to 2 J in steps of any size. What else makes them is less by far in smaller
-// steps, also where the memory, which goes along, is a little late.
+// A jump of J makes third differences of up to 2 J in steps of any size. Other causes make much smaller ones in smaller
+// steps, also if the memory, which goes along, is a little late.
 void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std::string& who) {
   if (slot == kGround || n_freedoms(slot) == 3) return;
   constexpr int kSteps = 600, kFiner = 64;
@@ -240,19 +237,19 @@ void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std
     const double jump = 0.5 * fine.row(c).maxCoeff(&k);
     if (4 * jump < most) continue;
     const int row = c % static_cast<int>(is_.rows());
-    const std::string what = fmt::format(
-        "{} jumps by {:.3g} where {} has turned by {:.0f} degrees about z of '{}'", name(row, c / is_.rows()), jump,
-        who, (static_cast<double>(i) + static_cast<double>(k) / kFiner) * kStep * 180 / kPi, s.name);
-    // The jacobian is continuous across an uncounted angle.
+    const std::string what =
+        fmt::format("{} jumps by {:.3g} when {} has rotated by {:.0f} deg about z of '{}'", name(row, c / is_.rows()),
+                    jump, who, (static_cast<double>(i) + static_cast<double>(k) / kFiner) * kStep * 180 / kPi, s.name);
+    // The Jacobian is continuous across an uncounted angle.
     const auto J = [&, &steps = fine_way](Eigen::Index at) -> VecX { return numbers(steps[at]).row(row).tail(6 * n_); };
     if (is_link_ && (J(k + 3) - J(k)).norm() > 0.01 * J(k).norm())
-      report_.note(what + ", far off the constraint, and its jacobian with it: it passes to another place there");
+      report_.note(what + ", far off the constraint, with its Jacobian: it switches to another branch");
     else if (remembering_ != nullptr)
-      add("turns", what, "accept_step() and start_memory(), or count_angles(), which counts an angle for it");
+      add("turns", what, "accept_step() and start_memory(), or count_angles(), which counts an angle");
     else if (is_link_)
-      add("turns", what, "its angles: .counts_turns = true and y.angle_z(), so that they run on past a full turn");
+      add("turns", what, "its angles: use .counts_turns = true and y.angle_z(), so that they count revolutions");
     else
-      report_.note(what + "; if it is to run on past full turns, count them: count_angles()");
+      report_.note(what + "; if it has to count revolutions, use count_angles()");
   }
 }
 
@@ -281,11 +278,10 @@ Slope StateCheck::derivative(const TestState& at, int slot, int k, const Output&
 void StateCheck::check_tangent(const TangentSum& sum, bool damping, const Output& f, double scale) {
   const char* const letter = damping ? "D" : "K";
   const auto look = [&](int) {
-    return is_link_ ? "tangent(); leave it out, and the library differences gather() for implicit methods"
+    return is_link_ ? "tangent(); without it, the library differences gather() for implicit methods"
                     : fmt::format(
-                          "tangent(), {} = -df/d({}); leave it out, and the library differences apply() for "
-                          "implicit methods",
-                          letter, damping ? "v, w" : "x, turn");
+                          "tangent(), {} = -df/d({}); without it, the library differences apply() for implicit methods",
+                          letter, damping ? "v, w" : "x, rotation");
   };
   MatX T = MatX::Zero(6 * n_, 6 * n_);
   for (std::size_t p = 0; p < sum.pairs().size(); ++p)
@@ -305,7 +301,7 @@ void StateCheck::check_tangent(const TangentSum& sum, bool damping, const Output
                                     is_link_ ? "the change" : letter, i % 6 < 3 ? "force" : "moment", body(i / 6),
                                     "xyz"[i % 3], unknown_name(slot, unknown));
                },
-               fmt::format("differences of {} say", is_link_ ? "Jh^T lambda" : "apply()"), here(), look,
+               fmt::format("differences of {} give", is_link_ ? "Jh^T lambda" : "apply()"), here(), look,
                1e-7,  // a default tangent() is differenced too, to about 1e-9 of its size
                6},
               d);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// StateCheck: what check_lock and check_force share. Their object says numbers at a state, and is looked at in random
-// states, in time, and along full turns.
+// StateCheck: what check_lock and check_force share. Their object gives numbers at a state, and is checked in random
+// states, in time, and along full revolutions.
 #pragma once
 
 #include <functional>
@@ -67,7 +67,7 @@ class StateCheck {
 
   /// A finding, with here() behind it.
   void add(const std::string& key, const std::string& what, std::string look, double weight = 0);
-  std::string here() const;  ///< " (seed 7, state 3)", or "" beside the states
+  std::string here() const;  ///< " (seed 7, state 3)", or "" outside of the states
   const std::string& body(int slot) const { return system_.body_of_slot(slot).name; }
   int n_freedoms(int slot) const;
   /// Unknown k of a slot as Differences::moved counts them: "the velocity of body 'cam' along the world's y axis".
@@ -79,7 +79,8 @@ class StateCheck {
 
   /// K or D of `sum` against the derivatives of f, a wrench per slot. `scale`: entries below 1e-7 of it are rounding.
   void check_tangent(const TangentSum& sum, bool damping, const Output& f, double scale);
-  /// Three turns of a slot about `sense` times z of a marker: the first n_turned_ columns must not jump. `who`: what turns.
+  /// Three revolutions of a slot about `sense` times z of a marker: the first n_turned_ columns must not jump.
+  /// `who`: the rotating object.
   void turn_about_z(int slot, const Marker&, double sense, const std::string& who);
 
   const System& system_;

@@ -71,7 +71,7 @@ const WorkPrecisionRun* nearest_of(const WorkPrecision& result, ErrorKind kind) 
   return best;
 }
 
-/// The answer: null where nothing met the error, or nothing else did.
+/// The answer: null if no run, or no second run, met the error.
 struct Advice {
   const CostAtError *best = nullptr, *second = nullptr;
 };
@@ -104,8 +104,8 @@ struct Advised {
   const WorkPrecision* measured;
 };
 std::string hint_of(const Advised& a) {
-  if (!a.cheapest) return "give more time (--budget), or take a wider error";
-  return a.cheapest->cost.confirmed ? "" : "not confirmed by a finer run; give more time with --budget";
+  if (!a.cheapest) return "increase --budget, or allow a larger error";
+  return a.cheapest->cost.confirmed ? "" : "not confirmed by a finer run; increase --budget";
 }
 const Fields<Advised>& advise_fields() {
   static const Fields<Choice> kChoice =
@@ -116,11 +116,11 @@ const Fields<Advised>& advise_fields() {
                   [](const Json& block) { return "\n" + block.dump(2); }}});
   static const Fields<Advised> kFields = Fields<Advised>{
       {"error", "", "error", &Advised::error},
-      {"unit", "", "  in", [](const Advised& a) { return unit_of(a.kind); }},
+      {"unit", "", "  unit", [](const Advised& a) { return unit_of(a.kind); }},
       {"of", "", "of", [](const Advised& a) { return to_string(a.kind); }},
       {"cheapest", "cheapest", &Advised::cheapest, kChoice},
       {"runner_up", "runner-up", &Advised::second, kChoice},
-      {"nearest", "no run met the error, the best", &Advised::nearest, measured_run_fields()},
+      {"nearest", "no run met the error; best run", &Advised::nearest, measured_run_fields()},
       {"hint", "", "next",
        hint_of}}.with([](const Advised& a) -> const WorkPrecision& { return *a.measured; }, measurement_fields());
   return kFields;
@@ -128,7 +128,7 @@ const Fields<Advised>& advise_fields() {
 
 Result advise(const Arguments& args) {
   Loaded loaded = load(args);
-  loaded.scene = in_space(std::move(loaded.scene));  // where all formulations compute it
+  loaded.scene = in_space(std::move(loaded.scene));  // as all formulations need
   const double error = args["--error"].empty() ? kError : positive_number("--error", args["--error"], Unit::none);
   const ErrorKind kind = kind_of(args);
   const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], "", loaded.scene);
@@ -163,11 +163,11 @@ Result advise(const Arguments& args) {
 Command advise_command() {
   return {"advise",
           join({measuring_options(),
-                {{"--error", "E", "largest error allowed over the whole run, SI units; default 1e-6"},
+                {{"--error", "E", "largest allowed error over the run, SI units; default 1e-6"},
                  Option{"--of", "WHAT", "kind of error: position (m), velocity (m/s), energy (J), reaction (N)"}.among(
                      "position,velocity,energy,reaction")}}),
           advise,
-          "Measured like `lockstep chart`, only as far as the answer needs. Ends with 1 if nothing met the error.\n\n"
+          "Measures like `lockstep chart`, only as far as the answer requires. Exit code 1: no run met the error.\n\n"
           "Example:\n  lockstep advise samples/scenes/double_pendulum.json --error 1e-6 --until 2",
           {&advise_fields().schema()}};
 }

@@ -24,14 +24,14 @@ struct Assembled {
 
 const Fields<Assembled>& assemble_fields() {
   using Report = AssemblyReport;
-  static const Fields<Report> kReport{{"before", "m", "violated before", &Report::before},
+  static const Fields<Report> kReport{{"before", "m", "violation before", &Report::before},
                                       {"after", "m", "  after", &Report::after},
-                                      {"before_v", "m/s", "in velocity before", &Report::before_v},
+                                      {"before_v", "m/s", "of velocities before", &Report::before_v},
                                       {"after_v", "m/s", "  after", &Report::after_v},
                                       {"iterations", "", "iterations", &Report::iterations},
                                       {"largest_move", "m", "largest move", &Report::largest_move},
                                       {"moved_most", "", "  of", &Report::moved_most},
-                                      {"largest_turn", "rad", "largest turn", &Report::largest_turn},
+                                      {"largest_turn", "rad", "largest rotation", &Report::largest_turn},
                                       {"turned_most", "", "  of", &Report::turned_most}};
   static const Fields<Assembled> kFields = Fields<Assembled>{}
                                                .with(&Assembled::report, kReport)
@@ -55,16 +55,14 @@ const Fields<Branches>& branch_fields() {
     return all;
   };
   static const Fields<Placed> kPlaced{
-      {"found", "", "found by starts", [](const Placed& p) { return p.branch.found; }},
-      {"freedoms", "", "freedoms, of which this is one position", [](const Placed& p) { return p.branch.freedoms; }},
-      {"distance", "m", "from the first, turns by the length of the mechanism",
-       [](const Placed& p) { return p.branch.distance; }},
-      {"farthest", "", "most of all", [](const Placed& p) { return p.branch.farthest; }},
+      {"found", "", "starts that lead here", [](const Placed& p) { return p.branch.found; }},
+      {"freedoms", "", "degrees of freedom", [](const Placed& p) { return p.branch.freedoms; }},
+      {"distance", "m", "distance from the first", [](const Placed& p) { return p.branch.distance; }},
+      {"farthest", "", "  of", [](const Placed& p) { return p.branch.farthest; }},
       {"bodies", "bodies", &Placed::poses, pose_fields()}};
-  static const Fields<Branches> kFields{
-      {"starts", "", "starts", [](const Branches& b) { return b.report.starts; }},
-      {"failed", "", "led nowhere", [](const Branches& b) { return b.report.failed; }},
-      {"branches", "branch", placed, kPlaced}};
+  static const Fields<Branches> kFields{{"starts", "", "starts", [](const Branches& b) { return b.report.starts; }},
+                                        {"failed", "", "  failed", [](const Branches& b) { return b.report.failed; }},
+                                        {"branches", "branch", placed, kPlaced}};
   return kFields;
 }
 
@@ -94,8 +92,8 @@ Result assemble_scene(const Arguments& args) {
   const Finding found{
       &finding::start_far,
       "body '" + r.moved_most + "'",
-      fmt::format("the assembled start is {:.3g} m from the one given (turns by the length of the mechanism), beyond "
-                  "{:g} m: moved '{}' by {:.3g} m, turned '{}' by {:.3g} rad",
+      fmt::format("the assembled start is {:.3g} m from the given one (limit {:g} m; rotations times the length of the "
+                  "mechanism): '{}' moved by {:.3g} m, '{}' rotated by {:.3g} rad",
                   far, within, r.moved_most, r.largest_move, r.turned_most, r.largest_turn),
       "",
       far,
@@ -113,10 +111,10 @@ Command assemble_command() {
   return {"assemble",
           join({scene_options(),
                 {kJson,
-                 {"--branches", "N", "look from N random starts for all ways in which a driven scene fits together"},
+                 {"--branches", "N", "find all assemblies of a driven scene from N random starts"},
                  Option{"--within", "D",
-                        "end with 11 where a body is moved farther than D from where the scene puts it, turns times "
-                        "the length of the mechanism; default: if assembly warns of the start"}
+                        "exit code 11 if a body moves farther than D (rotations times the length of the mechanism); "
+                        "default: if assembly gives a warning"}
                      .without("--branches")}}),
           assemble_scene,
           "Example:\n  lockstep assemble samples/scenes/four_bar.json",

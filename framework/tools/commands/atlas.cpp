@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The command atlas: over any two numbers of a scene, where each method works, is inaccurate and fails.
+// The command atlas: maps over any two numbers of a scene in which each method is accurate, inaccurate or fails.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -201,7 +201,7 @@ const Fields<Drawn>& drawn_fields() {
   static const Fields<Drawn> kFields = Fields<Drawn>{
       {"runs", "", "runs", &Drawn::runs},
       {"reference", "", "reference", &Drawn::reference},
-      {"agreement", "m", "  good to", &Drawn::agreement},
+      {"agreement", "m", "  accuracy", &Drawn::agreement},
       {"missing", "", "no reference for some values", &Drawn::missing},
       {"out_of_time", "", "stopped by --budget before every run",
        &Drawn::out_of_time}}.with([](const Drawn& d) -> const AtlasPlan& { return *d.plan; }, atlas_fields());
@@ -231,7 +231,7 @@ Result draw_atlas(const Arguments& args) {
     result.files.insert(result.files.end(), {base + ".png", base + ".svg"});
   }
   if (interrupt.asked()) {
-    fmt::print(stderr, "lockstep: interrupted; the runs up to there are written\n");
+    fmt::print(stderr, "lockstep: interrupted; the completed runs are written\n");
     result.code = kExitInterrupted;
   } else if (!any) {
     throw UsageError("no method can run this scene: " + plan.panels.front().unsuited);
@@ -248,16 +248,16 @@ Command atlas_command() {
             {Option{"--vary", "NAME=...", "NAME=a:b:n, NAME=a:b:n:log or NAME=v1,v2,...; twice: x axis, y axis"}
                  .needed()
                  .repeated(),
-             Option{"--of", "WHAT", "what is drawn: status (default), error (m), energy (imbalance, relative)"}.among(
+             Option{"--of", "WHAT", "status (default), error (m), or energy (relative imbalance)"}.among(
                  "status,error,energy"),
              kIntegrators,
              Option{"--stabilizations,--stabilisations", "A,B",
-                    "these: project, baumgarte, none; default: the scene's, or baumgarte where its gains vary"}
+                    "project, baumgarte, none; default: that of the scene, or baumgarte if its gains vary"}
                  .among(kStabilizations),
-             Option{"--formulation", "F", "unknowns, as in `lockstep run --help`"}.among(kFormulations),
+             Option{"--formulation", "F", "coordinates, as in `lockstep run --help`"}.among(kFormulations),
              {"--step", "H", "fixed step, or the largest step of an adaptive integrator, s"},
              kUntil,
-             {"--error", "E", "largest error that works, relative to the largest displacement; default 0.01"},
+             {"--error", "E", "error of an accurate run, relative to the largest displacement; default 0.01"},
              kBudget,
              kJobs,
              kFolder,
@@ -266,10 +266,11 @@ Command atlas_command() {
       draw_atlas,
       R"(NAME is any number of the scene, as in `lockstep sweep --help`: run.step, run.tolerance, run.stabilization.alpha,
 forces.spring.stiffness, a parameter. NAME=a:b:n are n values evenly, NAME=a:b:n:log evenly in the logarithm. The first
---vary is the x axis. Each method has a map. A run works, is inaccurate, is wrong (and its energy balance, its drift, a
-turn of more than 1 rad in a step or singular positions passed with plain stages say so, or nothing does), or stops with
-an error. Runs are compared with a tight run of the same mechanism; settings of the run make no difference to that. A black line is the largest stable step of a method with fixed steps, by linear
-theory at the start. The CSV file has a row for every run, with the reason where it stopped.
+--vary is the x axis. Each method has a map. A run is accurate, inaccurate, wrong, or failed. A wrong run is flagged if
+its energy balance, its constraint violation, a rotation of more than 1 rad in a step, or a singular configuration
+passed without projected stages indicates it. Runs are compared with a reference solution of the same mechanism. A black
+line is the largest stable step of a method with fixed steps, by linear theory at the start. The CSV file has a row for
+every run, with the reason if it failed.
 
 Example:
   lockstep atlas samples/scenes/mass_spring_damper.json --vary run.step=1e-3:3:30:log --vary forces.spring_a.stiffness=1:1e4:20:log --integrators rk4,semi_implicit_euler,radau5)",

@@ -18,15 +18,12 @@ bool is_log(const std::vector<double>& x) {
          std::abs(std::log(middle / (0.5 * (x.front() + x.back()))));
 }
 
-const std::vector<MapSpec::Kind> kOutcomes{{"works", "#6fbfae"},
-                                           {"inaccurate", "#f2c14e"},
-                                           {"wrong, and the run says so", "#e08a4f"},
-                                           {"wrong without a word", "#8e2a5b"},
-                                           {"stops with an error", "#cf5b50"},
-                                           {"too slow", "#8a8fb5"},
+const std::vector<MapSpec::Kind> kOutcomes{{"accurate", "#6fbfae"},        {"inaccurate", "#f2c14e"},
+                                           {"wrong (flagged)", "#e08a4f"}, {"wrong (not flagged)", "#8e2a5b"},
+                                           {"failed", "#cf5b50"},          {"too slow", "#8a8fb5"},
                                            {"not tried", "#d9d9d9"}};
 
-// Crosses where singular positions were passed with plain stages.
+// Crosses for runs that passed singular configurations without projected stages.
 Series passed_marks(const AtlasPanel& panel, const std::vector<double>& x, const std::vector<double>& y) {
   Series marks{"passed", {}, {}, SeriesStyle::crosses};
   for (std::size_t i = 0; i < panel.cells.size(); ++i)
@@ -92,9 +89,9 @@ MapGridSpec atlas_picture(const AtlasPlan& plan, const std::string& reference, c
   grid.width = grid.maps.size() == 1 ? 900 : 1300;
   if (grid.maps.size() == 1) grid.map_height = 520;
   if (curves) grid.curve_label = "largest stable step by linear theory at the start";
-  if (marked) grid.mark_label = "singular positions were passed with plain stages";
+  if (marked) grid.mark_label = "singular configurations passed without projected stages";
   grid.remarks.push_back(
-      fmt::format("Error: largest over the run, against {}; works: up to {:g} of the largest displacement, wrong: "
+      fmt::format("Error: largest over the run, against {}; accurate: up to {:g} of the largest displacement, wrong: "
                   "beyond {:g} of it.",
                   reference, plan.limits.works, plan.limits.wrong));
   return grid;

@@ -67,12 +67,11 @@ std::vector<double> axis_numbers(const Variable& v) {
   for (const Value& value : v.values) {
     if (value.number() == nullptr)
       throw UsageError("--vary: \"" + v.path +
-                       "\": an axis of a map needs numbers; vary words by --integrators or "
-                       "--stabilizations");
+                       "\": an axis of a map needs numbers; for words use --integrators or --stabilizations");
     all.push_back(*value.number());
   }
   if (all.size() < 2 || !std::ranges::is_sorted(all, std::ranges::less_equal()))
-    throw UsageError("--vary: \"" + v.path + "\": an axis of a map needs two values at least, rising");
+    throw UsageError("--vary: \"" + v.path + "\": an axis of a map needs at least two increasing values");
   return all;
 }
 
@@ -82,7 +81,7 @@ AtlasPlan make_atlas_plan(const Arguments& args) {
   for (const std::string& text : args.all("--vary")) texts.push_back(with_log(text));
   std::vector<Variable> variables =
       as_usage("--vary", [&] { return read_variables(texts, loaded.scene, loaded.registry); });
-  if (variables.size() != 2) throw UsageError("--vary: a map has two axes; give two of them");
+  if (variables.size() != 2) throw UsageError("--vary: a map has two axes; give --vary twice");
   bool gains = false;
   for (const Variable& v : variables) {
     axis_numbers(v);
@@ -117,9 +116,7 @@ AtlasPlan make_atlas_plan(const Arguments& args) {
       try {
         const Scene first = plan.scene(1, panel);
         if (!(first.run.until > 0))
-          throw UsageError(
-              first.file +
-              ": run.until: the scene does not say how long it runs, or 0; say it there, or give --until 5");
+          throw UsageError(first.file + ": run.until: the scene has no end time, or 0; add it, or give --until 5");
         panel.adaptive = make_integrator(first.run, plan.loaded.registry)->info().adaptive;
       } catch (const SceneError& error) {
         panel.unsuited = error.what();

@@ -40,14 +40,14 @@ struct AtlasPlan {
   std::string title(std::size_t axis) const { return column_title({variables[axis].path, variables[axis].unit, {}}); }
   /// The scene of a run of the grid, from 1, with the method of a map.
   Scene scene(long run, const AtlasPanel& panel) const;
-  /// Runs of equal words have one reference: settings of the run but for its end make no difference to it.
+  /// Runs with equal keys have one reference: settings of the run, except its end, do not change it.
   std::string reference_key(long run) const;
 };
 
 /// Reads what varies, the methods and the limits. Throws UsageError for axes that make no map, SceneError.
 AtlasPlan make_atlas_plan(const Arguments&);
 
-/// The values of an axis. Throws UsageError where they are no numbers, fewer than two, or not rising.
+/// The values of an axis. Throws UsageError if they are no numbers, fewer than two, or not rising.
 std::vector<double> axis_numbers(const Variable&);
 
 /// As CSV: a line for each run.

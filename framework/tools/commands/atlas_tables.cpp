@@ -76,7 +76,7 @@ const Fields<AtlasPlan>& atlas_fields() {
       {"stabilization", "", "stabilisation", [](const Shown& p) { return to_string(p.second->stabilization); }},
       Field<Shown>("left_out", "", "left out", [](const Shown& p) { return p.second->unsuited; }).optional(),
       Field<Shown>("counts", "", "runs", counts, counts_text).optional(),
-      {"passed", "", "passed singular positions with plain stages", [](const Shown& p) { return n_passed(*p.second); }},
+      {"passed", "", "singular configurations passed", [](const Shown& p) { return n_passed(*p.second); }},
       Field<Shown>("outcomes", "", "", of_cells([](const AtlasCell& c) { return std::string(words_of(c.outcome)); }))
           .optional(),
       Field<Shown>("passed_singular_positions", "", "", of_cells([](const AtlasCell& c) { return c.passed; }))

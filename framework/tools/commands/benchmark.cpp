@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kDefaultBudget = 60;  // s
 
-/// Ends the present run, and with it the benchmark, when the user asks for it.
+/// Ends the present run, and with it the benchmark, on an interrupt.
 class Ender final : public Observer {
  public:
   explicit Ender(const Interrupt& interrupt) : interrupt_(&interrupt) {}
@@ -107,7 +107,7 @@ void set_ranges(const Arguments& args, const Trajectory& trajectory, WorkPrecisi
       options.steps.push_back(static_cast<int>(n));
     if (options.steps.empty())
       throw UsageError(
-          fmt::format("--steps: {} s is longer than the {:.3g} s between two instants of comparison; give "
+          fmt::format("--steps: {} s is longer than the {:.3g} s between two compared times; give "
                       "smaller steps, or a longer run",
                       coarse, interval));
   }
@@ -125,17 +125,17 @@ std::vector<T> values_of(const std::vector<std::string>& words, T own, std::vect
   return values;
 }
 
-// Stabilisations and solvers make no difference to a mechanism without links.
+// Stabilisations and solvers make no difference to a mechanism without joints.
 void leave_out(const System& system, SceneBenchmark& benchmark) {
   WorkPrecisionOptions& o = benchmark.options;
   if (!system.links().empty()) return;
   if (o.stabilizations.size() > 1 || o.solvers.size() > 1)
-    benchmark.remarks.push_back("no links: stabilisations and solvers make no difference, one of each is charted");
+    benchmark.remarks.push_back("no joints: stabilisations and solvers make no difference, so one of each is charted");
   o.stabilizations.resize(1);
   o.solvers.resize(1);
 }
 
-// Automatic is omega where a solver is named, and where joint coordinates are the dearer ones.
+// Automatic is omega if a solver is named, or if joint coordinates cost more.
 void settle_formulations(Dynamics& by_itself, const State& start, bool solver_named, std::vector<Formulation>& all) {
   const bool joint = !solver_named && by_itself.why_not_joint(start.modes).empty();
   std::vector<Formulation> settled;
@@ -146,7 +146,7 @@ void settle_formulations(Dynamics& by_itself, const State& start, bool solver_na
   all = std::move(settled);
 }
 
-// Whether rows that close loops are left in joint coordinates.
+// Whether loop-closure constraints are left in joint coordinates.
 bool has_loops(Dynamics& along_joints, State start) {
   if (!along_joints.why_not_joint(start.modes).empty()) return false;
   along_joints.to_formulation(start);
@@ -177,19 +177,18 @@ Options measuring_options() {
   return join(
       {scene_options(),
        {kIntegrators,
-        Option{"--formulations", "A,B",
-               "only these: omega, quaternion, joint, auto; default: all of these that the mechanism allows"}
-            .among(kFormulations),
-        Option{"--stabilizations,--stabilisations", "A,B", "only these: project, baumgarte, none; default: all"}.among(
+        Option{"--formulations", "A,B", "omega, quaternion, joint, auto; default: all that the mechanism allows"}.among(
+            kFormulations),
+        Option{"--stabilizations,--stabilisations", "A,B", "project, baumgarte, none; default: all"}.among(
             kStabilizations),
-        {"--solvers", "A,B", "only these; default: all of `lockstep list solvers`"},
+        {"--solvers", "A,B", "solvers; default: all of `lockstep list solvers`"},
         {"--separately", "",
-         "vary one of the four at a time, the others as in the scene: faster than every combination"},
-        {"--tolerances", "COARSE:FINE", "range for adaptive integrators; default 1:1e-12"},
-        {"--steps", "COARSE:FINE", "range for fixed steps, s; default: a hundredth of the run and 2^14 times less"},
+         "vary one of the four at a time, the others as in the scene: faster than all combinations"},
+        {"--tolerances", "COARSE:FINE", "range of tolerances; default 1:1e-12"},
+        {"--steps", "COARSE:FINE", "range of fixed steps, s; default: a hundredth of the run, and 2^14 times less"},
         kUntil,
         kBudget,
-        {"--report", "FILE.html", "one HTML file that shows each run as a point, by any two columns"},
+        {"--report", "FILE.html", "one HTML file with a scatter plot of all runs"},
         {"--quiet", "", "do not print each run"},
         kJson}});
 }
@@ -230,7 +229,7 @@ std::string base_of(const Arguments& args, const char* ending) {
 double budget_of(const Arguments& args) {
   if (args["--budget"].empty()) return kDefaultBudget;
   const double budget = positive_number("--budget", args["--budget"], Unit::time, "60");
-  if (budget < 1) throw UsageError("--budget: the value is " + args["--budget"] + "; it must be 1 s at least");
+  if (budget < 1) throw UsageError("--budget: the value is " + args["--budget"] + "; it must be at least 1 s");
   return budget;
 }
 
@@ -239,9 +238,8 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const I
   const Registry& registry = loaded.registry;
   const RunSettings& run = scene.run;
   if (run.until <= 0)
-    throw SceneError(
-        scene.file + ": run.until: the scene does not say how long it runs, or 0; say it there, or give --until 5",
-        scene.file);
+    throw SceneError(scene.file + ": run.until: the scene has no end time, or 0; add it, or give --until 5",
+                     scene.file);
   SceneBenchmark benchmark;
   benchmark.title = scene.title.empty() ? scene.file : scene.title;
   auto assembled = std::make_shared<std::optional<State>>();
@@ -263,8 +261,7 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const I
   }
   using Kind = Stabilization::Kind;
   std::vector<Formulation> formulations{Formulation::omega, Formulation::quaternion};
-  Dynamics along_joints(*first.system, make_solver(run, registry),
-                        {Formulation::joint, {}});  // also where it is dearer
+  Dynamics along_joints(*first.system, make_solver(run, registry), {Formulation::joint, {}});  // even if it costs more
   if (along_joints.why_not_joint(first.start.modes).empty()) formulations.push_back(Formulation::joint);
   o.formulations = values_of(args.all("--formulations"), run.formulation, formulations, formulation_from);
   settle_formulations(dynamics, first.start, !args.all("--solvers").empty(), o.formulations);
@@ -307,7 +304,7 @@ std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Argument
     fmt::print("{}\n", run_line(run));
     std::fflush(stdout);
   };
-  benchmark.options.clock = [&] {  // when somebody asks for the end, no time is left
+  benchmark.options.clock = [&] {  // after an interrupt, no time is left
     return interrupt.asked() ? HUGE_VAL : thread_seconds();
   };
   auto result = std::make_unique<WorkPrecision>();
@@ -317,7 +314,7 @@ std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Argument
   } catch (const Error&) {
     progress.finish();
     if (!interrupt.asked()) throw;
-    fmt::print(stderr, "lockstep: interrupted before the reference was there; nothing is written\n");
+    fmt::print(stderr, "lockstep: interrupted before the reference solution; nothing is written\n");
     return nullptr;
   }
   std::vector<WorkPrecisionRun> measured;

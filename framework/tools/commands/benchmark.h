@@ -28,12 +28,13 @@ struct SceneBenchmark {
 SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments&, const Interrupt& interrupt);
 
 /// Adaptive methods of the registry. Those with the keys of the settings' own integrator that they know come before
-/// other choices of keys; then implicit or explicit ones as asked, then the higher order. `registry` must outlive them.
+/// other choices of keys; then implicit or explicit ones as requested, then the higher order. `registry` must outlive
+/// them.
 std::vector<MethodChoice> references_of(const RunSettings&, const Registry& registry, bool implicit);
 
 // Options of chart, advise and atlas.
 inline constexpr Option kIntegrators{"--integrators", "A,B",
-                                     "only these, with keys if needed: rk4,dopri5:fixed=true; default: all"},
+                                     "integrators, with keys if needed: rk4,dopri5:fixed=true; default: all"},
     kUntil{"--until", "T", "end of the runs, s"},
     kBudget{"--budget", "T", "CPU time for all runs together; default 60 s"},
     kFolder{"--out", "DIR", "folder for CSV and pictures; default: LOCKSTEP_OUTPUT or here"};

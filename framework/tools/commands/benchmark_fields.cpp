@@ -32,7 +32,7 @@ std::string runs_words(const Json& runs) {
 
 // Those that were still falling: "not tried" is no "never".
 std::string count_text(const Json& names) {
-  return names.empty() ? "" : std::to_string(names.size()) + " combinations; give more with --budget";
+  return names.empty() ? "" : std::to_string(names.size()) + " combinations; increase --budget";
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ const Fields<WorkPrecisionRun>& measured_run_fields() {
       {"evaluations", "", "evaluations", &Run::evaluations},
       {"factors", "", "factors", &Run::factors},
       {"steps", "", "steps", &Run::steps},
-      {"rejected", "", "rejected", &Run::rejected}};
+      {"rejected", "", "rejected steps", &Run::rejected}};
   return kFields;
 }
 
@@ -64,7 +64,7 @@ const Fields<CostAtError>& cost_fields() {
       Fields<CostAtError>{}
           .with([](const CostAtError& c) { return *c.run; }, measured_run_fields())
           .with({{"confirmed", "", "confirmed", &CostAtError::confirmed},
-                 {"coarser_tried", "", "a coarser one tried", [](const CostAtError& c) { return !c.upper_bound; }}});
+                 {"coarser_tried", "", "coarser setting tried", [](const CostAtError& c) { return !c.upper_bound; }}});
   return kFields;
 }
 
@@ -72,7 +72,7 @@ const Fields<WorkPrecision>& measurement_fields() {
   using Unsuited = WorkPrecision::Unsuited;
   static const Fields<Unsuited> kUnsuited{{"what", "", "what", &Unsuited::what}, {"why", "", "why", &Unsuited::why}};
   static const Fields<WorkPrecision> kFields{
-      {"reference", "", "truth by", &WorkPrecision::reference},
+      {"reference", "", "reference", &WorkPrecision::reference},
       {"second_reference", "", "and", &WorkPrecision::second},
       {"agreement", "they agree to", &WorkPrecision::agreement, error_fields(), error_text},
       {"runs", "runs", &WorkPrecision::runs, measured_run_fields(), runs_words},

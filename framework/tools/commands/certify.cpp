@@ -86,10 +86,10 @@ std::vector<Repeat> others_of(const Loaded& loaded, const RunSettings& run, cons
   return all;
 }
 
-// Makes the repeat and keeps it if it reached the end; else says why not in `text` and returns false.
+// Makes the repeat and keeps it if it reached the end; else adds the reason to `text` and returns false.
 bool add(std::vector<Repeat>& repeats, const Loaded& loaded, const RunSettings& run, Repeat repeat, double limit,
          std::string& text) {
-  std::string failure = fmt::format("given up after {:.2g} s; give more with --budget", limit);
+  std::string failure = fmt::format("stopped after {:.2g} s; increase --budget", limit);
   try {
     if (std::optional<Table> table = make_again(loaded, run, repeat, limit)) {
       repeat.table = std::move(*table);
@@ -110,31 +110,29 @@ std::string verdict(const Certificate& c, const std::vector<Repeat>& repeats) {
     n_zero += channel.zero ? 1 : 0;
     if (!channel.zero && (worst == nullptr || channel.worst().digits < worst->worst().digits)) worst = &channel;
   }
-  std::string text = fmt::format("{} instants compared", c.n_rows);
-  if (c.cut) text += " (the runs ended at different instants)";
+  std::string text = fmt::format("{} times compared", c.n_rows);
+  if (c.cut) text += " (the runs ended at different times)";
   if (worst != nullptr) text += fmt::format("; fewest digits: {:.1f}, of {}", worst->worst().digits, worst->name);
-  if (n_zero > 0)
-    text += fmt::format("; {} {} nothing but round-off", n_zero, n_zero == 1 ? "channel is" : "channels are");
-  if (repeats.size() < 2) text += "; only one repeat came to an end";
+  if (n_zero > 0) text += fmt::format("; {} {} only round-off", n_zero, n_zero == 1 ? "channel is" : "channels are");
+  if (repeats.size() < 2) text += "; only one repeat was completed";
   return text + "\n";
 }
 
-// Of the columns of which not one digit is certified.
+// The columns without a verified digit.
 std::string doubt_of(const Certificate& c) {
-  if (c.n_rows == 0) return "the repeats have no instant in common with the run: nothing is certified";
+  if (c.n_rows == 0) return "the repeats have no time in common with the run: no digit is verified";
   std::vector<std::string> names = without_a_digit(c);
   if (names.empty()) return {};
   constexpr std::size_t kNamed = 5;
   const std::size_t n = names.size();
   if (n > kNamed) names.resize(kNamed), names.push_back(fmt::format("{} more", n - kNamed));
   return fmt::format(
-      "not one digit of {} is certified; run it with a smaller tolerance or step, or for a shorter time: motions that "
-      "magnify every error lose their digits with it",
+      "no digit of {} is verified; use a smaller tolerance or step, or a shorter run if the motion is chaotic",
       lockstep::text::join(names));
 }
 
-// Repeats the run with a tighter tolerance (or shorter steps) and with a second method; says in lines how many digits of
-// each column agree. `run`: its settings; `table`: what it recorded. Repeats that fail or exceed --budget are named.
+// Repeats the run with a tighter tolerance (or shorter steps) and with a second method; reports how many digits of each
+// column agree. `run`: its settings; `table`: its results. Repeats that fail or exceed --budget are listed.
 CertifiedRun certificate_of(const Loaded& loaded, const Arguments& args, const RunSettings& run, const Table& table) {
   RunSettings with_step = run;
   with_step.step = std::max(run.step, 1e-300);
@@ -150,8 +148,7 @@ CertifiedRun certificate_of(const Loaded& loaded, const Arguments& args, const R
   for (const Repeat& other : others_of(loaded, run, own, options))
     if (add(repeats, loaded, run, other, limit, text)) break;
   if (repeats.empty())
-    return {text + "no repeat came to an end: nothing is certified\n",
-            "no repeat came to an end: nothing is certified"};
+    return {text + "no repeat was completed: no digit is verified\n", "no repeat was completed: no digit is verified"};
   std::vector<const Table*> tables;
   std::vector<std::string> names, against;
   for (const Repeat& repeat : repeats) {

@@ -108,11 +108,11 @@ const Fields<Charted>& chart_fields() {
   }();
   static const Fields<Charted> kFields =
       Fields<Charted>{{"length", "s", "runs over", [](const Charted& c) { return c.benchmark.trajectory.length; }},
-                      // no freedom is left: projection gives the motion at any step, and pictures are without it
-                      {"imposed", "", "moved by laws alone", [](const Charted& c) { return c.benchmark.imposed; }}}
+                      // no degree of freedom: projection gives the motion at any step, and pictures are without it
+                      {"imposed", "", "motion fully prescribed", [](const Charted& c) { return c.benchmark.imposed; }}}
           .with([](const Charted& c) -> const WorkPrecision& { return c.result; }, measurement_fields())
           .with({{"cheapest", "cheapest", [](const Charted& c) { return cheapest_of(c.result); }, kCheapest},
-                 {"best", "best CPU with each", [](const Charted& c) { return winners_of(c.result); }, kWinner},
+                 {"best", "least CPU time with each", [](const Charted& c) { return winners_of(c.result); }, kWinner},
                  {"remarks", "", "left out", [](const Charted& c) { return c.benchmark.remarks; }},
                  {"no_pictures", "", "no pictures", &Charted::no_pictures}});
   return kFields;
@@ -120,7 +120,7 @@ const Fields<Charted>& chart_fields() {
 
 Result chart_scene(const Arguments& args) {
   Loaded loaded = load(args);
-  loaded.scene = in_space(std::move(loaded.scene));  // where all formulations compute it
+  loaded.scene = in_space(std::move(loaded.scene));  // as all formulations need
   const std::string base = base_of(args, "_chart");
   const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], base + ".csv", loaded.scene);
 
@@ -141,7 +141,7 @@ Result chart_scene(const Arguments& args) {
     write_runs_report(report, text_of(args, loaded), runs_text(*result), "cpu [s]", "position error [m]", true);
     out.files.push_back(report);
   }
-  if (interrupt.asked()) fmt::print(stderr, "lockstep: interrupted; the runs up to there are written\n");
+  if (interrupt.asked()) fmt::print(stderr, "lockstep: interrupted; the completed runs are written\n");
   out.code = interrupt.asked() ? kExitInterrupted : kExitOk;
   return out;
 }
@@ -153,13 +153,13 @@ Command chart_command() {
       "chart",
       join({measuring_options(),
             {kFolder,
-             {"--caption", "TEXT", "the last line of the pictures; default: version, date and machine; '': none"}}}),
+             {"--caption", "TEXT", "last line of the pictures; default: version, date and machine; '': none"}}}),
       chart_scene,
-      R"(Each combination goes from coarse to fine settings, cheapest next run first, until its error stops falling, it
-costs a hundred times what another needs for the same error, or the time is spent. Errors are the largest over the
-history at 101 instants, against the tightest run of one method; a second method shows how good that reference is.
-Every integrator, in the form of the scene, comes to an error of a thousandth before finer runs and other forms have their
-turn, as far as half of the time allows. A run counts only if all finer runs of its combination stay within twice its error. "<=": no coarser run missed.
+      R"(Each combination is run from coarse to fine settings, the cheapest next run first. It ends when its error no
+longer decreases, when it costs a hundred times more than another for the same error, or when the time is spent. Errors
+are the largest at 101 times, relative to a reference solution; a second method confirms that reference. Within half of
+the time, every integrator first reaches an error of a thousandth in the formulation of the scene. A run counts only if
+all finer runs of its combination stay within twice its error. "<=": no coarser run had a larger error.
 
 Example:
   lockstep chart samples/scenes/four_bar.json --budget 60s --out charts

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The command explain: what acts on a body, what a link does and why it is redundant, what laws give, at one instant.
+// The command explain: the loads on a body, the constraints of a joint and the values of laws, at one time.
 #include <algorithm>
 
 #include <lockstep/explain.h>
@@ -12,9 +12,10 @@ namespace lockstep {
 namespace {
 
 const Fields<Contribution>& contribution_fields() {
-  static const Fields<Contribution> kFields{{"what", "", "of", &Contribution::what},
-                                            {"force", "N", "force, world", &Contribution::force},
-                                            {"moment", "N m", "moment about the mass centre", &Contribution::moment}};
+  static const Fields<Contribution> kFields{
+      {"what", "", "of", &Contribution::what},
+      {"force", "N", "force, world", &Contribution::force},
+      {"moment", "N m", "moment about the centre of mass", &Contribution::moment}};
   return kFields;
 }
 
@@ -31,7 +32,7 @@ std::string contribution_text(const Json& c) {
   return vector_text(c["force"]) + " N, " + vector_text(c["moment"]) + " N m";
 }
 
-/// An account, and when it is.
+/// An account and its time.
 template <class Account>
 struct At {
   double t;
@@ -42,13 +43,13 @@ const Fields<BodyBalance>& balance_fields() {
   static const Fields<BodyBalance> kFields{
       {"body", "", "body", &BodyBalance::body},
       {"mass", "kg", "mass", &BodyBalance::mass},
-      {"center", "m", "mass centre", &BodyBalance::center},
+      {"center", "m", "centre of mass", &BodyBalance::center},
       {"acceleration", "m/s^2", "acceleration", &BodyBalance::acceleration},
-      {"parts", "acts on it", &BodyBalance::parts, contribution_fields()},
+      {"parts", "loads", &BodyBalance::parts, contribution_fields()},
       {"sum", "sum", &BodyBalance::sum, contribution_fields(), contribution_text},
       {"rate", "rate of momentum", &BodyBalance::rate, contribution_fields(), contribution_text},
-      {"left_force", "N", "left: force", &BodyBalance::left_force},
-      {"left_moment", "N m", "left: moment", &BodyBalance::left_moment},
+      {"left_force", "N", "residual force", &BodyBalance::left_force},
+      {"left_moment", "N m", "residual moment", &BodyBalance::left_moment},
       {"incomplete", "", "incomplete", &BodyBalance::incomplete}};
   return kFields;
 }
@@ -62,46 +63,46 @@ std::string units_of(const RowAccount& r) {
 
 const Fields<LinkAccount>& link_fields() {
   using Account = LinkAccount;
-  static const Fields<RowAccount> kRow{{"row", "", "row", &RowAccount::name},
-                                       {"kind", "", "of a", [](const RowAccount& r) { return word_of(r.kind); }},
+  static const Fields<RowAccount> kRow{{"row", "", "constraint", &RowAccount::name},
+                                       {"kind", "", "kind", [](const RowAccount& r) { return word_of(r.kind); }},
                                        {"value", "", "value", &RowAccount::value},
                                        {"rate", "", "rate", &RowAccount::rate},
                                        {"multiplier", "", "multiplier", &RowAccount::multiplier},
                                        {"units", "", "units", units_of},
                                        {"drive", "", "driven", &RowAccount::is_drive}};
-  static const Fields<Dependency> kDependency{{"rows", "", "rows", &Dependency::rows},
-                                              {"too_many", "", "too many", &Dependency::too_many},
-                                              {"nearly", "", "nearly", &Dependency::nearly}};
+  static const Fields<Dependency> kDependency{{"rows", "", "constraints", &Dependency::rows},
+                                              {"too_many", "", "redundant", &Dependency::too_many},
+                                              {"nearly", "", "nearly redundant", &Dependency::nearly}};
   static const Fields<Account> kFields{
-      {"link", "", "link", &Account::name},
+      {"link", "", "joint", &Account::name},
       {"type", "", "type", &Account::type},
       {"p", "", "P on", &Account::on_p},
       {"s", "", "S on", &Account::on_s},
-      {"in_force", "", "in force", &Account::in_force},
+      {"in_force", "", "active", &Account::in_force},
       {"merged", "", "merged: its bodies move as one", &Account::merged},
-      {"rows", "rows", &Account::rows, kRow},
-      {"left_out", "", "rows left out, as they depend on others", &Account::left_out},
+      {"rows", "constraints", &Account::rows, kRow},
+      {"left_out", "", "dropped as redundant", &Account::left_out},
       {"force_on_p", "N", "force on P's body, world", [](const Account& a) { return a.joint.force; }},
       {"moment_on_p", "N m", "  moment about P", [](const Account& a) { return a.joint.moment; }},
       {"drive_force_on_p", "N", "force of the drives", [](const Account& a) { return a.drives.force; }},
       {"drive_moment_on_p", "N m", "  moment about P", [](const Account& a) { return a.drives.moment; }},
       {"laws", "laws", &Account::laws, law_fields()},
-      {"dependencies", "dependent rows, whose share of a load is not determined", &Account::dependencies, kDependency}};
+      {"dependencies", "dependent constraints, which share loads arbitrarily", &Account::dependencies, kDependency}};
   return kFields;
 }
 
 const Fields<ForceEffect>& force_fields() {
   static const Fields<Contribution> kOn{{"body", "", "on", &Contribution::what},
                                         {"force", "N", "force, world", &Contribution::force},
-                                        {"moment", "N m", "moment about its mass centre", &Contribution::moment}};
+                                        {"moment", "N m", "moment about its centre of mass", &Contribution::moment}};
   static const Fields<ForceEffect> kFields{{"force", "", "force", &ForceEffect::name},
                                            {"type", "", "type", &ForceEffect::type},
-                                           {"acts", "", "acts", &ForceEffect::acts},
-                                           {"on", "effect", &ForceEffect::on, kOn},
+                                           {"acts", "", "active", &ForceEffect::acts},
+                                           {"on", "loads", &ForceEffect::on, kOn},
                                            {"laws", "laws", &ForceEffect::laws, law_fields()},
                                            {"potential", "J", "potential", &ForceEffect::potential},
-                                           {"dissipation", "W", "takes out", &ForceEffect::dissipation},
-                                           {"supply", "W", "puts in", &ForceEffect::supply}};
+                                           {"dissipation", "W", "dissipates", &ForceEffect::dissipation},
+                                           {"supply", "W", "supplies", &ForceEffect::supply}};
   return kFields;
 }
 
@@ -122,7 +123,7 @@ const AccountFields& account_fields() {
   return kFields;
 }
 
-/// Things that can be explained.
+/// Objects that can be explained.
 std::vector<std::string> names_of(const System& system) {
   std::vector<std::string> names;
   for (const Body& b : system.bodies())
@@ -139,7 +140,7 @@ Result explain(const Arguments& args) {
   const std::string& thing = args["thing"];
   const std::vector<std::string> known = names_of(system);
   if (!thing.empty() && std::ranges::find(known, thing) == known.end())
-    throw UsageError("nothing of the scene that moves, links or pushes is named \"" + thing + "\"" +
+    throw UsageError("explain: no moving body, joint or force is called \"" + thing + "\"" +
                      text::suggestion(thing, known));
   const State state = run_to(m, loaded.registry, instant_of(args));
   Dynamics dynamics = make_dynamics(m, loaded.registry);
@@ -160,10 +161,10 @@ Result explain(const Arguments& args) {
 Command explain_command() {
   return {"explain",
           join({scene_options(),
-                {{"thing", "THING", "a body, link or force by its name; default: every body"}, kJson, kAt}}),
+                {{"thing", "THING", "a body, joint or force by its name; default: every body"}, kJson, kAt}}),
           explain,
-          "Forces and moments are in world axes. A value that is missing (-) belongs to a reaction that grows without "
-          "limit towards a singular position.\n\n"
+          "Forces and moments are in world axes. A missing value (-) is a reaction that is unbounded near a singular "
+          "configuration.\n\n"
           "Example:\n  lockstep explain samples/scenes/four_bar.json coupler --at 0.1",
           {&account_fields().body.schema(), &account_fields().link.schema(), &account_fields().force.schema(),
            &account_fields().bodies.schema()}};

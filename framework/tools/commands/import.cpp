@@ -22,10 +22,9 @@ std::string text_of_robot(const std::string& file) {
   std::error_code error;
   std::ifstream in(file, std::ios::binary);
   if (!in || std::filesystem::is_directory(file, error))
-    throw FileError(
-        "cannot read '" + file +
-        "': " + (std::filesystem::exists(file, error) ? "it is no file that can be read" : "there is no such file") +
-        "; check the path");
+    throw FileError("cannot read '" + file + "': " +
+                    (std::filesystem::exists(file, error) ? "it is not a readable file" : "there is no such file") +
+                    "; check the path");
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
@@ -82,16 +81,17 @@ Result import_robot(const Arguments& args) {
   for (const std::string& what : robot.left_out) fmt::print(stderr, "lockstep: left out: {}\n", what);
   for (const std::string& why : meshes.refused()) fmt::print(stderr, "lockstep: left out: {}\n", why);
   if (meshes.outside())
-    fmt::print(stderr,
-               "lockstep: meshes lie outside of the scene's folder: run it with --allow-files, or write it beside the "
-               "robot (--out)\n");
+    fmt::print(
+        stderr,
+        "lockstep: meshes are outside the scene's folder; run it with --allow-files, or write it next to the robot "
+        "(--out)\n");
   if (args["--out"].empty()) {
     fmt::print("{}", text);
     return kExitOk;
   }
   std::error_code error;
   if (fs::is_regular_file(args["--out"], error))
-    throw UsageError("--out: '" + args["--out"] + "' is there already; name another file");
+    throw UsageError("--out: '" + args["--out"] + "' exists; name another file");
   std::ofstream out(args["--out"], std::ios::binary);
   out << text;
   out.close();
@@ -105,12 +105,12 @@ Result import_robot(const Arguments& args) {
 Command import_command() {
   return {
       "import",
-      {Option{"file", "FILE.urdf", "the robot; -: from standard input, as in `xacro robot.xacro | lockstep import -`"}
+      {Option{"file", "FILE.urdf", "the robot; -: standard input, as in `xacro robot.xacro | lockstep import -`"}
            .needed(),
        {"--out", "FILE.json", "the scene; default: standard output"},
-       {"--floating", "", "the first link is not held; without it, it is fixed in the world"}},
+       {"--floating", "", "the base link moves freely; default: it is fixed to the world"}},
       import_robot,
-      "Limits become stops, damping becomes forces; what is left out (mimicry, friction) is named.\n\n"
+      "Limits become stops, damping becomes forces. Parts that are not converted (mimic, friction) are reported.\n\n"
       "Example:\n  lockstep import robot.urdf --out robot.json"};
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The commands kinematics and inverse: a fully driven scene from instant to instant, without integration.
+// The commands kinematics and inverse: a fully driven scene over time, without integration.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@
 namespace lockstep {
 namespace {
 
-constexpr int kDefaultPoses = 100;  // where the scene names no interval of outputs
+constexpr int kDefaultPoses = 100;  // if the scene has no interval of outputs
 
 // Words of quantities that depend on masses.
 constexpr const char* kOfMasses[] = {"force", "torque",   "lambda", "energy", "power",
@@ -51,7 +51,7 @@ std::vector<std::string> fill_masses(Scene& scene) {
   return names;
 }
 
-/// What a channel gives of its thing: "force_on_p_world_x" of "A.force_on_p_world_x"; the whole where it is of none.
+/// A channel without its owner: "force_on_p_world_x" of "A.force_on_p_world_x"; the whole if it has none.
 std::string quantity_of(const std::string& channel, const System& system) {
   const std::string owner = owner_of(channel, system).second;
   return owner.empty() ? channel : channel.substr(owner.size() + 1, channel.find('@', owner.size()) - owner.size() - 1);
@@ -63,10 +63,10 @@ void refuse_columns_of_masses(const Mechanism& m, const std::vector<std::string>
       if (quantity_of(request.channel, m.system).find(word) != std::string::npos)
         refuse(request.where, "run.record",
                "\"" + request.channel + "\" depends on masses, and " + text::join(without) +
-                   (without.size() == 1 ? " has none" : " have none") + "; give them, or leave the column out");
+                   (without.size() == 1 ? " has none" : " have none") + "; add them, or leave out the column");
 }
 
-/// Here nothing is integrated: a column of a work is refused.
+/// Nothing is integrated here: a column of a work is an error.
 void refuse_integrated_columns(Mechanism& m) {
   for (const ChannelRequest& request : m.run.record) {
     const std::size_t before = m.system.auxiliaries().size();
@@ -74,11 +74,11 @@ void refuse_integrated_columns(Mechanism& m) {
     for (std::size_t k = before; k < m.system.auxiliaries().size(); ++k)
       refuse(request.where, "run.record",
              "\"" + request.channel + "\" needs '" + m.system.auxiliaries()[k]->name() +
-                 "', which is integrated over time: take lockstep run for it, or leave the column out");
+                 "', which is integrated over time; use lockstep run, or leave out the column");
   }
 }
 
-/// Columns of all drives and reactions, beside those that the scene records.
+/// Columns of all drives and reactions, in addition to those that the scene records.
 void record_reactions(Mechanism& m) {
   const auto add = [&](const std::string& channel) {
     if (std::ranges::none_of(m.run.record, [&](const ChannelRequest& r) { return r.channel == channel; }))
@@ -110,16 +110,17 @@ std::vector<double> pose_times(const RunSettings& run) {
   const double whole = std::floor(until / interval * (1 + 1e-12));
   if (!(whole <= kMostPoses))
     throw UsageError(
-        fmt::format("{:.3g} poses, one every {:.6g} s up to {:.6g} s, are more than {:.0e}: give a longer "
+        fmt::format("{:.3g} poses, one every {:.6g} s up to {:.6g} s, are more than {:.0e}; use a longer "
                     "interval, --output {:.6g}",
                     whole, interval, until, kMostPoses, until / kDefaultPoses));
   for (double k = 0; k <= whole; ++k) times.push_back(std::min(k * interval, until));
   if (times.back() < until * (1 - 1e-12)) times.push_back(until);
   if (interval > until)
-    fmt::print(stderr,
-               "lockstep: the interval of the poses, {:.6g} s, is longer than the {:.6g} s of the motion: only "
-               "start and end are computed\n",
-               interval, until);
+    fmt::print(
+        stderr,
+        "lockstep: the interval of the poses, {:.6g} s, is longer than the motion of {:.6g} s; only start and end "
+        "are computed\n",
+        interval, until);
   return times;
 }
 
@@ -153,7 +154,7 @@ const Fields<Motion>& kinematics_fields() {
                                   {"values", "", "", [](const Peak& p) { return p.column.values; }}};
   static const Fields<Motion> kFields{{"poses", "", "poses", &Motion::poses},
                                       {"solutions", "", "solutions", &Motion::solutions},
-                                      {"seconds", "s", "computed in", &Motion::seconds},
+                                      {"seconds", "s", "computing time", &Motion::seconds},
                                       {"columns", "columns", &Motion::peaks, kPeak}};
   return kFields;
 }
@@ -169,7 +170,7 @@ Result follow(const Arguments& args, bool inverse) {
   }
   if (m.run.until <= 0)
     refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
-           "the scene does not say how long it runs, or 0; say it there, or give --until 5");
+           "the scene has no end time, or 0; add it, or give --until 5");
   const std::vector<double> times = pose_times(m.run);
   record_places(m);
   if (!without.empty()) refuse_columns_of_masses(m, without);
@@ -183,7 +184,7 @@ Result follow(const Arguments& args, bool inverse) {
   State start = decided_start(dynamics, m);
   assemble(dynamics, start, m.start_speeds, m.assembly);
   for (const EventRequest& e : m.events)
-    fmt::print(stderr, "lockstep: event '{}' does not act: nothing runs here\n", e.event.name);
+    fmt::print(stderr, "lockstep: event '{}' has no effect without a simulation\n", e.event.name);
 
   const auto begun = std::chrono::steady_clock::now();
   DrivenMotion motion(dynamics, std::move(start));
@@ -207,7 +208,7 @@ Result follow(const Arguments& args, bool inverse) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   file.write();
   if (failed) {
-    fmt::print(stderr, "lockstep: {} rows up to there are in {}\n", recorder->table().n_rows(), file.partial());
+    fmt::print(stderr, "lockstep: {} rows saved in {}\n", recorder->table().n_rows(), file.partial());
     std::rethrow_exception(failed);
   }
   file.commit();
@@ -222,8 +223,8 @@ Command driven_command(std::string_view name, Result (*run)(const Arguments&), s
   return {name,
           join({scene_options(),
                 {kJson,
-                 {"--until", "T", "the last instant, s; default: that of the scene's run"},
-                 {"--output", "H", "interval of the poses, s; default: the scene's, or a hundredth of the whole"},
+                 {"--until", "T", "end time, s; default: that of the scene"},
+                 {"--output", "H", "interval of the poses, s; default: that of the scene, or a hundredth of the time"},
                  {"--record", "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here"},
                  {"--quiet", "", "print errors only"}}}),
           run,
@@ -236,13 +237,13 @@ Command driven_command(std::string_view name, Result (*run)(const Arguments&), s
 Command kinematics_command() {
   return driven_command(
       "kinematics", [](const Arguments& args) { return follow(args, false); },
-      "Masses are not needed. A scene with too few or too many drives is refused, with the coordinates to drive or "
-      "the drives to release.\n\nExample:\n  lockstep kinematics samples/scenes/four_bar.json --until 0.2");
+      "Masses are not needed. For too few or too many drives, the error names the coordinates to drive or the drives "
+      "to release.\n\nExample:\n  lockstep kinematics samples/scenes/four_bar.json --until 0.2");
 }
 Command inverse_command() {
   return driven_command(
       "inverse", [](const Arguments& args) { return follow(args, true); },
-      "Columns: those of the scene, then every drive and every reaction.\n\n"
+      "Columns: those of the scene, then all drives and reactions.\n\n"
       "Example:\n  lockstep inverse samples/scenes/four_bar.json --until 0.2");
 }
 

@@ -38,7 +38,7 @@ class InputAlong final : public TranslationLaw {
   std::shared_ptr<InputLaw> input_;
 };
 
-// The ends of a force: its own markers, or those of the link in which it acts; without S the ground.
+// The ends of a force: its own markers, or those of the joint in which it acts; without S the ground.
 std::pair<const Marker*, const Marker*> ends_of(const Attachment& attachment, const Params& params) {
   if (attachment.link != nullptr) return attachment.link->pairs().front();
   return {&p_of(attachment, params), has_s(attachment) ? &s_of(attachment, params) : nullptr};
@@ -51,8 +51,8 @@ std::unique_ptr<Force> input_force(const Attachment& attachment, const Params& p
   const Marker *const p = ends.first, *const s = ends.second;
   const int axis = static_cast<int>(params.integer("along"));
   if (axis >= 3 && p->body->freedoms == Freedoms::particle)
-    throw ModelError("input '" + attachment.name + "' turns body '" + p->body->name +
-                     "', which is a particle and cannot turn; name a force along x, y or z");
+    throw ModelError("input '" + attachment.name + "' is a torque on '" + p->body->name +
+                     "', which is a particle and cannot rotate; name a force along x, y or z");
   std::vector<const Marker*> markers{p};
   if (s != nullptr) markers.push_back(s);
   return function_force(attachment.name, std::move(markers),

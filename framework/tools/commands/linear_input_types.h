@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Types of laws and forces that hold the inputs of a linearisation, for a registry of its own.
+// Types of laws and forces that hold the inputs of a linearisation, for a separate registry.
 #pragma once
 
 #include <memory>
@@ -18,8 +18,8 @@ inline constexpr const char *kInputLaw = "linear_input",  ///< scalar law: {"num
         *kInputForce = "linear_input_force";              ///< force: {"number", "along"}
 
 /// Adds types that put the input with a number
-///   - beside a scalar law, which may be absent;
-///   - beside a translation law, along one of its axes 0, 1, 2;
+///   - added to a scalar law, which may be absent;
+///   - added to a translation law, along one of its axes 0, 1, 2;
 ///   - into a force along an axis of S on p's body at P, or a torque about it (axes 3, 4, 5), and the opposite on s's body.
 void add_input_types(Registry&, const std::shared_ptr<InputLaws>&);
 

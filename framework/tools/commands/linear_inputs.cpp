@@ -24,14 +24,14 @@ std::string text_of(const Value& object, std::string_view key) {
   return text != nullptr ? *text : std::string();
 }
 
-// The input with a number, beside the law if there is one.
+// The input with a number, added to the law if there is one.
 Value input_beside(const Value* law, std::size_t number) {
   Value input = Value::object({{"type", kInputLaw}, {"number", static_cast<int>(number)}});
   if (law != nullptr) input.object()->push_back({"law", *law, law->where}), input.where = law->where;
   return input;
 }
 
-// Forces whose law is their magnitude, zero where it is not given.
+// Forces whose law is their magnitude, zero if it is not given.
 struct Magnitude {
   const char *type, *key, *unit;
 };
@@ -69,7 +69,7 @@ class Opening {
     std::vector<std::string> names;
     for (const Place& place : places_)
       if (place.refusal.empty()) names.push_back(place.short_name);
-    throw UsageError("--inputs: \"" + name + "\" is neither a drive, nor a law, nor a force" +
+    throw UsageError("--inputs: \"" + name + "\" is not a drive, a law or a force" +
                      (names.empty() ? "; the scene has none" : text::suggestion(name, names)));
   }
   // Forces that were added, at last: places point into the scene until then.
@@ -79,7 +79,7 @@ class Opening {
   }
 
  private:
-  // What can be opened by a name; with a refusal, what cannot, and the next move.
+  // A name that can be an input; with a refusal, one that cannot, and the next move.
   struct Place {
     std::string name, short_name, unit, refusal;
     std::function<void(std::size_t number)> put_in;
@@ -95,7 +95,7 @@ class Opening {
     return std::ranges::any_of(places_, [&](const Place& p) { return p.name == name || p.short_name == name; });
   }
 
-  // The first input that was collected since then; "" where there is none.
+  // The first input that was collected since then; "" if there is none.
   std::string first_input(std::size_t since) const {
     for (std::size_t k = since; k < places_.size(); ++k)
       if (places_[k].refusal.empty()) return places_[k].name;
@@ -109,11 +109,11 @@ class Opening {
   void collect_link(Value& link) {
     const std::size_t before = places_.size();
     collect_drives(link);
-    collect_laws(link, scene_table("link").info.keys, "link");
-    if (const auto* entry = registry_.links.find(text_of(link, "type"))) collect_laws(link, entry->info.keys, "link");
+    collect_laws(link, scene_table("link").info.keys, "joint");
+    if (const auto* entry = registry_.links.find(text_of(link, "type"))) collect_laws(link, entry->info.keys, "joint");
     const std::string name = text_of(link, "name");
     if (!has(name))
-      refuse(name, "is a link without a drive; " + advice(before, "give it one, or add a motor or a force beside it"));
+      refuse(name, "is a joint without a drive; " + advice(before, "give it one, or add a motor or a force"));
   }
   void collect_drives(Value& link) {
     Value* drive = member(link, "drive");
@@ -143,7 +143,7 @@ class Opening {
         continue;
       const std::string name = owner + "." + k.name;
       if (!k.of_time) {
-        refuse(name, "is a function of where the " + std::string(kind) + " is, not of time; name a drive or a force");
+        refuse(name, "depends on the position of the " + std::string(kind) + ", not on time; name a drive or a force");
         continue;
       }
       if (k.form == Form::law) {
@@ -154,7 +154,7 @@ class Opening {
       for (int axis = 0; axis < 3; ++axis)
         add(along(name, axis), along(name, axis), turn ? "rad" : "m",
             [law, axis, turn](std::size_t n) { turn ? turn_before(*law, axis, n) : move_beside(*law, axis, n); });
-      refuse(name, std::string("is a law of a ") + (turn ? "turn" : "translation") + "; name one axis of it: \"" +
+      refuse(name, std::string("is a law of a ") + (turn ? "rotation" : "translation") + "; name one axis of it: \"" +
                        name + ".x\", \".y\" or \".z\"");
     }
   }
@@ -163,7 +163,7 @@ class Opening {
     input.object()->push_back({"law", law, law.where}), input.where = law.where;
     law = std::move(input);
   }
-  // q = (turn by the input about an axis of the frame) (law)
+  // q = (rotation by the input about an axis of the frame) (law)
   static void turn_before(Value& law, int axis, std::size_t number) {
     Value first =
         Value::object({{"type", "axis_rotation"}, {"axis", kAxes[axis]}, {"law", input_beside(nullptr, number)}});
@@ -184,7 +184,7 @@ class Opening {
     if (first_input(before).empty()) collect_ends(force);
     if (!has(name))
       refuse(name,
-             "is a " + type + ", which has no magnitude; name what acts beside it, as \"" + first_input(before) + "\"");
+             "is a " + type + ", which has no magnitude; name one of its inputs, as \"" + first_input(before) + "\"");
   }
   void collect_magnitude(Value& force, const Magnitude& magnitude) {
     const std::string name = text_of(force, "name"), type = magnitude.type;
@@ -213,7 +213,7 @@ class Opening {
       refuse(name, "has laws of components and no direction; name one of \"" + name + ".x\", \".y\" and \".z\"");
   }
 
-  // A force along, or a torque about an axis of S beside a force of another kind, between its ends.
+  // A force along, or a torque about an axis of S, added to a force of another kind, between its ends.
   void collect_ends(Value& force) {
     const std::string name = text_of(force, "name");
     const auto add_axis = [&](const std::string& input, int axis) {

@@ -18,11 +18,11 @@ struct MechanismWithInputs {
 };
 
 /// Builds the scene with an InputLaw around the law of each named thing:
-///   - a link with a drive: "A", with several "A.rz";
+///   - a joint with a drive: "A", with several "A.rz";
 ///   - a force that has a magnitude: "spring": pull; "motor"; "push": along its direction; "push.x": a component;
-///   - a law of time of a link, a force or a marker: "rope.length", "A.move.x", "table.translation.z", "B.turn.x";
+///   - a law of time of a joint, a force or a marker: "rope.length", "A.move.x", "table.translation.z", "B.turn.x";
 ///   - a force of any other type without such a law: "pad.x" ... "pad.rz": a force along an axis of S, or a torque about
-///     it, beside it.
+///     it, in addition.
 /// Throws UsageError for a name that is none of these, with the closest or the next move, and what build_mechanism()
 /// throws.
 MechanismWithInputs build_with_inputs(Scene, Registry, const std::vector<std::string>& names);

@@ -7,12 +7,12 @@
 namespace lockstep {
 
 Options motion_command_options() {
-  return join({scene_options(),
-               {kAt,
-                kJson,
-                {"--spin", "X,Y,Z",
-                 "angular velocity of the axes in which a steady rotation rests, rad/s; default: found from the state"},
-                {"--frozen", "", "take the coefficients of an instant that is neither an equilibrium nor steady"}}});
+  return join(
+      {scene_options(),
+       {kAt,
+        kJson,
+        {"--spin", "X,Y,Z", "angular velocity of the axes of a steady rotation, rad/s; default: found from the state"},
+        {"--frozen", "", "use the coefficients of a state that is neither an equilibrium nor steady"}}});
 }
 
 LinearMotionOptions motion_options(const Arguments& args) {
@@ -24,12 +24,12 @@ LinearMotionOptions motion_options(const Arguments& args) {
 
 const Fields<StateFound>& state_fields() {
   static const Fields<StateFound> kState{
-      {"spin", "rad/s", "axes turn with", [](const StateFound& s) { return s.spin; }},
+      {"spin", "rad/s", "spin of the axes", [](const StateFound& s) { return s.spin; }},
       {"still", "", "at rest there", [](const StateFound& s) { return s.unrest.is_still(); }},
-      {"acceleration", "m/s^2", "acceleration", [](const StateFound& s) { return s.unrest.acceleration; }},
+      {"acceleration", "m/s^2", "residual acceleration", [](const StateFound& s) { return s.unrest.acceleration; }},
       {"acceleration_limit", "m/s^2", "  limit", [](const StateFound& s) { return s.unrest.acceleration_limit; }},
       {"accelerates", "", "  of", [](const StateFound& s) { return s.unrest.accelerates; }},
-      {"speed", "m/s", "speed", [](const StateFound& s) { return s.unrest.speed; }},
+      {"speed", "m/s", "residual speed", [](const StateFound& s) { return s.unrest.speed; }},
       {"speed_limit", "m/s", "  limit", [](const StateFound& s) { return s.unrest.speed_limit; }},
       {"moves", "", "  of", [](const StateFound& s) { return s.unrest.moves; }}};
   static const Fields<StateFound> kFields{{"t", "s", "t", &StateFound::t}, {"state", "state", std::identity(), kState}};

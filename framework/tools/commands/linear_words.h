@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the commands modes and linearize share: their options, and the state.
+// Options and state of the commands modes and linearize.
 #pragma once
 
 #include <lockstep/linearization.h>
@@ -7,7 +7,7 @@
 
 namespace lockstep {
 
-/// What both take.
+/// The options of both.
 Options motion_command_options();
 /// --spin and --frozen. Throws UsageError.
 LinearMotionOptions motion_options(const Arguments&);
@@ -18,10 +18,10 @@ struct StateFound {
   Vec3 spin;
   Unrest unrest;
 };
-/// t, and "state": spin, unrest.
+/// t, and "state": spin, residual motion.
 const Fields<StateFound>& state_fields();
 
-/// Calls an analysis whose errors say which options of the program are the next move.
+/// Calls an analysis, and adds the next move in the program to its errors.
 template <class Analysis>
 auto with_words_of_program(Analysis&& analysis) {
   try {
@@ -29,7 +29,9 @@ auto with_words_of_program(Analysis&& analysis) {
   } catch (const ModelError& error) {
     const std::string words = error.what();
     if (words.find("neither an equilibrium") == std::string::npos) throw;
-    throw ModelError(words + " (--at T another instant, --spin x,y,z the turning of the axes, --frozen this one)");
+    throw ModelError(words +
+                     " (`lockstep statics` finds the equilibrium; --at T: another time; --spin x,y,z: rotating "
+                     "axes; --frozen: this state)");
   }
 }
 

@@ -71,7 +71,7 @@ const Fields<Linearized>& linearize_fields() {
 Result linearize_scene(const Arguments& args) {
   const Loaded loaded = load(args);
   if (args.has("--json") && !args["--csv"].empty())
-    throw UsageError("--json and --csv: the numbers are printed or written, not both; give one of the two");
+    throw UsageError("--json and --csv exclude each other; give one of the two");
   if (!args["--csv"].empty()) check_overwrites(args["--csv"], loaded.scene);
   MechanismWithInputs built = build_with_inputs(loaded.scene, loaded.registry, args.all("--inputs"));
   std::vector<Channel> outputs;
@@ -89,20 +89,19 @@ Result linearize_scene(const Arguments& args) {
 }  // namespace
 
 Command linearize_command() {
-  return {
-      "linearize",
-      join({motion_command_options(),
-            {Option{"--inputs", "A,B",
-                    "driven links (A, or A.rz of several drives: value, rate and second rate), forces (motor, "
-                    "pad.x), laws (rope.length, table.translation.x)"},
-             Option{"--outputs", "A,B", "channels, as `lockstep check SCENE --channels` lists them"},
-             {"--csv", "FILE.csv", "one table: rows x' and y, columns x and u"}}}),
-      linearize_scene,
-      R"(x' = A x + B u, y = C x + D u. The states are displacements of bodies from the state, one for each freedom, then their rates.
+  return {"linearize",
+          join({motion_command_options(),
+                {Option{"--inputs", "A,B",
+                        "driven joints (A, or A.rz of several drives: value and its first two rates), forces (motor, "
+                        "pad.x), laws (rope.length, table.translation.x)"},
+                 Option{"--outputs", "A,B", "channels, as `lockstep check SCENE --channels` lists them"},
+                 {"--csv", "FILE.csv", "one table: rows x' and y, columns x and u"}}}),
+          linearize_scene,
+          R"(x' = A x + B u, y = C x + D u. The states are one displacement per degree of freedom, then their rates.
 
 Example:
   lockstep linearize samples/scenes/mass_spring_damper_fast.json --set bodies.mass_c.velocity.0=0 --set bodies.mass_c.position.0=0 --inputs push_c --outputs mass_c.x,mass_c.ax)",
-      {&linearize_fields().schema()}};
+          {&linearize_fields().schema()}};
 }
 
 }  // namespace lockstep

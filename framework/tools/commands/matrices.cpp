@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The command matrices: M, D, K, J and the right sides at an instant, with names.
+// The command matrices: M, D, K, J and the right-hand sides at one time, with names.
 #include <spdlog/fmt/fmt.h>
 
 #include <filesystem>
@@ -44,7 +44,7 @@ std::vector<Named> all_of(const MechanismMatrices& m) {
   return {{"M", "mass: rows and columns are unknowns.csv", m.M},
           {"D", "d(inertia - forces)/dv: rows and columns are unknowns.csv", m.D},
           {"K", "d(inertia + J^T lambda - forces)/dx: rows and columns are unknowns.csv", m.K},
-          {"J", "jacobian: rows are rows.csv, columns are unknowns.csv", m.J}};
+          {"J", "Jacobian: rows are rows.csv, columns are unknowns.csv", m.J}};
 }
 
 struct FoundMatrices {
@@ -58,7 +58,7 @@ struct NamedRow {
 const Fields<FoundMatrices>& matrix_fields() {
   static const Fields<UnknownVelocity> kUnknown{{"name", "", "name", &UnknownVelocity::name},
                                                 {"unit", "", "unit", &UnknownVelocity::unit}};
-  static const Fields<NamedRow> kRow{{"name", "", "name", &NamedRow::name}, {"kind", "", "of a", &NamedRow::kind}};
+  static const Fields<NamedRow> kRow{{"name", "", "name", &NamedRow::name}, {"kind", "", "kind", &NamedRow::kind}};
   static const Fields<SparseMat> kMatrix{{"rows", "", "rows", [](const SparseMat& A) { return A.rows(); }},
                                          {"columns", "", "columns", [](const SparseMat& A) { return A.cols(); }},
                                          {"entries", "", "entries", [](const SparseMat& A) {
@@ -77,7 +77,7 @@ const Fields<FoundMatrices>& matrix_fields() {
     return fmt::format("{} x {}, {} numbers", A["rows"].dump(), A["columns"].dump(), A["entries"].size());
   };
   static const Fields<MechanismMatrices> kMatrices{{"unknowns", "unknowns", &MechanismMatrices::unknowns, kUnknown},
-                                                   {"rows", "rows", rows, kRow},
+                                                   {"rows", "constraints", rows, kRow},
                                                    {"M", "M", &MechanismMatrices::M, kMatrix, size},
                                                    {"D", "D", &MechanismMatrices::D, kMatrix, size},
                                                    {"K", "K", &MechanismMatrices::K, kMatrix, size},

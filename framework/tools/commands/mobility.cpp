@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The command mobility: how a scene can move, which of its rows are too many, and which reactions are not unique.
+// The command mobility: free motions of a scene, redundant constraints, and reactions that are not unique.
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/mobility_findings.h"
 
@@ -19,8 +19,8 @@ Command mobility_command() {
   return {"mobility",
           join({scene_options(), {kJson}}),
           find_mobility,
-          "Counted at the assembled start, in its plane if it has one; --full counts in space. `lockstep check` prints "
-          "the same, and what a run makes of the scene.\n\n"
+          "Counted at the assembled start, in its plane if it has one; --full counts in space. `lockstep check "
+          "--verbose` prints the same, and how a run solves the scene.\n\n"
           "Example:\n  lockstep mobility samples/scenes/four_bar.json --full",
           {&mobility_fields().schema()}};
 }

@@ -28,18 +28,18 @@ const char* word(Mode::Kind kind) {
 int count_of(const Arguments& args) {
   if (args["--count"].empty()) return 0;
   return whole_number("--count", args["--count"], std::numeric_limits<int>::max(),
-                      "is no number of modes; give a whole number from 1 on, as in --count 10");
+                      "is not a number of modes; give a whole number from 1, as in --count 10");
 }
 
 // "undamped", "unstable", ...
 std::string stability_of(const Mode& m) {
-  if (m.kind == Mode::Kind::rigid) return "stays where it is put";
+  if (m.kind == Mode::Kind::rigid) return "no restoring force";
   if (m.is_marginal()) return "undamped";
   if (m.value.real() > 0) return "UNSTABLE";
   return m.kind == Mode::Kind::decay ? "overdamped" : "damped";
 }
 
-// An amplitude: with its phase where it is not in step with the largest.
+// An amplitude: with its phase if it is not in phase with the largest.
 std::string amplitude(std::complex<double> z, const char* unit) {
   if (std::abs(z.imag()) <= 1e-6 * std::abs(z)) return fmt::format("{:.3g} {}", z.real(), unit);
   return fmt::format("{:.3g} {} at {:.0f} deg", std::abs(z), unit, std::arg(z) * 180 / kPi);
@@ -47,7 +47,7 @@ std::string amplitude(std::complex<double> z, const char* unit) {
 
 constexpr double kShown = 1e-3;  // of the largest amplitude
 
-// "'rod' turns 1 rad about z, -0.5 m along x": the three bodies that move most.
+// "'rod' rotates 1 rad about z, moves -0.5 m along x": the three bodies that move most.
 std::vector<std::string> shape_words(const Mode& mode, double length) {
   constexpr std::size_t kMost = 3;
   struct Part {
@@ -64,7 +64,7 @@ std::vector<std::string> shape_words(const Mode& mode, double length) {
         const double share = std::abs(z) / (turn ? 1.0 : length);
         size = std::max(size, share);
         if (share > kShown)
-          words.push_back(turn ? fmt::format("turns {} about {}", amplitude(z, "rad"), "xyz"[k])
+          words.push_back(turn ? fmt::format("rotates {} about {}", amplitude(z, "rad"), "xyz"[k])
                                : fmt::format("moves {} along {}", amplitude(z, "m"), "xyz"[k]));
       }
     if (!words.empty()) parts.push_back({size, "'" + of.body + "' " + text::join(words, ", ")});
@@ -118,7 +118,7 @@ const Fields<FoundModes>& modes_fields() {
                                    {"eigenvalue", "1/s", "", [](const Shown& m) { return m.mode.value; }},
                                    {"bound", "1/s", "", [](const Shown& m) { return m.mode.bound; }},
                                    {"stability", "", "stability", [](const Shown& m) { return stability_of(m.mode); }},
-                                   {"moves", "", "moves", [](const Shown& m) { return shape_words(m.mode, m.length); }},
+                                   {"moves", "", "shape", [](const Shown& m) { return shape_words(m.mode, m.length); }},
                                    {"shape", "", [](const Shown& m) { return m.mode.shape; }, kShape}};
   static const Fields<Modes> kModes{{"freedoms", "", "degrees of freedom", &Modes::freedoms},
                                     {"zeros", "", "zero eigenvalues", &Modes::zeros},
@@ -137,16 +137,16 @@ const Fields<FoundModes>& modes_fields() {
   return kFields;
 }
 
-// What a line of the list says: "3: 12.5 Hz", "1: rigid".
+// A line of the list: "3: 12.5 Hz", "1: rigid".
 std::string title_of(const Mode& mode, std::size_t number) {
   if (mode.kind == Mode::Kind::oscillation) return fmt::format("{}: {:.5g} Hz", number, mode.frequency());
   return fmt::format("{}: {}", number, word(mode.kind));
 }
 
 std::string sentence_of(const Mode& mode) {
-  if (mode.kind == Mode::Kind::rigid) return "nothing pulls back: " + stability_of(mode);
+  if (mode.kind == Mode::Kind::rigid) return "rigid-body mode: " + stability_of(mode);
   if (mode.kind != Mode::Kind::oscillation)
-    return fmt::format("{}: does not swing, goes with exp({:.6g} 1/s t)", stability_of(mode), mode.value.real());
+    return fmt::format("{}: no oscillation, proportional to exp({:.6g} 1/s t)", stability_of(mode), mode.value.real());
   return fmt::format("{}, {:.6g} rad/s{}", stability_of(mode), mode.omega(),
                      mode.is_marginal() ? "" : fmt::format(", damping ratio {:.4g}", mode.damping()));
 }
@@ -164,7 +164,7 @@ void write_modes_report(const std::string& file, const Arguments& args, const Lo
   constexpr std::size_t kMost = 200;
   ReportText text = text_of(args, loaded);
   text.facts.emplace_back("state", fmt::format("t = {:.6g} s", at.state.t));
-  text.facts.emplace_back("freedoms", std::to_string(found.freedoms));
+  text.facts.emplace_back("degrees of freedom", std::to_string(found.freedoms));
   if (found.modes.size() > kMost)
     text.facts.emplace_back("modes", fmt::format("the first {} of {}", kMost, found.modes.size()));
   for (const Finding& note : found.notes) text.facts.emplace_back("", note.text());
@@ -195,15 +195,13 @@ Command modes_command() {
   return {
       "modes",
       join({motion_command_options(),
-            {{"--count", "N", "the N lowest; default: all of up to 1200 unknown velocities, the lowest 20 of more"},
+            {{"--count", "N", "number of lowest modes; default: all for up to 1200 unknown velocities, otherwise 20"},
              {"--csv", "FILE.csv", "one row per mode, with its shape"},
-             {"--report", "FILE.html", "one HTML file in which the mechanism swings in each mode"}}}),
+             {"--report", "FILE.html", "one HTML file that animates each mode"}}}),
       analyse_modes,
-      R"(The state must be an equilibrium or a steady rotation; what accelerates, and how much, is said where it is none. Modes are in
-space, also of a scene that moves in a plane, unless its key "planar" or --planar names one.
-A shape is scaled so that its largest rotation, or translation over the length of the mechanism, is 1.
-
-With gravity along its arm the pendulum of the samples hangs.
+      R"(The state must be an equilibrium (`lockstep statics` finds one) or a steady rotation. Modes are in space, also
+of a planar motion, unless the key "planar" or --planar gives a plane. The largest rotation of a shape, or translation
+over the length of the mechanism, is 1. The pendulum of the example hangs, because gravity acts along its arm.
 
 Example:
   lockstep modes samples/scenes/pendulum.json --set gravity.0=9.81 --set gravity.1=0)",

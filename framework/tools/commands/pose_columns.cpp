@@ -6,7 +6,7 @@
 namespace lockstep {
 namespace {
 
-/// visit(link, name, part) for every link with markers, and for its drives.
+/// visit(link, name, part) for every joint with markers, and for its drives.
 template <class Visit>
 void for_each_reaction(const System& system, Visit&& visit) {
   for (const auto& link : system.links()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Poses of bodies and reactions of links as numbers with the names of their channels, for analyses without a run.
+// Poses of bodies and reactions of joints as numbers with the names of their channels, for analyses without a run.
 #pragma once
 
 #include <string>
@@ -11,15 +11,15 @@
 
 namespace lockstep {
 
-inline constexpr int kMostStarts = 1'000'000;  ///< that one call tries
+inline constexpr int kMostStarts = 1'000'000;  ///< of one call
 
-/// A reaction: of a link, drives left out, or of its drives, on p's body about P.
+/// A reaction: of a joint without its drives, or of its drives, on p's body about P.
 struct NamedReaction {
   std::string name, body;  ///< "A", "A.drive"; the body of P
   LinkWrench wrench;       ///< world axes
 };
 
-/// Of all links in force, by their names.
+/// Of all active joints, by their names.
 std::vector<std::pair<std::string, NamedReaction>> reactions_of(const System&, const Evaluated&);
 
 /// A number with the name of its channel, "crank.x" or "A.force_on_p_world_x".
@@ -27,10 +27,10 @@ struct PoseNumber {
   std::string name, unit;
   double value;
 };
-/// Those of the poses of all bodies that move and of all links' reactions. Of links that are not in force they are zero.
+/// Those of the poses of all moving bodies and of the reactions of all joints, which are zero for inactive joints.
 std::vector<PoseNumber> pose_numbers(const System&, const State&, const Evaluated&);
 
-/// Poses by the names of bodies that move, and reactions by the names of links and drives, as results have them.
+/// Poses by the names of moving bodies, and reactions by the names of joints and drives, as results.
 using NamedPoses = std::vector<std::pair<std::string, Pose>>;
 NamedPoses poses_of(const System&, const State&);
 const Fields<Pose>& pose_fields();

@@ -23,7 +23,7 @@ struct RunGroup {
 struct FinishedRun {
   long k = 0;  ///< its number
   SweepRun run;
-  bool in_lanes = false;  ///< computed beside others
+  bool in_lanes = false;  ///< computed in a vectorised batch
   bool kept = false;      ///< its history was written
 };
 
@@ -35,9 +35,9 @@ class RunQueue {
   RunQueue(long n_runs, long lanes, long fewest, long begin = 0)
       : n_runs_(n_runs), lanes_(lanes), fewest_(fewest), next_(begin), taken_(begin) {}
 
-  // For those who compute: each takes a group, and finishes all its runs or splits it.
+  // For threads that compute: each takes a group, and finishes all its runs or splits it.
 
-  /// The next runs to compute. Waits where a group that is out may still be split; none: nothing is left, or stopped.
+  /// The next runs to compute. Waits while a group in work may still be split; none: nothing is left, or stopped.
   std::optional<RunGroup> next();
   /// Hands the runs of a group out again, one by one.
   void split(RunGroup);
@@ -47,7 +47,7 @@ class RunQueue {
   /// Stops; rethrow() throws `error`.
   void fail(std::exception_ptr error);
 
-  // For the one who takes.
+  // For the thread that takes results.
 
   /// The run after the one that was taken last, waited for no longer than `time`.
   std::optional<FinishedRun> take(std::chrono::milliseconds time);
@@ -62,7 +62,7 @@ class RunQueue {
   long next_, taken_, groups_out_ = 0;
   std::deque<long> alone_;  // handed back, to go out one by one
   std::map<long, FinishedRun> waiting_;
-  std::atomic<bool> stopped_ = false;  // set under the mutex, asked by every step
+  std::atomic<bool> stopped_ = false;  // set under the mutex, read by every step
   std::exception_ptr error_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;

@@ -31,7 +31,7 @@ State run_to(Mechanism& m, const Registry& registry, double t) {
   const SimulationReport& report = loop.run_until(t);
   if (report.stopped)
     throw ModelError("the run ended at t = " + text::brief(loop.state().t) + " s, by '" + report.stopped_by +
-                     "'; give an instant --at before it");
+                     "'; give a time --at before it");
   State state = loop.state();
   dynamics.to_slots(state);
   return state;
@@ -64,7 +64,7 @@ Vec3 read_vector(const std::string& option, const std::string& text) {
     const auto [next, error] = std::from_chars(at, end, x[k]);
     const bool last = k == 2;
     if (error != std::errc() || (last ? next != end : next == end || *next != ','))
-      throw UsageError(option + ": \"" + text + "\" is no vector; write three numbers, as in " + option + " 0,0,8");
+      throw UsageError(option + ": \"" + text + "\" is not a vector; write three numbers, as in " + option + " 0,0,8");
     if (!std::isfinite(x[k]))
       throw UsageError(option + ": \"" + text + "\": number " + std::to_string(k + 1) +
                        " of the vector is not finite; write three finite numbers, as in " + option + " 0,0,8");

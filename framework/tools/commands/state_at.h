@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A state of a scene's mechanism at an instant, for the commands that analyse one.
+// A state of a scene's mechanism at one time, for the commands that analyse one.
 #pragma once
 
 #include <memory>
@@ -11,21 +11,21 @@
 
 namespace lockstep {
 
-/// The mechanism of a scene in space (unless the scene or --planar says otherwise), at an instant.
+/// The mechanism of a scene in space (unless the scene or --planar gives a plane), at one time.
 struct MechanismAt {
   std::unique_ptr<Mechanism> mechanism;
   std::unique_ptr<Dynamics> dynamics;  ///< six velocities a body, without stabilisation
   State state;                         ///< in the coordinates of the bodies
 };
 
-/// The instant of --at, s; 0 where none is given. Throws UsageError.
+/// The time of --at, s; 0 if none is given. Throws UsageError.
 double instant_of(const Arguments&);
 
-/// Runs the mechanism to an instant by the scene's settings, from its assembled start; at t = 0 that is the state, in the
+/// Runs the mechanism to a time by the scene's settings, from its assembled start; at t = 0 that is the state, in the
 /// slots' own coordinates. Channels may add integrated states: make other dynamics of the mechanism afterwards. Throws
-/// what a run throws, and ModelError where an event ends the run before.
+/// what a run throws, and ModelError if an event ends the run before.
 State run_to(Mechanism&, const Registry&, double t);
-/// The same with dynamics of its own.
+/// The same with separate dynamics.
 MechanismAt state_at(std::unique_ptr<Mechanism>, const Registry&, double t);
 /// Builds the mechanism of a loaded scene, then as above.
 MechanismAt state_at(const Loaded&, double t);

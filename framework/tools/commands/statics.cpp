@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The command statics: where a scene rests under its loads.
+// The command statics: the equilibrium of a scene under its loads.
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@
 namespace lockstep {
 namespace {
 
-/// A scene at rest. It stays where it is in memory.
+/// A scene at rest. It must not be moved in memory.
 struct Resting {
   Mechanism m;
   Dynamics dynamics;
@@ -46,7 +46,7 @@ struct Resting {
     begin(args, before);
     report = find_equilibrium(dynamics, state, {.friction = friction, .nearest = args.has("--nearest")});
   }
-  /// Rows and multipliers at rest, without accelerations.
+  /// Constraints and multipliers at rest, without accelerations.
   Evaluated values() {
     const Evaluation& e = dynamics.gather(state);
     none_.setZero(6 * m.system.n_slots());
@@ -83,31 +83,31 @@ const Fields<EquilibriumReport>& report_fields() {
                                           {"stiffness", "1/s^2", "frequency", &FreeMotion::stiffness, frequency_text},
                                           {"zero_below", "1/s^2", "", &FreeMotion::bound}};
   static const Fields<GripReport> kGrip{{"force", "", "of", &GripReport::force},
-                                        {"what", "", "what", &GripReport::what},
-                                        {"carries", "", "carries", &GripReport::carries},
-                                        {"most", "", "at most", &GripReport::most},
+                                        {"what", "", "motion", &GripReport::what},
+                                        {"carries", "", "load", &GripReport::carries},
+                                        {"most", "", "limit", &GripReport::most},
                                         {"unit", "", "unit", &GripReport::unit}};
   static const Fields<Stability> kStability{
       {"stability", "", "stability", [](const Stability& s) { return to_string(s.kind); }},
       {"freedoms", "", "degrees of freedom", &Stability::freedoms},
-      {"softest", "1/s^2", "softest motion", &Stability::softest, frequency_text},
+      {"softest", "1/s^2", "lowest stiffness", &Stability::softest, frequency_text},
       {"has_potential", "", "potential", &Stability::has_potential,
-       [](const Json& v) { return v.get<bool>() ? std::string() : "the loads have none: damping may decide"; }},
-      {"unstable", "grows", &Stability::unstable, kMotion},
-      {"not_held", "held by nothing", &Stability::neutral, kMotion}};
+       [](const Json& v) { return v.get<bool>() ? std::string() : "none: damping may decide the stability"; }},
+      {"unstable", "unstable motions", &Stability::unstable, kMotion},
+      {"not_held", "neutral motions", &Stability::neutral, kMotion}};
   static const Fields<Report> kFields = Fields<Report>{
       {"method", "", "equilibrium", &Report::method},
       {"by_friction", "", "held by friction", &Report::by_friction},
       {"relaxed", "", "", &Report::relaxed},
       {"iterations", "", "", &Report::iterations},
       {"relaxation_steps", "", "", &Report::relaxation_steps},
-      {"unbalanced", "", "unbalanced share", &Report::unbalanced},
+      {"unbalanced", "", "relative unbalance", &Report::unbalanced},
       {"largest_force", "N", "largest force", &Report::largest_force},
       {"largest_move", "m", "largest move", &Report::largest_move},
       {"moved_most", "", "  of", &Report::moved_most},
       {"friction", "friction", &Report::grips, kGrip},
-      {"left", "", "unstable and left", &Report::left},
-      {"pressed", "", "pressed", &Report::pressed},
+      {"left", "", "unstable poses left", &Report::left},
+      {"pressed", "", "in contact", &Report::pressed},
       {"free", "", "free (one-sided)",
        &Report::free}}.with(&Report::stability, kStability);
   return kFields;
@@ -130,7 +130,7 @@ struct AllAtRest {
 };
 const Fields<AllAtRest>& all_fields() {
   static const Fields<AllAtRest> kFields{{"starts", "", "starts", &AllAtRest::starts},
-                                         {"failed", "", "led nowhere", &AllAtRest::failed},
+                                         {"failed", "", "  failed", &AllAtRest::failed},
                                          {"equilibria", "equilibrium", &AllAtRest::all, rest_fields()}};
   return kFields;
 }
@@ -146,8 +146,8 @@ const Fields<Varied>& varied_fields() {
   return kFields;
 }
 
-/// Adds an equilibrium to a table, whose columns come with the first: values of the variables, what was found, poses and
-/// reactions.
+/// Adds an equilibrium to a table, whose columns come with the first: values of the variables, what was found, poses
+/// and reactions.
 void add_row(Table& table, const std::vector<Variable>& variables, std::vector<double> row, Resting& r) {
   const auto numbers = pose_numbers(r.m.system, r.state, r.values());
   const Stability& s = r.report.stability;
@@ -183,7 +183,7 @@ Result vary(const Arguments& args, const Loaded& loaded) {
   for (const Variable& v : variables) {
     for (const auto& value : v.values)
       if (value.number() == nullptr)
-        throw UsageError("--vary: \"" + v.path + "\" takes words; statics draws its path over numbers");
+        throw UsageError("--vary: \"" + v.path + "\" has no numbers; statics varies numbers only");
     sizes.push_back(v.values.size());
   }
   const Grid grid(sizes);
@@ -191,7 +191,7 @@ Result vary(const Arguments& args, const Loaded& loaded) {
   GrowingFile file(record.empty() ? "-" : record);
   Table table;
   GrowingCsv rows(file, table);
-  file.clear();  // of what a run that was broken off left
+  file.clear();  // rows of an interrupted run
   std::unique_ptr<Resting> before;
   long failed = 0;
   for (long run = 1; run <= grid.n_runs(); ++run) {
@@ -240,9 +240,9 @@ Result find_rest(const Arguments& args) {
   const std::string& record = args["--record"];
   if (!record.empty()) check_overwrites(record, loaded.scene);
   if (args.has("--json") && !args.all("--vary").empty())
-    throw UsageError("--json: with --vary the rows are CSV; leave one of the two out");
+    throw UsageError("--json: with --vary the result is CSV; leave out one of the two");
   if (!args["--all"].empty() && (!args.all("--vary").empty() || !record.empty()))
-    throw UsageError("--all: it prints every equilibrium, and goes with neither --vary nor --record");
+    throw UsageError("--all prints every equilibrium; leave out --vary and --record");
   if (!args["--all"].empty()) return find_all(args, loaded);
   if (!args.all("--vary").empty()) return vary(args, loaded);
   Resting resting(loaded.scene, loaded.registry);
@@ -265,18 +265,16 @@ Command statics_command() {
       "statics",
       join({scene_options(),
             {kJson,
-             {"--at", "T", "the instant at which laws and drives are taken, s; default 0"},
-             {"--nearest", "", "take the equilibrium that is met first, stable or not"},
-             Option{"--all", "N", "look from N random starts for all equilibria, unstable ones too"}.without(
-                 "--nearest"),
+             {"--at", "T", "time of laws and drives, s; default 0"},
+             {"--nearest", "", "accept the first equilibrium found, stable or not"},
+             Option{"--all", "N", "find all equilibria, unstable ones too, from N random starts"}.without("--nearest"),
              Option{"--vary", "NAME=...",
-                    "NAME=a:b:n or NAME=v1,v2,...: the path over a parameter, one CSV row each, from the "
-                    "equilibrium before"}
+                    "NAME=a:b:n or NAME=v1,v2,...: follow the equilibrium over a parameter, one CSV row each"}
                  .repeated(),
              {"--record", "FILE.csv", "write poses and reactions as CSV"}}}),
       find_rest,
-      "Newton's method goes downhill, from far away too; where it fails, dynamic relaxation goes on. Velocities are "
-      "zero, drives hold their coordinates.\n\n"
+      "Newton's method reduces the potential energy; if it fails, dynamic relaxation follows. Velocities are zero, "
+      "drives hold their coordinates.\n\n"
       "Example:\n  lockstep statics samples/scenes/double_pendulum.json",
       {&rest_fields().schema(), &all_fields().schema(), &varied_fields().schema()}};
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The command sweep: a scene run many times with other values, one row a run.
+// The command sweep: a scene run many times with varied values, one row per run.
 #include <lockstep/log.h>
 #include <lockstep/sweep.h>
 
@@ -38,10 +38,10 @@ namespace lockstep {
 namespace {
 
 constexpr long kMostReasons = 5;  // failures that are printed
-constexpr long kLanes = 8;        // runs at once
+constexpr long kLanes = 8;        // runs per vectorised batch
 constexpr long kFewestLanes = 3;  // fewer runs are faster one by one
 
-/// A run as results have it.
+/// A run as a result.
 struct SweepRow {
   long number;
   SweepRun run;
@@ -81,7 +81,7 @@ std::string table_path(const Arguments& args, Shard shard) {
 struct Tally {
   std::vector<SweepRow> runs{};  // with --json
   long asked = 0, done = 0, failed = 0, wrong = 0, kept = 0, histories = 0, in_lanes = 0;
-  std::string share{}, alone{};      // "2/8"; why the mechanism does not run in lanes
+  std::string share{}, alone{};      // "2/8"; why runs are not vectorised
   std::vector<std::string> notes{};  // on the report
   std::map<std::string_view, std::pair<Finding, long>>
       found{};  // by code: the first warning, and how many runs have one
@@ -124,7 +124,7 @@ class Sweep {
     queue_.rethrow();
     return tally_;
   }
-  /// All rows are there and have their name.
+  /// All rows are complete and have their name.
   void committed() const { mark_.remove(); }
   /// Of each kind the first warning, and how many runs have one.
   void tell_warnings() const {
@@ -196,7 +196,7 @@ class Sweep {
     }
   }
 
-  // A group in lanes; if it cannot be, its runs go back to be computed one by one.
+  // A group as a vectorised batch; if that is not possible, its runs go back to be computed one by one.
   void run_lanes(RunGroup group, std::atomic<double>& share) {
     std::vector<Scene> scenes;
     try {
@@ -286,7 +286,7 @@ class Sweep {
 
   bool keeps_histories() const { return !plan_.arguments["--histories"].empty(); }
 
-  // Writes the history of a run, if it was asked for and there is one.
+  // Writes the history of a run, if it was requested and there is one.
   bool keep(const SweepRun& run, long k, const Table& history) const {
     if (!keeps_histories() || run.broken_off || history.n_columns() == 0) return false;
     const std::size_t width = std::to_string(plan_.grid.n_runs()).size();
@@ -299,7 +299,7 @@ class Sweep {
     if (++tally_.failed > kMostReasons) return;
     progress_.finish();
     tell(fmt::format("lockstep: run {} ({}) failed: {}\n", number, plan_.setting(number), reason));
-    if (tally_.failed == kMostReasons) tell("lockstep: further failures stand in the table only\n");
+    if (tally_.failed == kMostReasons) tell("lockstep: further failures are listed in the table only\n");
   }
 
   const SweepPlan& plan_;
@@ -316,18 +316,31 @@ class Sweep {
 };
 
 const Fields<Tally>& sweep_fields() {
-  static const Fields<Tally> kFields{{"asked", "", "runs", &Tally::asked},
+  static const Fields<Tally> kFields{{"asked", "", "", &Tally::asked},
                                      {"share", "", "share", &Tally::share},
-                                     {"done", "", "done", &Tally::done},
-                                     {"failed", "", "failed", &Tally::failed},
-                                     {"wrong", "", "not conserved or drifted", &Tally::wrong, unless_zero},
+                                     {"done", "", "", &Tally::done},
+                                     {"failed", "", "", &Tally::failed},
+                                     {"wrong", "", "", &Tally::wrong},
                                      {"kept", "", "done before", &Tally::kept, unless_zero},
-                                     {"in_lanes", "", "eight at a time, in lanes", &Tally::in_lanes, unless_zero},
+                                     {"in_lanes", "", "", &Tally::in_lanes},
                                      {"one_by_one", "", "one by one", &Tally::alone},
                                      {"histories", "", "histories", &Tally::histories, unless_zero},
                                      {"notes", "", "report", &Tally::notes},
                                      {"runs", "", &Tally::runs, row_fields()}};
   return kFields;
+}
+
+// "3 runs, all succeeded (vectorised: 8 per batch)".
+std::string summary(const Tally& t) {
+  std::string text = fmt::format("  {} run{}", t.asked, t.asked == 1 ? "" : "s");
+  if (t.done < t.asked) text += fmt::format(", {} done", t.done);
+  if (t.failed > 0) text += fmt::format(", {} failed", t.failed);
+  if (t.wrong > 0) text += fmt::format(", {} wrong (energy or constraints)", t.wrong);
+  if (t.done == t.asked && t.failed + t.wrong == 0) text += ", all succeeded";
+  if (t.in_lanes > 0)
+    text += fmt::format(" (vectorised: {}{} per batch)",
+                        t.in_lanes < t.done ? fmt::format("{} of {}, ", t.in_lanes, t.done) : "", kLanes);
+  return text + "\n";
 }
 
 // Rows survive an error and an interruption: the file that grew stays, and the message names it.
@@ -343,7 +356,7 @@ Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
     return tally;
   } catch (const std::exception&) {
     if (!told) sweep.tell_warnings();
-    if (!has_name) tell(fmt::format("lockstep: the rows so far are in {}\n", rows.partial()));
+    if (!has_name) tell(fmt::format("lockstep: rows saved in {}\n", rows.partial()));
     throw;
   }
 }
@@ -360,22 +373,22 @@ void write_report(const SweepPlan& plan, const Tally& tally, const std::string& 
     if (!request.name.empty()) text.channels.emplace_back(request.name, request.channel);
   const std::string left_out = motions == nullptr ? "" : motions->left_out();
   if (!left_out.empty())
-    text.facts.emplace_back("", "Of the histories this file keeps " + left_out + "; the folder has all their columns.");
+    text.facts.emplace_back("", "Of the histories, this file has " + left_out + "; the folder has all their columns.");
   if (motions != nullptr && tally.kept > 0)
     text.facts.emplace_back(
-        "", fmt::format("Of the {} runs before the interruption the page has no curves; the folder has.", tally.kept));
+        "", fmt::format("The curves of {} runs before the interruption are in the folder only.", tally.kept));
   write_runs_report(report, text, contents_of(csv), column_title({v.path, plan.plain_headers ? "" : v.unit, {}}),
                     column_title({result.name + " final", result.unit, {}}), false, motions);
-  if (!left_out.empty()) notes.push_back("of the histories it keeps " + left_out);
+  if (!left_out.empty()) notes.push_back("of the histories, it has " + left_out);
   if (motions != nullptr && tally.kept > 0)
-    notes.push_back(fmt::format("without curves of the {} runs before the interruption; {} has them", tally.kept,
+    notes.push_back(fmt::format("the curves of {} runs before the interruption are in {} only", tally.kept,
                                 plan.arguments["--histories"]));
 }
 
 Result sweep_scene(const Arguments& args) {
   if (args.has("--quiet")) set_logger(nullptr);
   if (args["--record"] == "-" && !args["--report"].empty())
-    throw UsageError("--report: it is made from the rows, which go to standard output; give --record a file");
+    throw UsageError("--report: the table goes to standard output, and the report needs it; give --record a file");
   const SweepPlan plan = make_sweep_plan(args);
   const std::string csv = table_path(args, plan.shard);
   check_overwrites(csv, plan.loaded.scene);
@@ -389,16 +402,17 @@ Result sweep_scene(const Arguments& args) {
   if (plan.shard.count > 1)
     tally.share = fmt::format("{}/{} of {}", plan.shard.index, plan.shard.count, plan.grid.n_runs());
   if (tally.in_lanes > 0) tally.alone.clear();
-  const bool interrupted = tally.done < sweep.n_runs();  // what is there replaces nothing then
+  const bool interrupted = tally.done < sweep.n_runs();  // its results replace nothing then
   const std::string table = interrupted && csv != "-" ? rows.partial() : csv;
   if (!report.empty())
     write_report(plan, tally, table, interrupted ? unfinished_report(report) : report, sweep.motions(), tally.notes);
   Result result(plan.loaded, sweep_fields(), tally);
+  result.brief = summary(tally) + text_of(*result.schema, result.data);
   result.files = {table};
   if (!report.empty()) result.files.push_back(interrupted ? unfinished_report(report) : report);
   if (interrupted)
     tell(fmt::format("lockstep: interrupted; the rows of {} of {} runs are in {}{}\n", tally.done, sweep.n_runs(),
-                     rows.partial(), rows.in_place() ? "" : "; the same command with --resume goes on"));
+                     rows.partial(), rows.in_place() ? "" : "; continue with the same command and --resume"));
   result.code = interrupted        ? kExitInterrupted
                 : tally.failed > 0 ? kExitFailure
                 : tally.wrong > 0  ? kExitNotConserved
@@ -411,47 +425,46 @@ Result sweep_scene(const Arguments& args) {
 Command sweep_command() {
   return {
       "sweep",
-      join(
-          {settings_options(),
-           {Option{"--vary", "NAME=...", "NAME=a:b:n, n values evenly from a to b, or NAME=v1,v2,...; may be repeated"}
-                .needed()
-                .repeated(),
-            {"--shard", "i/n", "only every n-th run, from the i-th on; i counts from 1"},
-            {"--record", "FILE.csv",
-             "the CSV file; default: <scene>_sweep.csv or <scene>_sweep_<i>of<n>.csv, in LOCKSTEP_OUTPUT or here; "
-             "-: standard output, and words to standard error"},
-            {"--report", "FILE.html",
-             "one HTML file that shows each run as a point, by any two columns; with --histories a click shows its "
-             "curves and its motion"},
-            Option{"--lanes", "MODE", "auto: eight runs at once if the mechanism is suited; off: one by one"}.among(
-                "auto,off"),
-            {"--jobs", "N",
-             "threads that compute runs, 1 to 1024; default: the processors that the program may use, 1 with "
-             "--shard. Laws, links and forces of plugins that share data among runs need --jobs 1"},
-            {"--histories", "DIR", "folder for the columns of each run, <its number>.csv"},
-            kHeaders,
-            {"--quiet", "", "print errors only"},
-            kJson.without("--quiet"),
-            Option{"--resume", "", "go on where the same sweep was interrupted or killed: the rows that are there stay"}
-                .without("--json")}}),
+      join({settings_options(),
+            {Option{"--vary", "NAME=...", "NAME=a:b:n (n values from a to b) or NAME=v1,v2,...; may be repeated"}
+                 .needed()
+                 .repeated(),
+             {"--shard", "i/n", "every n-th run, beginning with run i (from 1)"},
+             {"--record", "FILE.csv",
+              "the CSV file; default: <scene>_sweep.csv or <scene>_sweep_<i>of<n>.csv, in LOCKSTEP_OUTPUT or here; "
+              "-: standard output, messages to standard error"},
+             {"--report", "FILE.html",
+              "one HTML file with a scatter plot of all runs; with --histories, a click shows curves and motion"},
+             Option{"--lanes", "MODE", "auto: vectorised, eight runs per batch, if possible; off: one by one"}.among(
+                 "auto,off"),
+             {"--jobs", "N",
+              "threads, 1 to 1024; default: the available processors, 1 with --shard. Plugins that share data among "
+              "runs need --jobs 1"},
+             {"--histories", "DIR", "folder for the columns of each run, <its number>.csv"},
+             kHeaders,
+             {"--quiet", "", "print errors only"},
+             kJson.without("--quiet"),
+             Option{"--resume", "", "continue the same sweep after an interruption; existing rows stay"}.without(
+                 "--json")}}),
       sweep_scene,
-      R"(NAME is a parameter of the scene, or a path into it: bodies.arm.mass, links.A.drive.law.slope, gravity.1, run.tolerance; an item of a
-list is given by its name or by its number, counted from 0. Units are those of scenes: bodies.arm.mass=200g:1kg:5.
-Several --vary make the full grid. Each run is one row: its number, the values, final, min and max of each recorded
-column, the verdict on its energy with the imbalance, its largest violation, steps, CPU seconds, status. A run that
-fails is a row with its reason, and the exit code is 1; 9 where a run did not conserve energy or drifted. In lanes the
-energy is not judged where a law may move a link (--lanes off). Ctrl-C keeps the rows so far; --resume goes on.
+      R"(NAME is a parameter of the scene, or a path into it: bodies.arm.mass, links.A.drive.law.slope, gravity.1,
+run.tolerance. An item of a list has its name, or its number from 0. Units are those of scenes:
+bodies.arm.mass=200g:1kg:5. Several --vary give the full grid. Each run is one row: number, values, final, min and max
+of each recorded column, energy verdict and imbalance, largest violation, steps, CPU seconds, status. A run that fails is
+a row with its reason, and the exit code is 1. The exit code is 9 if the energy error or the constraint violation of a
+run is beyond its limit. In vectorised batches the energy is not checked if a law may move a joint (--lanes off). Ctrl-C
+keeps the rows so far.
 
 Example:
   lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --vary gravity.1=-9.81,-1.62 --record moon.csv
-Runs are shared out to all processors that the program may use (--jobs); shards share them out to several machines.
+Runs are distributed over all available processors (--jobs), and by shards over several machines.
 With GNU parallel, eight shards (units without blanks):
   parallel lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --quiet --shard {}/8 --record mass_{}.csv ::: $(seq 8)
 Under Slurm, sbatch of a script with these lines:
   #SBATCH --array=1-8
   i=$SLURM_ARRAY_TASK_ID n=$SLURM_ARRAY_TASK_COUNT
   lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --quiet --shard $i/$n --record mass_$i.csv
-The shares have one header. One table in the order of the whole grid is made by
+All shards have the same header. This makes one table in the order of the grid:
   awk 'FNR > 1 || NR == 1' mass_*.csv | sort -t , -k 1,1n > mass.csv)",
       {&sweep_fields().schema()}};
 }

@@ -18,7 +18,7 @@ namespace {
 
 constexpr long kMostBuilt = 100;  // runs that are built to find the columns
 
-// Refuses a variable that the scene does not have, if no run can be built with it.
+// Throws for a variable that the scene does not have, if no run can be built with it.
 void refuse_misplaced(const SweepPlan& plan, const std::string& reason) {
   for (const Variable& v : plan.variables)
     if (!v.near.empty())
@@ -45,7 +45,7 @@ Table columns_of(const SweepPlan& plan) {
   throw *first;
 }
 
-// A length that is written in several places is one length to whoever varies it.
+// A length that is given in several places is usually meant to be one length.
 void warn_left_behind(const std::vector<Variable>& variables, const Loaded& loaded) {
   constexpr std::size_t kMostPlaces = 6;
   for (const Variable& v : variables) {
@@ -57,9 +57,9 @@ void warn_left_behind(const std::vector<Variable>& variables, const Loaded& load
     const std::size_t n = places.size();
     if (n > kMostPlaces) places.resize(kMostPlaces), places.push_back(fmt::format("{} more", n - kMostPlaces));
     report_finding({&finding::length_repeated, "",
-                    fmt::format("--vary: the length at {} is also written at {}, which {} not vary with it", v.path,
+                    fmt::format("--vary: the length at {} is also given at {}, which {} not vary with it", v.path,
                                 text::join(places), n == 1 ? "does" : "do"),
-                    "make it one of \"parameters\" and write \"=name\" in these places, or give a point a name"});
+                    "make it a parameter and write \"=name\" in these places, or name the point"});
   }
 }
 
@@ -105,7 +105,7 @@ SweepPlan make_sweep_plan(const Arguments& args) {
 bool keeps_motion(const Arguments& args) { return !args["--histories"].empty() && !args["--report"].empty(); }
 
 std::string why_alone(const SweepPlan& plan) {
-  if (plan.arguments["--lanes"] == "off") return "as asked for";
+  if (plan.arguments["--lanes"] == "off") return "as requested";
   if (keeps_motion(plan.arguments)) return "the report keeps their motion";
   if (!plan.arguments["--histories"].empty() && plan.loaded.scene.run.at_jumps)
     return "the histories have rows at jumps (at_jumps)";

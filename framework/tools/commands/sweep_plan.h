@@ -26,14 +26,14 @@ struct SweepPlan {
   std::string setting(long run) const;
 };
 
-/// Throws UsageError where a setting that varies is given by an option, too.
+/// Throws UsageError if a setting that varies is given by an option, too.
 void refuse_varied_options(const Arguments&, const std::vector<Variable>&);
-/// Throws UsageError, and SceneError where no run can be built. Warns of lengths that stand elsewhere too.
+/// Throws UsageError, and SceneError if no run can be built. Warns of lengths that are given elsewhere too.
 SweepPlan make_sweep_plan(const Arguments&);
 
 /// Whether the report shows each run by itself.
 bool keeps_motion(const Arguments&);
-/// Why runs go one by one, by the first run of the grid; "" if groups of them are tried in lanes.
+/// Why runs are made one by one, by the first run of the grid; "" if they are vectorised.
 std::string why_alone(const SweepPlan&);
 
 }  // namespace lockstep

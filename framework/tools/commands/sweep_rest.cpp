@@ -36,7 +36,7 @@ std::string command_of(const Arguments& args) {
 SweepMark::SweepMark(const Arguments& args, const Loaded& loaded, const GrowingFile& rows)
     : command_(command_of(args)) {
   if (args.has("--resume") && (rows.in_place() || args["scene"] == "-"))
-    throw UsageError("--resume: it needs a scene and rows that can be read again; give files for both");
+    throw UsageError("--resume: scene and table must be readable again; give files for both");
   if (rows.in_place() || args["scene"] == "-") return;
   file_ = rows.name() + ".sweep";
   scene_ = hash_of_files(loaded.scene), plugins_ = hash_of_plugins(loaded.scene, args.all("--plugin"));
@@ -54,18 +54,18 @@ void SweepMark::check() const {
   std::error_code none;
   if (!std::filesystem::exists(file_, none))
     throw FileError(fmt::format(
-        "there is no sweep to go on with: '{}' is missing, as when all runs are made; leave out --resume", file_));
+        "there is no sweep to continue: '{}' is missing, as after a complete sweep; leave out --resume", file_));
   const Snapshot saved = read_checkpoint(file_);
   SnapshotReader in(saved);
   const auto refuse = [&](const std::string& why) {
     throw FileError(
-        fmt::format("the sweep of '{}' cannot be gone on with: {}; leave out --resume to begin anew", file_, why));
+        fmt::format("the sweep of '{}' cannot be continued: {}; leave out --resume to begin again", file_, why));
   };
-  if (in.get_text() != "sweep") refuse("the file is no sweep's");
+  if (in.get_text() != "sweep") refuse("the file is not of a sweep");
   if (const std::string command = in.get_text(); command != command_)
-    refuse(fmt::format("it was begun by `lockstep {}`", command));
-  if (in.get_bits() != scene_) refuse("the scene, or a file that it reads, was changed since");
-  if (in.get_bits() != plugins_) refuse("a plugin was changed since");
+    refuse(fmt::format("its command was `lockstep {}`", command));
+  if (in.get_bits() != scene_) refuse("the scene, or a file that it reads, has changed");
+  if (in.get_bits() != plugins_) refuse("a plugin has changed");
 }
 
 void SweepMark::remove() const {
@@ -78,7 +78,7 @@ KeptRows keep_rows(GrowingFile& rows, const std::string& header, const std::func
   const bool grew = std::filesystem::file_size(rows.partial(), none) > 0;  // else the rows have their name already
   const std::string text = contents_of(grew ? rows.partial() : rows.name());
   if (!text.starts_with(header))
-    throw FileError(fmt::format("'{}' does not hold the rows of this sweep; leave out --resume to begin anew",
+    throw FileError(fmt::format("'{}' does not hold the rows of this sweep; leave out --resume to begin again",
                                 grew ? rows.partial() : rows.name()));
   KeptRows kept;
   std::size_t end = header.size();

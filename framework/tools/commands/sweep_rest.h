@@ -10,18 +10,18 @@
 
 namespace lockstep {
 
-/// A sweep beside its rows: NAME.sweep tells from which command and which files they come, as long as runs are missing.
+/// NAME.sweep next to the rows of a sweep: the command and the files that they come from, as long as runs are missing.
 class SweepMark {
  public:
   SweepMark(const Arguments&, const Loaded&, const GrowingFile& rows);
-  /// The sweep begins, or goes on. Throws FileError.
+  /// The sweep begins, or continues. Throws FileError.
   void write() const;
-  /// Throws FileError where no sweep was begun, or by another command, or with other files.
+  /// Throws FileError if there is no sweep, or one of another command or of other files.
   void check() const;
   void remove() const;  ///< All runs are made.
 
  private:
-  std::string file_;  // "": the rows go where they cannot be found again
+  std::string file_;  // "": the rows cannot be read again
   std::string command_;
   std::uint64_t scene_ = 0, plugins_ = 0;
 };
@@ -32,7 +32,7 @@ struct KeptRows {
 };
 
 /// Keeps the first rows of a file that grew: the header, and as many rows as begin with row_begin(0), row_begin(1), ...
-/// The rest is cut off. Throws FileError where the header is another.
+/// The rest is cut off. Throws FileError if the header is another.
 KeptRows keep_rows(GrowingFile& rows, const std::string& header, const std::function<std::string(long)>& row_begin);
 
 }  // namespace lockstep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The commands of the programs beside `lockstep`.
+// The commands of the programs that `lockstep` calls.
 #pragma once
 
 #include "framework/tools/program/options.h"
@@ -22,6 +22,6 @@ Command certify_command();  ///< `run` with --certify
 Command sweep_command();
 Command import_command();
 
-inline constexpr Option kAt{"--at", "T", "the instant, s, to which the scene is run; default 0, its assembled start"};
+inline constexpr Option kAt{"--at", "T", "time, s, to which the scene is run; default 0, its assembled start"};
 
 }  // namespace lockstep

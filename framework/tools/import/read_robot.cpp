@@ -44,7 +44,7 @@ bool is_utf8(const std::string& text) {
   }
 }
 
-/// Reads a robot, and knows where it is for messages.
+/// Reads a robot, and keeps the place for messages.
 class Reader {
  public:
   explicit Reader(std::string file) { robot_.file = std::move(file); }
@@ -67,20 +67,20 @@ class Reader {
   void leave_out(const std::string& what, const std::string& of) { robot_.left_out[what].push_back(of); }
 
   Tree tree_of(const std::string& text) const {
-    if (text.size() > kMostBytes) fail("it is larger than 64 MB");
-    if (!is_utf8(text)) fail("it is not in UTF-8");
-    if (depth_of(text) > kMostDepth) fail("its tags are nested deeper than " + std::to_string(kMostDepth));
+    if (text.size() > kMostBytes) fail("it is larger than 64 MB, the limit");
+    if (!is_utf8(text)) fail("it is not in UTF-8; convert it");
+    if (depth_of(text) > kMostDepth) fail("its tags are nested deeper than " + std::to_string(kMostDepth) + " levels");
     Tree tree;
     std::istringstream in(text);
     try {
       boost::property_tree::read_xml(in, tree, boost::property_tree::xml_parser::no_comments);
     } catch (const boost::property_tree::xml_parser_error& error) {
-      throw SceneError(robot_.file + ":" + std::to_string(error.line()) + ": " + error.message() + "; this is no XML",
+      throw SceneError(robot_.file + ":" + std::to_string(error.line()) + ": invalid XML: " + error.message(),
                        robot_.file);
     }
     const auto robot = tree.find("robot");
     if (robot == tree.not_found())
-      fail("there is no <robot>: is it URDF? Of a xacro file `xacro robot.xacro` makes one");
+      fail("it has no <robot>, so it is not URDF; convert a xacro file by `xacro robot.xacro`");
     return robot->second;
   }
 
@@ -91,8 +91,8 @@ class Reader {
     in.imbue(std::locale::classic());
     for (double& x : all)
       if (!(in >> x) || !std::isfinite(x))
-        fail(of + ": \"" + words + "\" should be " + std::to_string(N) + " number" + (N == 1 ? "" : "s"));
-    if (std::string rest; in >> rest) fail(of + ": \"" + words + "\" has more than " + std::to_string(N) + " numbers");
+        fail(of + ": \"" + words + "\" is not " + std::to_string(N) + " number" + (N == 1 ? "" : "s"));
+    if (std::string rest; in >> rest) fail(of + ": \"" + words + "\" is more than " + std::to_string(N) + " numbers");
     return all;
   }
   double number(const Tree& tree, const std::string& attribute, const std::string& of, double fallback) const {
@@ -107,11 +107,11 @@ class Reader {
   }
   std::string attribute(const Tree& tree, const std::string& name, const std::string& of) const {
     const auto words = tree.get_optional<std::string>("<xmlattr>." + name);
-    if (!words || words->empty()) fail(of + ": it has no " + name);
+    if (!words || words->empty()) fail(of + ": it has no " + name + "; add it");
     return *words;
   }
 
-  // rpy: turns about the fixed axes x, y, z, one after the other.
+  // rpy: rotations about the fixed axes x, y, z, one after the other.
   Pose origin(const Tree& tree, const std::string& of) const {
     const auto found = tree.get_child_optional("origin");
     if (!found) return {};
@@ -150,7 +150,7 @@ class Reader {
   void read_link(const Tree& tree) {
     Part part{attribute(tree, "name", "a link")};
     const std::string of = "link '" + part.name + "'";
-    if (!parts_.emplace(part.name, robot_.parts.size()).second) fail(of + " is there twice");
+    if (!parts_.emplace(part.name, robot_.parts.size()).second) fail(of + " is defined twice; rename one of them");
     if (const auto inertial = tree.get_child_optional("inertial")) read_inertial(*inertial, of, part);
     for (const auto& [tag, visual] : tree) {
       if (tag == "collision") leave_out("collision shapes", part.name);
@@ -168,21 +168,21 @@ class Reader {
     const Pose at = origin(visual, of);
     const auto length = [&](const Tree& tree, const char* attribute) {
       const double value = number(tree, attribute, of, 0);
-      if (!(value > 0)) fail(of + ", " + attribute + ": it is not above 0");
+      if (!(value > 0)) fail(of + ", " + attribute + ": it must be above 0");
       return value;
     };
     if (const auto box = visual.get_child_optional("geometry.box")) {
       const Vec3 size = vector(*box, "size", of, Vec3::Zero());
-      if (!(size.minCoeff() > 0)) fail(of + ", size: an edge is not above 0");
-      part.pictures.push_back({Picture::Kind::box, size, at});
+      if (!(size.minCoeff() > 0)) fail(of + ", size: all edges must be above 0");
+      part.pictures.push_back({at, {{"box", Value::object({{"size", vec(size)}}), {}}}});
     } else if (const auto cylinder = visual.get_child_optional("geometry.cylinder")) {
-      part.pictures.push_back(
-          {Picture::Kind::cylinder, {length(*cylinder, "radius"), length(*cylinder, "length"), 0}, at});
+      const double radius = length(*cylinder, "radius"), height = length(*cylinder, "length");
+      part.pictures.push_back({at, {{"cylinder", Value::object({{"radius", radius}, {"length", height}}), {}}}});
     } else if (const auto sphere = visual.get_child_optional("geometry.sphere")) {
-      part.pictures.push_back({Picture::Kind::sphere, {length(*sphere, "radius"), 0, 0}, at});
+      part.pictures.push_back({at, {{"sphere", Value::object({{"radius", length(*sphere, "radius")}}), {}}}});
     } else if (const auto mesh = visual.get_child_optional("geometry.mesh")) {
-      part.pictures.push_back({Picture::Kind::mesh, vector(*mesh, "scale", of, Vec3::Ones()), at,
-                               attribute(*mesh, "filename", of + ", mesh")});
+      const Vec3 scale = vector(*mesh, "scale", of, Vec3::Ones());
+      part.pictures.push_back({at, {}, attribute(*mesh, "filename", of + ", mesh"), scale});
     } else {
       leave_out("visual shapes", part.name);
     }
@@ -191,7 +191,7 @@ class Reader {
   void read_inertial(const Tree& inertial, const std::string& of, Part& part) {
     part.centre = origin(inertial, of + ", inertial");
     if (const auto mass = inertial.get_child_optional("mass")) part.mass = number(*mass, "value", of + ", mass", 0);
-    if (part.mass < 0) fail(of + ": its mass is negative");
+    if (part.mass < 0) fail(of + ": its mass is negative; give it a positive one");
     const auto inertia = inertial.get_child_optional("inertia");
     if (!inertia && part.mass > 0) fail(of + ": it has a mass and no <inertia>; give it one");
     if (!inertia) return;
@@ -216,32 +216,32 @@ class Reader {
     Joint joint;
     joint.name = attribute(tree, "name", "a joint");
     const std::string of = "joint '" + joint.name + "'";
-    if (!joints_.emplace(joint.name, robot_.joints.size()).second) fail(of + " is there twice");
+    if (!joints_.emplace(joint.name, robot_.joints.size()).second) fail(of + " is defined twice; rename one of them");
     joint.type = attribute(tree, "type", of);
     static const std::vector<std::string> types{"revolute", "continuous", "prismatic", "fixed", "floating", "planar"};
     if (std::find(types.begin(), types.end(), joint.type) == types.end())
       fail(of + ": unknown type \"" + joint.type + "\"; known: " + text::join(types));
     for (const auto& [end, link] : {std::pair{"parent", &joint.parent_name}, std::pair{"child", &joint.child_name}}) {
       const auto found = tree.get_child_optional(end);
-      if (!found) fail(of + ": it has no <" + end + ">");
+      if (!found) fail(of + ": it has no <" + end + ">; add it");
       *link = attribute(*found, "link", of + ", " + end);
     }
     joint.origin = origin(tree, of);
-    if (joint.moves_along_axis() || joint.type == "planar") {  // others have none, whatever is written
+    if (joint.moves_along_axis() || joint.type == "planar") {  // others have none, even if it is written
       if (const auto axis = tree.get_child_optional("axis"))
         joint.axis = vector(*axis, "xyz", of + ", axis", joint.axis);
-      if (!(joint.axis.norm() > 0)) fail(of + ": its axis is zero");
+      if (!(joint.axis.norm() > 0)) fail(of + ": its axis is zero; give a direction");
     }
     read_limits(tree, of, joint);
     if (const auto dynamics = tree.get_child_optional("dynamics")) {
       joint.damping = number(*dynamics, "damping", of + ", dynamics", 0);
       if (number(*dynamics, "friction", of + ", dynamics", 0) != 0) leave_out("friction", joint.name);
     }
-    if (tree.get_child_optional("mimic")) leave_out("mimicry", joint.name);
+    if (tree.get_child_optional("mimic")) leave_out("mimic relations", joint.name);
     robot_.joints.push_back(std::move(joint));
   }
 
-  // A stop holds from the start: one that is passed there would throw the joint back.
+  // A stop acts from the start: one that is exceeded there would throw the joint back.
   void read_limits(const Tree& tree, const std::string& of, Joint& joint) {
     const auto limit = tree.get_child_optional("limit");
     if (!limit) return;
@@ -251,9 +251,9 @@ class Reader {
     if (joint.type != "revolute" && joint.type != "prismatic") return;
     const double low = number(*limit, "lower", of + ", limit", 0), high = number(*limit, "upper", of + ", limit", 0);
     if (!(low < high))
-      leave_out("limits whose lower is not below their upper", joint.name);
+      leave_out("limits with lower not below upper", joint.name);
     else if (low > 0 || high < 0)
-      leave_out("limits outside of which the joint's zero lies", joint.name);
+      leave_out("limits that exclude the joint's zero", joint.name);
     else
       joint.low = low, joint.high = high;
   }
@@ -268,7 +268,7 @@ class Reader {
       Part& child = robot_.parts[joint.child];
       if (child.joint != kNone)
         fail("link '" + child.name + "' is the child of two joints, '" + robot_.joints[child.joint].name + "' and '" +
-             joint.name + "'");
+             joint.name + "'; remove one");
       child.joint = k;
       joints_below[joint.parent].push_back(k);
     }
@@ -293,15 +293,14 @@ class Reader {
     std::vector<std::string> names;
     for (std::size_t k = 0; k < robot_.parts.size(); ++k)
       if (robot_.parts[k].joint == kNone) all.push_back(k), names.push_back("'" + robot_.parts[k].name + "'");
-    if (all.empty()) fail("its joints go in a circle: every link is the child of one");
-    if (all.size() > 1) fail("several links are the child of no joint: " + text::join(names));
+    if (all.empty()) fail("its joints form a closed loop, and URDF needs a tree; every link is the child of a joint");
+    if (all.size() > 1) fail("it has several root links, and URDF needs one: " + text::join(names));
     return all;
   }
   [[noreturn]] void fail_circle(const std::vector<std::size_t>& reached) const {
-    for (std::size_t k = 0; k < robot_.parts.size(); ++k)
-      if (std::find(reached.begin(), reached.end(), k) == reached.end())
-        fail("the joints above link '" + robot_.parts[k].name + "' go in a circle");
-    fail("its joints go in a circle");
+    std::size_t k = 0;
+    while (std::ranges::find(reached, k) != reached.end()) ++k;
+    fail("the joints above link '" + robot_.parts[k].name + "' form a closed loop, and URDF needs a tree");
   }
   void place(std::size_t k) {
     Part& part = robot_.parts[k];

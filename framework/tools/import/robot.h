@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A robot as URDF has it: a tree of links that joints connect.
+// A robot in URDF: a tree of links (bodies) that joints connect.
 #pragma once
 
 #include <array>
@@ -17,12 +17,14 @@ namespace lockstep::urdf {
 
 inline constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-/// A shape that a link is drawn with.
+inline Value vec(const Vec3& v) { return Value::list({v[0], v[1], v[2]}); }
+
+/// A shape of a link for drawing.
 struct Picture {
-  enum class Kind { box, cylinder, sphere, mesh } kind;
-  Vec3 size = Vec3::Zero();  ///< edges; radius and length; radius; of a mesh the factors on its points
-  Pose at{};                 ///< its frame in the link's
-  std::string mesh{};        ///< the file as the robot names it: "package://arm/meshes/a.stl"
+  Pose at{};                  ///< its frame in the link's
+  Value::Object shape{};      ///< as scenes have it: "box" with its size, ...; empty for a mesh
+  std::string mesh{};         ///< the file as the robot names it: "package://arm/meshes/a.stl"
+  Vec3 scale = Vec3::Ones();  ///< of a mesh: the factors on its points
 };
 
 /// A link.
@@ -31,7 +33,7 @@ struct Part {
   double mass = 0;                  ///< kg
   Pose centre{};                    ///< of mass, with the axes of the inertia; in the link's frame
   std::array<double, 6> inertia{};  ///< xx xy xz yy yz zz, kg m^2
-  std::size_t joint = kNone;        ///< whose child it is; none of the root
+  std::size_t joint = kNone;        ///< of which it is the child; none for the root
   std::size_t group = 0;            ///< the outermost of the links that fixed joints connect with it
   Pose place{};                     ///< in the world, all joints at zero
   std::string body{};               ///< of the scene, with which it moves
@@ -54,16 +56,16 @@ struct Robot {
   std::string file, name;
   std::vector<Part> parts;  ///< the root first, each after its parent
   std::vector<Joint> joints;
-  std::map<std::string, std::vector<std::string>> left_out;  ///< what: of whom
+  std::map<std::string, std::vector<std::string>> left_out;  ///< what: names of links and joints
 };
 
 /// Reads a file of URDF. Throws SceneError.
 Robot read_robot(const std::string& text, const std::string& file);
 
-/// The file of a mesh as the scene names it, of the name that the robot gives; "" where there is none that is read.
+/// The file of a mesh as the scene names it, for the name in the robot; "" if there is no such file.
 using FindMesh = std::function<std::string(const std::string&)>;
 
-/// The robot as a scene; what is left out is added to it. Throws SceneError.
+/// The robot as a scene; items that are left out are added to `left_out`. Throws SceneError.
 Value scene_of(Robot&, bool floating, const FindMesh&);
 
 }  // namespace lockstep::urdf

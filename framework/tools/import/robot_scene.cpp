@@ -10,7 +10,6 @@
 namespace lockstep::urdf {
 namespace {
 
-Value vec(const Vec3& v) { return Value::list({v[0], v[1], v[2]}); }
 Value quat(const Quat& q) { return Value::list({q.w, q.x, q.y, q.z}); }
 
 /// Writes a robot as a scene.
@@ -35,15 +34,15 @@ class Writer {
       links.push_back(link(joint, name));
       if (joint.damping != 0) damp(joint, name, forces);
     }
-    Value::Object all{{"lockstep", Value(1), {}},
-                      {"title", Value(robot_.name), {}},
-                      {"gravity", Value::list({0, 0, -9.81}), {}},
-                      {"merge", Value("auto"), {}},
-                      {"bodies", Value(std::move(bodies)), {}},
-                      {"links", Value(std::move(links)), {}}};
-    if (!forces.empty()) all.push_back({"forces", Value(std::move(forces)), {}});
-    all.push_back({"run", Value::object({{"until", Value("1 s")}, {"output", Value("10 ms")}}), {}});
-    return Value(std::move(all));
+    Value all = Value::object({{"lockstep", 1},
+                               {"title", robot_.name},
+                               {"gravity", Value::list({0, 0, -9.81})},
+                               {"merge", "auto"},
+                               {"bodies", std::move(bodies)},
+                               {"links", std::move(links)}});
+    if (!forces.empty()) all.object()->push_back({"forces", Value(std::move(forces)), {}});
+    all.object()->push_back({"run", Value::object({{"until", "1 s"}, {"output", "10 ms"}}), {}});
+    return all;
   }
 
  private:
@@ -54,13 +53,13 @@ class Writer {
         name.begin(), name.end(), [](char c) { return c == '.' || c == '@' || (c >= 0 && c < ' '); }, '_');
     const std::string plain = name;
     for (int k = 2; !names_.insert(name).second; ++k) name = plain + "_" + std::to_string(k);
-    if (name != wanted) robot_.left_out["names, which are others here"].push_back(wanted + " (" + name + ")");
+    if (name != wanted) robot_.left_out["names that changed"].push_back(wanted + " (" + name + ")");
     return name;
   }
 
   bool is_held(const Part& part) const { return part.group == robot_.parts.front().group && !floating_; }
 
-  // With whom a link moves: what fixed joints connect is one.
+  // The body of each link: links that fixed joints connect are one body.
   void name_bodies() {
     std::map<std::size_t, std::string> heavy;  // the first with a mass, of each group
     for (Part& part : robot_.parts) {
@@ -76,7 +75,7 @@ class Writer {
         part.body = "ground";
       else
         throw SceneError(robot_.file + ": link '" + part.name +
-                             "' moves and has no mass, nor has anything that is fixed to it; give it an <inertial>",
+                             "' moves but has no mass, nor has a link fixed to it; give it an <inertial>",
                          robot_.file);
     }
   }
@@ -98,14 +97,14 @@ class Writer {
     return Value(std::move(b));
   }
 
-  // A link of the ground, which is there to be seen.
+  // A link of the ground, for drawing only.
   Value scenery(const Part& part) {
-    Value::Object b{{"name", Value(unique(part.name)), {}},
-                    {"fixed", Value(true), {}},
-                    {"position", vec(part.place.x), {}},
-                    {"orientation", quat(part.place.q), {}}};
-    add_visual(part, b);
-    return Value(std::move(b));
+    Value b = Value::object({{"name", unique(part.name)},
+                             {"fixed", true},
+                             {"position", vec(part.place.x)},
+                             {"orientation", quat(part.place.q)}});
+    add_visual(part, *b.object());
+    return b;
   }
 
   void add_visual(const Part& part, Value::Object& body) const {
@@ -116,7 +115,7 @@ class Writer {
     if (!visual.empty()) body.push_back({"visual", Value(std::move(visual)), {}});
   }
 
-  // The pictures of all links, by the link whose body shows them: of one without mass the link with which it moves.
+  // The shapes of all links, by the link that shows them: for one without mass, the link with which it moves.
   void gather_pictures() {
     for (const Part& part : robot_.parts) {
       const Part* bearer = &part;
@@ -128,33 +127,20 @@ class Writer {
     }
   }
 
-  // A mesh with factors of different signs is one with the opposite factor, turned by half a turn.
+  // A mesh with factors of different signs is one with the opposite factor, rotated by 180 deg.
   void add_picture(const Picture& picture, Pose at, const Part& part, Value::List& shapes) {
-    Value::Object shape;
-    const Vec3& size = picture.size;
-    switch (picture.kind) {
-      case Picture::Kind::box:
-        shape = {{"box", Value::object({{"size", vec(size)}}), {}}};
-        break;
-      case Picture::Kind::cylinder:
-        shape = {{"cylinder", Value::object({{"radius", size[0]}, {"length", size[1]}}), {}}};
-        break;
-      case Picture::Kind::sphere:
-        shape = {{"sphere", Value::object({{"radius", size[0]}}), {}}};
-        break;
-      case Picture::Kind::mesh: {
-        const std::string file = find_mesh_ ? find_mesh_(picture.mesh) : "";
-        if (file.empty()) return robot_.left_out["meshes"].push_back(part.name);
-        const double factor = std::abs(size[0]), sign = size[0] * size[1] * size[2] < 0 ? -1 : 1;
-        if (!(factor > 0) || std::abs(std::abs(size[1]) - factor) > 1e-6 * factor ||
-            std::abs(std::abs(size[2]) - factor) > 1e-6 * factor)
-          return robot_.left_out["meshes whose scale differs by axis"].push_back(part.name);
-        shape = {{"mesh", Value(file), {}}};
-        if (sign * factor != 1) shape.push_back({"scale", Value(sign * factor), {}});
-        for (int k = 0; k < 3; ++k)  // the axis about which a half turn makes up for the other two
-          if (sign * size[k] > 0 && sign * size[(k + 1) % 3] < 0) at.q = at.q * axis_angle(Vec3::Unit(k), kPi);
-        break;
-      }
+    Value::Object shape = picture.shape;
+    if (const Vec3& scale = picture.scale; !picture.mesh.empty()) {
+      const std::string file = find_mesh_ ? find_mesh_(picture.mesh) : "";
+      if (file.empty()) return robot_.left_out["meshes"].push_back(part.name);
+      const double factor = std::abs(scale[0]), sign = scale[0] * scale[1] * scale[2] < 0 ? -1 : 1;
+      if (!(factor > 0) || std::abs(std::abs(scale[1]) - factor) > 1e-6 * factor ||
+          std::abs(std::abs(scale[2]) - factor) > 1e-6 * factor)
+        return robot_.left_out["meshes whose scale differs by axis"].push_back(part.name);
+      shape = {{"mesh", Value(file), {}}};
+      if (sign * factor != 1) shape.push_back({"scale", Value(sign * factor), {}});
+      for (int k = 0; k < 3; ++k)  // the axis about which 180 deg make up for the other two
+        if (sign * scale[k] > 0 && sign * scale[(k + 1) % 3] < 0) at.q = at.q * axis_angle(Vec3::Unit(k), kPi);
     }
     if (at.x.norm() > 0) shape.push_back({"at", vec(at.x), {}});
     if (std::abs(at.q.w) < 1) shape.push_back({"orientation", quat(at.q), {}});
@@ -168,11 +154,11 @@ class Writer {
       if (part.mass <= 0 || is_held(part)) continue;
       const auto [at, is_first] = first.emplace(part.group, part.body);
       if (is_first) continue;
-      links.push_back(Value(Value::Object{{"name", Value(unique(part.body + "_bolted")), {}},
-                                          {"type", Value("fixed"), {}},
-                                          {"p", Value(part.body), {}},
-                                          {"s", Value(at->second), {}},
-                                          {"at", vec(part.place.x), {}}}));
+      links.push_back(Value::object({{"name", unique(part.body + "_bolted")},
+                                     {"type", "fixed"},
+                                     {"p", part.body},
+                                     {"s", at->second},
+                                     {"at", vec(part.place.x)}}));
     }
   }
 
@@ -188,10 +174,9 @@ class Writer {
     const char* type = joint.type == "prismatic" ? "prismatic" : joint.type == "planar" ? "plane_on_plane" : "revolute";
     Value::Object link = at_joint(name, type, joint);
     if (joint.low) {
-      Value::Object stop{{"axis", Value(joint.type == "prismatic" ? "z" : "rz"), {}},
-                         {"low", Value(*joint.low), {}},
-                         {"high", Value(*joint.high), {}}};
-      link.push_back({"stops", Value(Value::List{Value(std::move(stop))}), {}});
+      const char* axis = joint.type == "prismatic" ? "z" : "rz";
+      const Value stop = Value::object({{"axis", axis}, {"low", *joint.low}, {"high", *joint.high}});
+      link.push_back({"stops", Value(Value::List{stop}), {}});
     }
     return Value(std::move(link));
   }
@@ -207,7 +192,7 @@ class Writer {
   Robot& robot_;
   bool floating_;
   const FindMesh& find_mesh_;
-  std::map<const Part*, Value::List> shapes_;  // by the link whose body shows them
+  std::map<const Part*, Value::List> shapes_;  // by the link that shows them
   std::set<std::string> names_{"ground"};
 };
 

@@ -8,10 +8,10 @@
 namespace lockstep {
 namespace {
 
-// "meshes: of 'a', 'b' and 5 more"
+// "meshes: 'a', 'b' and 5 more"
 std::string line_of(const std::string& what, const std::vector<std::string>& of) {
   constexpr std::size_t kMost = 3;
-  std::string line = what + ": of ";
+  std::string line = what + ": ";
   for (std::size_t k = 0; k < std::min(kMost, of.size()); ++k) line += (k == 0 ? "'" : ", '") + of[k] + "'";
   return of.size() > kMost ? line + " and " + std::to_string(of.size() - kMost) + " more" : line;
 }

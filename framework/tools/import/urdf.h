@@ -11,25 +11,24 @@
 
 namespace lockstep {
 
-/// What a file of URDF becomes.
+/// The result of reading a URDF file.
 struct ImportedRobot {
   Value scene;                          ///< a whole scene
-  std::vector<std::string> left_out{};  ///< what the file has and the scene has not, a line a kind
+  std::vector<std::string> left_out{};  ///< items of the file that are not in the scene, one line per kind
 };
 
-/// Links with a mass become bodies, joints links, with their limits as stops and their damping as forces; positions are
-/// those of the file, with all joints at zero. Links without a mass are what is fixed to them; the first of the tree is
-/// the ground, unless it has a mass: it is then held fast, or free where `floating`. `name`: the file's, for messages.
-/// What links look like goes with them: boxes, cylinders, spheres, and meshes for which `find_mesh` gives a file as the
-/// scene is to name it, of the name in the robot ("package://arm/meshes/a.stl"); "": the mesh is left out.
-/// Throws SceneError by the names of link and joint: XML that cannot be read, no or several roots, joints of unknown
-/// types or between unknown links, moving links without a mass.
+/// URDF links with a mass become bodies; joints become `links` of the scene, with their limits as stops and their damping
+/// as forces. Positions are those of the file, with all joints at zero. Links without a mass join a link fixed to them; the
+/// root is the ground, unless it has a mass: it is then fixed, or free if `floating`. `name`: the file's, for messages.
+/// Shapes are kept: boxes, cylinders, spheres, and meshes for which `find_mesh` returns the file name in the scene, from
+/// the name in the robot ("package://arm/meshes/a.stl"); "": the mesh is left out. Throws SceneError with the names of link
+/// and joint: invalid XML, no or several roots, joints of unknown types or between unknown links, moving links without mass.
 LOCKSTEP_API ImportedRobot read_urdf(const std::string& text, const std::string& name, bool floating,
                                      const std::function<std::string(const std::string&)>& find_mesh = {});
 
-/// The file that a robot's mesh name means, for a robot whose file is in `folder`: of "package://arm/meshes/a.stl" the
-/// first meshes/a.stl in a folder arm that holds `folder`, or lies beside a folder that does; of "file:///x" x; else the
-/// path from `folder`. "" where there is no such file.
+/// The file of a robot's mesh name, for a robot in `folder`: for "package://arm/meshes/a.stl" the first meshes/a.stl in a
+/// folder arm that contains `folder`, or is next to a folder that does; for "file:///x" x; else the path from `folder`.
+/// "" if there is no such file.
 LOCKSTEP_API std::string find_robot_mesh(const std::string& name, const std::string& folder);
 
 }  // namespace lockstep

@@ -15,7 +15,7 @@ std::vector<double> output_times(const Trajectory& trajectory, RunKind kind) {
   return times;
 }
 
-// A ModelError or SceneError before the first step: method and mechanism do not go together.
+// A ModelError or SceneError before the first step: the method cannot run this mechanism.
 void note_failure(const Error& error, Outcome& out) {
   out.failure = error.what();
   const Error::Kind kind = error.kind();
@@ -56,7 +56,7 @@ Outcome attempt_run(const Trajectory& trajectory, const Recipe& recipe, double l
   out.cpu = clocks.cpu() - begin - observer.cpu();
   out.work.evaluations -= observer.evaluations(), out.work.factors -= observer.evaluations();
   if (out.given_up && out.failure.empty())
-    out.failure = fmt::format("given up after {:.2g} s of computing", out.cpu);
+    out.failure = fmt::format("stopped after {:.2g} s of CPU time", out.cpu);
   else if (out.failure.empty() && out.report.stopped)
     out.failure = "stopped by '" + out.report.stopped_by + "' before the end";
   return out;

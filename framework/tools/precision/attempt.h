@@ -23,13 +23,13 @@ struct Outcome {
   WorkCount work;  ///< likewise
   SimulationReport report;
   std::string failure{};
-  bool unsuited = false;     ///< method and mechanism do not go together: it made no step
+  bool unsuited = false;     ///< the method cannot run this mechanism: it made no step
   bool given_up = false;     ///< it exceeded the limit
   bool interrupted = false;  ///< by the user
   bool dense = false;        ///< outputs do not change its steps
 };
 
-/// observed: with a history at the instants of comparison. plain: steps only, for methods whose dense output does not
+/// observed: with a history at the times of comparison. plain: steps only, for methods with dense output, which does not
 /// change them. reference: observed, of the mechanism that the trajectory provides for the reference.
 enum class RunKind { observed, plain, reference };
 

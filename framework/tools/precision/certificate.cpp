@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMostDigits = 17, kFewDigits = 6, kNothing = 1e-9, kSameInstant = 1e-9;  // of the run's length
 
-// The largest of n numbers, or of what they are apart from others; infinite where one is not finite.
+// The largest of n numbers, or of their differences from others; infinite if one is not finite.
 double largest(const std::vector<double>& values, std::size_t n, const std::vector<double>* others = nullptr) {
   double most = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -24,7 +24,7 @@ double largest(const std::vector<double>& values, std::size_t n, const std::vect
   return most;
 }
 
-// Rows up to where the instants part.
+// Rows up to the first different times.
 std::size_t common_rows(const Table& run, const std::vector<const Table*>& repeats) {
   const std::vector<double>& t = run.columns().front().values;
   std::size_t n = t.size();
@@ -57,7 +57,7 @@ Agreement CertifiedChannel::worst() const {
 Certificate certify(const Table& run, const std::vector<const Table*>& repeats) {
   for (const Table* repeat : repeats)
     if (run.names() != repeat->names())
-      throw ModelError("the repeat of a run has other columns than the run; record the same channels in both");
+      throw ModelError("the repeated run has other columns than the run; record the same channels in both");
   Certificate c;
   c.n_rows = common_rows(run, repeats);
   c.cut = c.n_rows < run.n_rows() ||
@@ -102,7 +102,7 @@ std::string certificate_text(const Certificate& c, const std::vector<std::string
     return fmt::format("{}{:.1f}", a.digits >= kMostDigits ? ">= " : "", std::min(a.digits, kMostDigits));
   };
   std::string text =
-      fmt::format("  {:<{}}  {:<{}}  {:>10}  {:>10}", "channel", width, "unit", unit, "largest", "differs");
+      fmt::format("  {:<{}}  {:<{}}  {:>10}  {:>10}", "channel", width, "unit", unit, "largest", "difference");
   for (const std::string& name : names) text += fmt::format("  {:>{}}", name, std::max<std::size_t>(15, name.size()));
   text += "\n";
   for (const CertifiedChannel& channel : c.channels) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Certificate: how many digits of each recorded channel agree between a run and repeats of it by other means.
+// Certificate: the digits of each recorded channel that agree between a run and repeats of it by other methods.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@ namespace lockstep {
 
 /// One channel of one repeat against the run.
 struct Agreement {
-  double difference = 0;  ///< largest over the instants, in the channel's unit
-  double digits = 0;      ///< log10(size / difference); 17 where nothing differs
+  double difference = 0;  ///< largest over the times, in the channel's unit
+  double digits = 0;      ///< log10(size / difference); 17 if nothing differs
 };
 
 struct CertifiedChannel {
@@ -25,15 +25,15 @@ struct CertifiedChannel {
 
 struct Certificate {
   std::vector<CertifiedChannel> channels;
-  std::size_t n_rows = 0;  ///< instants that all tables have
-  bool cut = false;        ///< the tables end at different instants; the common part was compared
+  std::size_t n_rows = 0;  ///< times that all tables have
+  bool cut = false;        ///< the tables end at different times; the common part was compared
 };
 
 /// The first column is the time. A channel is zero if all its values are 0, or if they are below 1e-9 times the largest
 /// value of its unit (at least 1) and fewer than 6 digits agree. Throws ModelError for tables with other columns.
 LOCKSTEP_API Certificate certify(const Table& run, const std::vector<const Table*>& repeats);
 
-/// The channels of which not one digit agrees with some repeat; those that are zero do not count.
+/// The channels without one digit that agrees with every repeat; those that are zero do not count.
 LOCKSTEP_API std::vector<std::string> without_a_digit(const Certificate&);
 
 /// A table as text, one line per channel. `names`: of the repeats.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// History: a measured run at the instants of comparison. Private to the work_precision*.cpp files.
+// History: a measured run at the times of comparison. Private to the work_precision*.cpp files.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@ namespace lockstep {
 struct Instant {
   double t, energy, kinetic;
   VecX q, v;
-  VecX load;  ///< of all links, 6 per slot: force (N, world), moment about the mass centre (N m, slot axes)
+  VecX load;  ///< of all joints, 6 per rigid group: force (N, world), moment about the centre of mass (N m, group axes)
 };
 using History = std::vector<Instant>;
 
@@ -37,7 +37,7 @@ class HistoryObserver final : public Observer {
   long evaluations_ = 0;
 };
 
-/// Largest difference; infinite if the two have different instants or a number is not finite.
+/// Largest difference; infinite if the two have different times or a number is not finite.
 HistoryError difference(const History&, const History&, double length);
 /// Largest displacement from the start, speed, load, and of the energy its change or its kinetic part.
 HistoryError size_of(const History&, double length);

@@ -42,9 +42,9 @@ class Search {
         if (found_.empty() && left() > 0) find(method, 1000 * r);
     }
     if (found_.empty())
-      throw StepError("no reference can be made at a tolerance of " +
-                          fmt::format("{:g}", options_.reference_tolerance) + " or wider; " + why_ +
-                          "; chart a shorter run (--until), or give a larger budget (--budget)",
+      throw StepError("no reference solution could be computed at a tolerance of " +
+                          fmt::format("{:g}", options_.reference_tolerance) + " or wider (" + why_ +
+                          "); chart a shorter run (--until), or give a larger budget (--budget)",
                       0);
     if (pair_.second == pair_.first) {
       find(*found_.front().method, 100 * found_.front().tolerance);
@@ -52,7 +52,7 @@ class Search {
       result_.agreement = difference(found_.back().history, found_.front().history, result_.length);
     }
     result_.name = found_[pair_.first].name;
-    result_.second = pair_.second > 0 ? found_[pair_.second].name : "itself alone (no second run came to its end)";
+    result_.second = pair_.second > 0 ? found_[pair_.second].name : "itself (no second run finished)";
     result_.truth = std::move(found_[pair_.first].history);
     return std::move(result_);
   }
@@ -121,7 +121,7 @@ class Search {
   double limit_;  // s, of one attempt
   std::vector<Found> found_;
   std::pair<std::size_t, std::size_t> pair_{0, 0};  // the two that agree best; equal: there are none yet
-  std::string why_ = "no adaptive method was offered";
+  std::string why_ = "no adaptive method is given";
   Reference result_;
 };
 

@@ -86,7 +86,7 @@ class Benchmark {
       for (const Formulation formulation : o.formulations)
         for (const Stabilization::Kind kind : o.stabilizations)
           for (const SolverChoice& solver : o.solvers) {
-            if (needs_no_solver(formulation)) {  // what reads rows that are not there makes no difference
+            if (needs_no_solver(formulation)) {  // without constraints the solver makes no difference
               if (&solver != &o.solvers.front()) continue;
               if (!o.loops && kind != o.stabilizations.front()) continue;
             }
@@ -142,10 +142,10 @@ class Benchmark {
   // that may go beyond the time of the first hits, as far as half more than it is thought to need.
   double turn_of(const Combination& c) const {
     const bool seeks = seeks_first_hit(c);
-    const auto n = std::count_if(combinations_.begin(), combinations_.end(),
-                                 [&](const Combination& other) { return seeks_first_hit(other); });
+    const auto n = std::ranges::count_if(
+        combinations_, [&](const Combination& other) { return seeks ? seeks_first_hit(other) : !other.over; });
     const double time = seeks ? left() - first_end_ : left();
-    const double share = time / static_cast<double>(seeks ? static_cast<std::size_t>(n) : n_open());
+    const double share = time / static_cast<double>(n);
     const double likely = std::min(4 * c.expected, std::max(time, 1.5 * c.expected));
     return std::min(left(), std::max(likely, kFirstTurn * share));
   }
@@ -165,7 +165,9 @@ class Benchmark {
     const double begin = clocks_.clock();
     const Outcome last = measure(c, run, turn_of(c));
     if (last.unsuited) {
-      result_.unsuited.push_back({way(run), run.failure});
+      const std::string way = fmt::format("{}, {}, {}, {}", run.integrator, to_string(run.formulation),
+                                          to_string(run.stabilization), run.solver);
+      result_.unsuited.push_back({way, run.failure});
       c.over = true;
       return;
     }
@@ -199,7 +201,7 @@ class Benchmark {
     note(out, run, out.cpu);
     if (!run.done()) return out;
     run.error = difference(out.history, reference_, length_);
-    if (!std::isfinite(run.error.position)) run.failure = "numbers that are not finite";
+    if (!std::isfinite(run.error.position)) run.failure = "the result is not finite";
     // Dense output between long steps can cost more than the steps: then the time is taken without outputs.
     const bool plain = out.dense && out.report.steps < kManySteps * trajectory_.outputs;
     double cpu = plain ? HUGE_VAL : run.cpu;
@@ -221,7 +223,7 @@ class Benchmark {
     run.steps = out.report.steps, run.rejected = out.report.rejected;
   }
 
-  // Decides whether this combination goes on, and predicts the cost of its next run.
+  // Decides whether this combination continues, and predicts the cost of its next run.
   void advance(Combination& c, const WorkPrecisionRun& run, double spent) {
     double growth = c.adaptive ? (c.last_cpu > 0 ? std::clamp(run.cpu / c.last_cpu, 1.1, 5.0) : kFirstGrowth) : 2;
     if (!c.adaptive && c.rung + 1 < n_rungs(c))
@@ -275,15 +277,6 @@ class Benchmark {
     return run_of(c);
   }
 
-  static std::string way(const WorkPrecisionRun& run) {
-    return fmt::format("{}, {}, {}, {}", run.integrator, to_string(run.formulation), to_string(run.stabilization),
-                       run.solver);
-  }
-  std::size_t n_open() const {
-    return static_cast<std::size_t>(
-        std::count_if(combinations_.begin(), combinations_.end(), [](const Combination& l) { return !l.over; }));
-  }
-
   const Trajectory& trajectory_;
   const WorkPrecisionOptions& options_;
   Clocks clocks_;
@@ -317,13 +310,12 @@ bool same_way(const WorkPrecisionRun& a, const WorkPrecisionRun& b) {
 WorkPrecision work_precision(const Trajectory& trajectory, const WorkPrecisionOptions& options) {
   if (!(trajectory.length > 0) || trajectory.outputs < 1)
     throw ModelError(
-        fmt::format("a chart of {} s with {} outputs has no history; give a length > 0 and an output at least",
+        fmt::format("a chart of {} s with {} outputs has no history; give a length > 0 and at least one output",
                     trajectory.length, trajectory.outputs));
   if (options.integrators.empty() || options.solvers.empty() || options.formulations.empty() ||
       options.stabilizations.empty() || options.references.empty())
     throw ModelError(
-        "a chart needs an integrator, a solver, a formulation, a stabilisation and a reference; take them from the "
-        "registry");
+        "a chart needs an integrator, a solver, a formulation, a stabilisation and a reference; give one of each");
   if (options.tolerances.empty() || options.steps.empty())
     throw ModelError("a chart needs tolerances and steps; give at least one of each");
   return Benchmark(trajectory, options).run();

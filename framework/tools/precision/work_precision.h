@@ -24,7 +24,7 @@ struct Subject {
 };
 
 /// The motion that is measured: `length` seconds from the start, which every call of `make` returns anew, compared at
-/// `outputs` evenly spaced instants (a fixed step is an integer fraction of their interval).
+/// `outputs` evenly spaced times (a fixed step is an integer fraction of their interval).
 struct Trajectory {
   std::function<Subject()> make;
   double length = 0;  ///< s
@@ -47,11 +47,11 @@ inline constexpr std::array<ErrorKind, 4> kErrorKinds{ErrorKind::position, Error
 
 /// Largest over the history and over the bodies.
 struct HistoryError {
-  double position = 0;  ///< m: of the mass centre, and of the turn (rad) times the system's length
+  double position = 0;  ///< m: of the centre of mass, and of the rotation (rad) times the system's length
   double velocity = 0;  ///< m/s, alike
   double energy = 0;    ///< J, of kinetic plus potential energy
-  double reaction = 0;  ///< N: of the total load of all links on a body, force and moment/length; unique even with
-                        ///< redundant rows
+  double reaction = 0;  ///< N: of the total load of all joints on a body, force and moment/length; unique even with
+                        ///< redundant constraints
   LOCKSTEP_API double of(ErrorKind) const;
 };
 
@@ -64,24 +64,24 @@ struct WorkPrecisionRun {
   HistoryError error{};
   double cpu = 0;  ///< s of this thread, the least of the repeats, without the outputs of the comparison
   long evaluations = 0, factors = 0, steps = 0, rejected = 0;
-  std::string failure{};                       ///< why there is no result; "" if there is one
-  bool given_up = false, interrupted = false;  ///< its time was spent; the user interrupted it
+  std::string failure{};                       ///< the reason of a missing result; "" if there is one
+  bool given_up = false, interrupted = false;  ///< its time was used up; the user interrupted it
   bool done() const { return failure.empty(); }
 };
 
-/// Whether the unknowns are those of joints: no linear solver is chosen. `automatic`: where it takes joint coordinates.
+/// Whether the unknowns are joint coordinates: no linear solver is chosen. `automatic`: if it uses joint coordinates.
 inline bool needs_no_solver(Formulation f) { return f == Formulation::joint || f == Formulation::automatic; }
 
 /// The first items of the lists are the base. All combinations are measured, or those that differ from it in one item.
 struct WorkPrecisionOptions {
   std::vector<MethodChoice> integrators;
   std::vector<SolverChoice> solvers;
-  /// With joint coordinates, also those that `auto` takes, only the first solver runs, and but with `loops` only the
-  /// first stabilisation: there are no rows.
+  /// With joint coordinates, also those of `auto`, only the first solver runs, and without `loops` only the first
+  /// stabilisation: there are no constraints.
   std::vector<Formulation> formulations{Formulation::omega, Formulation::quaternion};
   std::vector<Stabilization::Kind> stabilizations{Stabilization::Kind::project, Stabilization::Kind::baumgarte,
                                                   Stabilization::Kind::none};
-  bool loops = false;       ///< joint coordinates have rows that close loops, and these are stabilised
+  bool loops = false;       ///< joint coordinates have loop-closure constraints, and these are stabilised
   bool separately = false;  ///< one item at a time
   Stabilization gains;      ///< Baumgarte's rates and the projection's tolerance
   std::vector<double> tolerances{1,    1e-1, 1e-2, 1e-3,  1e-4,  1e-5, 1e-6,
@@ -115,15 +115,14 @@ struct WorkPrecision {
   struct Unsuited {
     std::string what, why;
   };
-  std::vector<Unsuited> unsuited{};      ///< combinations that do not work for this mechanism, and why
+  std::vector<Unsuited> unsuited{};      ///< combinations that cannot run this mechanism, and the reasons
   std::vector<std::string> left_out{};   ///< runs that the budget did not reach
   std::vector<WorkPrecisionRun> open{};  ///< the same runs, by their settings: nothing is known of them
-  /// Combinations that ended at their finest setting, or as too dear, while their error still fell, by their first one.
+  /// Combinations that ended at their finest setting, or as too expensive, while their error still fell, by their first.
   std::vector<WorkPrecisionRun> falling{};
   std::string reference, second;  ///< "dop853 at 1e-13"
   HistoryError agreement;         ///< of the two references: smaller errors are meaningless
-  HistoryError size;  ///< largest displacement, speed, kinetic energy (or change of energy) and link load: the scale of
-                      ///< errors
+  HistoryError size;  ///< largest displacement, speed, kinetic energy (or its change) and joint load: scale of errors
 };
 
 /// Cheapest next run first, until all combinations have ended or the budget is spent. Throws StepError if there is no

@@ -47,7 +47,7 @@ Series curve_of(const WorkPrecision& result, const std::string& label, ErrorKind
 
 // The Pareto front as a staircase.
 Series front_of(const WorkPrecision& result, ErrorKind kind, CostKind by) {
-  Series s{"front of all runs", {}, {}, SeriesStyle::band, "#ddd6c0"};
+  Series s{"Pareto front of all runs", {}, {}, SeriesStyle::band, "#ddd6c0"};
   for (const WorkPrecisionRun* run : pareto_front(result, kind, by)) {
     if (useless(result, *run, kind)) continue;
     if (!s.x.empty()) s.x.push_back(cost(*run, by)), s.y.push_back(s.y.back());
@@ -70,7 +70,7 @@ void add_floor(const WorkPrecision& result, GridPanel& panel, ErrorKind kind) {
   const Range x = extent(panel.series, true);
   if (!(floor > 0) || !std::isfinite(floor) || !(x.second > 0)) return;
   panel.series.push_back(
-      {"the references differ", {x.first, x.second}, {floor, floor}, SeriesStyle::dashes, "#888888"});
+      {"difference of the references", {x.first, x.second}, {floor, floor}, SeriesStyle::dashes, "#888888"});
 }
 
 // A shaded strip above all data, with a cross at its cost for each run that failed.
@@ -93,7 +93,7 @@ void add_failures(const WorkPrecision& result, GridPanel& panel, CostKind by, co
   panel.y_range = {y.first / std::pow(10.0, 0.05 * decade), any ? from * std::pow(10.0, 0.1 * decade) : from};
 }
 
-// A ring at the last point of each curve that would go on: its next setting was not tried, which is no failure.
+// A ring at the last point of each curve that could continue: its next setting was not tried, which is no failure.
 void add_open_ends(const WorkPrecision& result, GridPanel& panel, ErrorKind kind, CostKind by, const Curves& curves) {
   for (const auto& [label, wanted] : curves) {
     if (std::none_of(result.open.begin(), result.open.end(), wanted)) continue;
@@ -110,14 +110,14 @@ std::string shortened(std::string text, std::size_t most) {
   return text.substr(0, text.rfind(' ', most)) + " ...";
 }
 
-// Why runs failed and what was left out, one line per curve.
+// The reasons of failed runs, and the runs that were left out, one line per curve.
 std::vector<std::string> remarks_of(const WorkPrecision& result, const Curves& curves) {
   std::vector<std::string> lines{fmt::format(
-      "truth: {} and {}, which agree to {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N", result.reference, result.second,
+      "reference: {}; difference from {}: {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N", result.reference, result.second,
       result.agreement.position, result.agreement.velocity, result.agreement.energy, result.agreement.reaction)};
   for (const auto& [label, wanted] : curves) {
     for (const WorkPrecisionRun& run : result.open)
-      if (wanted(run)) lines.push_back(label + " not tried from " + setting_words(run) + " on: the time was spent");
+      if (wanted(run)) lines.push_back(label + " not tried from " + setting_words(run) + " on: time budget used up");
     std::vector<const WorkPrecisionRun*> failed;
     for (const WorkPrecisionRun& run : result.runs)
       if (wanted(run) && !run.done() && !run.given_up) failed.push_back(&run);
@@ -130,14 +130,14 @@ std::vector<std::string> remarks_of(const WorkPrecision& result, const Curves& c
   if (lines.size() > kMostRemarks) {
     const std::size_t n = lines.size() - kMostRemarks + 1;
     lines.resize(kMostRemarks - 1);
-    lines.push_back(fmt::format("and {} more; all reasons stand in the CSV file", n));
+    lines.push_back(fmt::format("and {} more; the CSV file lists all reasons", n));
   }
   for (std::string& line : lines) line = shortened(line, kMostLetters);
   return lines;
 }
 
-// The base's solver, or where that does not take this value of `by`, as schur does not take quaternions, the default of
-// these, or the first that ran.
+// The base's solver, or if that does not support this value of `by`, as schur does not support quaternions, the default
+// of these, or the first that ran.
 std::string solver_for(const WorkPrecision& result, WorkPrecisionRun base, ChartBy by, const std::string& value) {
   if (by == ChartBy::solver) return base.solver;
   std::vector<std::string> candidates = values_of(result, ChartBy::solver);
@@ -163,7 +163,7 @@ std::optional<GridPanel> panel_of(const WorkPrecision& result, const std::string
   panel.series.push_back(front_of(result, kind, by));
   for (const auto& [label, wanted] : curves) panel.series.push_back(curve_of(result, label, kind, by, wanted));
   const Range y = extent(panel.series, false);
-  // This error is zero or round-off: no links, no energy.
+  // This error is zero or round-off: no joints, no energy.
   if (!(y.second > 2 * kLeast) || !(result.size.of(kind) > kNegligible)) return std::nullopt;
   add_floor(result, panel, kind);
   add_failures(result, panel, by, curves, kind);
@@ -179,7 +179,7 @@ GridSpec chart_of(const WorkPrecision& result, const std::string& title, std::ve
   if (result.runs.empty()) throw ModelError("chart \"" + title + "\" has no runs; give it more time (--budget)");
   GridSpec chart{title};
   chart.strip_label = "grey: failed";
-  chart.open_label = "finer was not tried";
+  chart.open_label = "finer settings not tried";
   Curves all;
   for (const auto& [name, curves] : groups) {
     for (const ErrorKind kind : kinds) {
@@ -219,8 +219,8 @@ GridSpec integrators_chart(const WorkPrecision& result, const std::string& title
     });
   return chart_of(
       result, title,
-      {fmt::format("curves: {}, {}, solver {}; the front is that of all combinations",
-                   value_of(base, ChartBy::formulation), value_of(base, ChartBy::stabilization), base.solver)},
+      {fmt::format("curves: {}, {}, solver {}; Pareto front: all combinations", value_of(base, ChartBy::formulation),
+                   value_of(base, ChartBy::stabilization), base.solver)},
       {{"", curves}}, kErrorKinds, by);
 }
 

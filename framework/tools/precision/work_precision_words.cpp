@@ -52,8 +52,7 @@ std::vector<std::string> unsuited_lines(const WorkPrecision& result) {
 
 std::string runs_text(const WorkPrecision& result) {
   std::string text =
-      "integrator,formulation,stabilization,solver,tolerance,step [s],position error [m],velocity error "
-      "[m/s],energy "
+      "integrator,formulation,stabilization,solver,tolerance,step [s],position error [m],velocity error [m/s],energy "
       "error [J],reaction error [N],cpu [s],evaluations,factors,steps,rejected,counts,front,failure\n";
   const std::vector<const WorkPrecisionRun*> front = pareto_front(result);
   for (const WorkPrecisionRun& r : result.runs) {

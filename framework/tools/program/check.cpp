@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verb check: the size of a scene, and which parts of the computation it does not need.
+// The command check: the size of a scene, and which parts of the computation it does not need.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -26,86 +26,29 @@
 namespace lockstep {
 namespace {
 
-constexpr std::size_t kMostProposed = 20000;  // bodies
-
 using Names = std::vector<std::string>;
 
-/// A part of the computation that this scene does not need, and the objects concerned.
-struct LeftOut {
-  std::string what;
-  Names names;
-};
-
-/// The names of those that satisfy a condition.
-template <class Objects, class Condition>
-Names names_of(const Objects& objects, Condition&& holds) {
-  Names names;
-  for (const auto& object : objects)
-    if constexpr (requires { object.name; }) {
-      if (holds(object)) names.push_back(object.name);
-    } else if (holds(*object)) {
-      names.push_back(object->name());
-    }
-  return names;
-}
-
-std::vector<LeftOut> left_out(const Mechanism& m) {
-  const System& system = m.system;
-  const auto joints = [&](auto&& holds) {
-    return names_of(system.links(), [&](const Lock& link) { return link.jointed() != nullptr && holds(link); });
-  };
-  const auto lacks = [&](Mask rows) {
-    return joints([=](const Lock& link) { return !overlaps(link.jointed()->rows(), rows); });
-  };
-  const auto still = [](const Marker* marker) {
-    return marker->translation_law == nullptr && marker->rotation_law == nullptr;
-  };
-  std::vector<LeftOut> all = {
-      {"motion of fixed bodies: no unknowns",
-       names_of(system.bodies(), [](const Body& b) { return b.fixed && b.name != "ground"; })},
-      {"rotation of particles: 3 unknowns instead of 6",
-       names_of(system.bodies(), [](const Body& b) { return b.freedoms == Freedoms::particle; })},
-      {"rows of links that are not active at the start",
-       names_of(system.links(), [](const Lock& link) { return !link.active_at_start(); })},
-      {"rotational half of the lock: never evaluated", lacks(Mask::e123)},
-      {"translational half of the lock: never evaluated", lacks(Mask::xyz)},
-      {"motion of markers: they stand still on their bodies", joints([&](const Lock& link) {
-         return still(link.pairs().front().first) && still(link.pairs().front().second);
-       })},
-      {"rows of fixed links: their bodies move as one",
-       names_of(system.links(), [&](const Lock& link) { return system.merged(link); })}};
-  if (const Plane plane = system.plane())
-    all.push_back({"motion out of the plane: three velocities a body", {std::string("normal ") + "xyz"[plane.n]}});
-  if (std::none_of(m.run.record.begin(), m.run.record.end(),
-                   [](const ChannelRequest& r) { return r.channel.starts_with("energy."); }))
-    all.push_back({"energies: integrated for the summary only, with --quiet not at all", {"energy"}});
-  if (system.forces().empty()) all.push_back({"forces: there are none but gravity", {"forces"}});
-  std::erase_if(all, [](const LeftOut& l) { return l.names.empty(); });
-  return all;
-}
-
-/// The value of a key of the scene's integrator; "" where it is not given.
+/// The value of a key of the scene's integrator; "" if it is not given.
 std::string integrator_key(const RunSettings& run, const char* key) {
   const Value* value = run.integrator.keys.object() != nullptr ? run.integrator.keys.find(key) : nullptr;
   return value == nullptr ? "" : plain_text(*value);
 }
 
-/// Where the stages of an explicit method that may go onto the constraints are evaluated, and why; "" of other methods.
-/// `rows`: whether the run has rows.
+/// Whether the stages of an explicit method are projected onto the constraints, and why; "" of methods without that
+/// choice. `rows`: whether the run has constraints.
 std::string stages_of(const Mechanism& m, const State& start, const Registry& registry, bool rows) {
   const auto* type = registry.integrators.find(m.run.integrator.type);
   if (type == nullptr || type->origin != "built in" ||
       std::ranges::none_of(type->info.keys, [](const Key& key) { return key.name == "stages"; }))
     return "";
   const std::string asked = integrator_key(m.run, "stages");
-  if (asked == "plain") return "plain, as asked for";
-  if (!rows) return "plain: no rows are left";
-  if (asked == "manifold") return "on the constraints in every step, as asked for";
-  if (!make_integrator(m.run, registry)->info().adaptive) return "plain: the steps are fixed";
-  if (m.run.stabilization.kind != Stabilization::Kind::project)
-    return "plain: nothing is projected onto the constraints";
-  if (!has_loops(m.system, start.modes)) return "plain: no loop is closed, so that no position is singular";
-  return "plain, and on the constraints near singular positions, or where rows are redundant there only";
+  if (asked == "plain") return "unprojected, as requested";
+  if (!rows) return "unprojected: no constraints are left";
+  if (asked == "manifold") return "projected in every step, as requested";
+  if (!make_integrator(m.run, registry)->info().adaptive) return "unprojected: the steps are fixed";
+  if (m.run.stabilization.kind != Stabilization::Kind::project) return "unprojected: the run has no projection";
+  if (!has_loops(m.system, start.modes)) return "unprojected: without loops no configuration is singular";
+  return "projected near singular configurations only";
 }
 
 struct OwnedChannel {
@@ -113,18 +56,19 @@ struct OwnedChannel {
   std::string owner;
 };
 
-// Of the thing of this name; "": of all.
+// Of the object of this name; "": of all.
 std::vector<OwnedChannel> channels_of(const System& system, const std::string& of) {
   std::vector<OwnedChannel> all;
   Names owners;
   for (ChannelHelp& c : channel_help(system)) {
-    if (c.name.starts_with("ground.")) continue;  // it never moves
+    if (of != "ground" && c.name.starts_with("ground.")) continue;  // it never moves
     const auto [kind, owner] = owner_of(c.name, system);
-    if (!owner.empty()) owners.push_back(owner);
+    if (!owner.empty() && (owners.empty() || owners.back() != owner)) owners.push_back(owner);
     if (of.empty() || owner == of)
       all.push_back({std::move(c), owner.empty() ? "the whole mechanism" : fmt::format("{} '{}'", kind, owner)});
   }
-  if (all.empty()) throw UsageError("--of: nothing named \"" + of + "\" has channels" + text::suggestion(of, owners));
+  if (all.empty())
+    throw UsageError("--of: no body, marker, joint or force is called \"" + of + "\"" + text::suggestion(of, owners));
   return all;
 }
 
@@ -139,17 +83,17 @@ const Fields<std::vector<OwnedChannel>>& channel_fields() {
   return kFields;
 }
 
-/// The rows that a tree leaves: of what closes loops, and of joints that do not hold all of theirs.
+/// The constraints that a tree leaves: of loop-closing joints, and of joints that do not hold all of theirs.
 std::string rows_in_words(const TreeReport& tree) {
-  if (!tree.has_rows()) return "no rows";
+  if (!tree.has_rows()) return "no constraints";
   std::string words;
-  if (!tree.closures.empty()) words = "the rows of what closes loops: " + first_of(tree.closures);
-  if (!tree.left.empty()) words += (words.empty() ? "" : "; ") + ("single rows: " + first_of(tree.left));
+  if (!tree.closures.empty()) words = "the loop-closure constraints of " + first_of(tree.closures);
+  if (!tree.left.empty()) words += (words.empty() ? "" : "; ") + ("single constraints " + first_of(tree.left));
   return words;
 }
 
-/// What "auto" would integrate, in space unless the scene names its plane: "no rows", or the rows that are left; "" where it
-/// takes omega.
+/// What "auto" would integrate, in space unless the scene names its plane: "no constraints", or those that are left; ""
+/// if it takes omega.
 std::string rows_along_joints(const Loaded& loaded) {
   Scene scene = in_space(loaded.scene);
   scene.run.formulation = Formulation::automatic;
@@ -160,7 +104,7 @@ std::string rows_along_joints(const Loaded& loaded) {
   return rows_in_words(tree_of(m.system, modes));
 }
 
-/// The scene in the plane with this normal, where only the word of a part is missing that it stays there.
+/// The scene in the plane with this normal, if only the declaration of a part is missing that it stays there.
 std::optional<std::string> if_named(const char* normal, const Loaded& loaded, const Mechanism& m) try {
   Scene scene = loaded.scene;
   scene.root = scene.root.without({"planar"});
@@ -174,7 +118,7 @@ std::optional<std::string> if_named(const char* normal, const Loaded& loaded, co
                      normal, named.system.n_velocities(), m.system.n_velocities(), missing->what());
 } catch (const std::bad_alloc&) {
   throw;
-} catch (...) {  // not in this plane; code of a user that throws where it is only looked at will say so in the run
+} catch (...) {  // not in this plane; an error of custom code is reported by the run
   return {};
 }
 
@@ -208,7 +152,7 @@ std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m, boo
                                  [&](const auto& l) { return merged.system.merged(*l); });
     if (n > 0)
       all.push_back(
-          fmt::format("\"merge\": \"auto\" would move the bodies of {} fixed link{} as one", n, n > 1 ? "s" : ""));
+          fmt::format("\"merge\": \"auto\" would move the bodies of {} fixed joint{} as one", n, n > 1 ? "s" : ""));
   } catch (const Error&) {  // nothing to propose
   }
   return all;
@@ -225,7 +169,6 @@ std::string value_text(const Value& v) {
 struct Findings {
   MobilityFindings moves;
   double violation = 0, violation_v = 0;  // of the start as it was typed
-  std::vector<LeftOut> left_out;
   std::vector<std::string> proposals;
   std::string formulation, stages;
   TreeReport tree;
@@ -237,14 +180,12 @@ struct Findings {
 std::vector<std::string> all_proposals(const Arguments& args, const Loaded& loaded, const Mechanism& m,
                                        const MobilityReport& r, bool is_tree) {
   if (args.has("--full")) return {};
-  const FindingScope unheard;                    // each builds the scene anew, with the same findings
-  if (m.system.bodies().size() > kMostProposed)  // each one builds it anew
-    return {fmt::format("(not looked for in more than {} bodies)", kMostProposed)};
+  const FindingScope unheard;  // each builds the scene again, with the same findings
   std::vector<std::string> more = proposals(loaded, m, !is_tree);
   if (m.run.formulation != Formulation::omega || !make_integrator(m.run, loaded.registry)->info().joint) return more;
   if (const std::string rows = rows_along_joints(loaded); !rows.empty())
-    more.push_back(fmt::format(
-        "\"formulation\": \"auto\" integrates the joints' own coordinates, with {} instead of {}", rows, r.rows));
+    more.push_back(fmt::format("\"formulation\": \"auto\" uses joint coordinates, with {} instead of {} constraints",
+                               rows, r.rows));
   return more;
 }
 
@@ -257,7 +198,7 @@ std::string formulation_of(const Mechanism& m, const std::string& why_not_joint,
   if (asked == Formulation::omega) return "omega" + where;
   if (!why_not_joint.empty()) return "omega" + where + ": " + why_not_joint;
   const int unknowns = found.tree.n_coordinates;
-  if (unknowns == 0) return fmt::format("joint{}: nothing is unknown, laws alone move it", where);
+  if (unknowns == 0) return fmt::format("joint{}: no unknowns, the motion is prescribed", where);
   return fmt::format("joint{}: {} unknown velocit{}, {}{}", where, unknowns, unknowns == 1 ? "y" : "ies",
                      found.tree.has_rows() ? "and " : "", rows_in_words(found.tree));
 }
@@ -272,7 +213,6 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
   found.violation = dynamics.violation(start), found.violation_v = dynamics.violation_v(start);
   found.moves = mobility_of(dynamics, m, start);
   const MobilityReport& r = found.moves.mobility;
-  found.left_out = left_out(m);
   const std::string not_joint = why_not_joint(m.run, dynamics, start, loaded.registry);
   TreeReport tree;
   if (not_joint.empty()) tree = tree_of(m.system, start.modes);
@@ -288,7 +228,6 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
 
 const Fields<Findings>& check_fields() {
   using Parameter = SceneParameter;
-  static const Fields<LeftOut> kLeftOut{{"what", "", "what", &LeftOut::what}, {"names", "", "of", &LeftOut::names}};
   static const Fields<Parameter> kParameter{
       {"name", "", "name", &Parameter::name},
       {"kind", "", "", [](const Parameter& p) { return p.is_point ? "point" : "parameter"; }},
@@ -300,17 +239,75 @@ const Fields<Findings>& check_fields() {
           .with(&Findings::moves, mobility_fields())
           .with({{"formulation", "", "formulation", &Findings::formulation},
                  {"stages", "", "stages", &Findings::stages},
-                 {"violation", "m", "start violates", &Findings::violation},
-                 {"violation_v", "m/s", "  in velocity", &Findings::violation_v},
-                 {"frames_taken", "", "places taken", &Findings::taken},
+                 {"violation", "m", "start violation", &Findings::violation},
+                 {"violation_v", "m/s", "  of velocities", &Findings::violation_v},
+                 {"frames_taken", "", "places assumed", &Findings::taken},
                  {"tree", "joint coordinates", [](const Findings& f) { return f.tree.branches; }, branch_fields()},
                  {"closures", "", "", [](const Findings& f) { return f.tree.closures; }},
                  {"columns", "", "", &Findings::columns},
                  {"parameters", "parameters and points", &Findings::parameters, kParameter},
-                 {"left_out", "not needed, and left out", &Findings::left_out, kLeftOut},
-                 {"proposals", "", "could be left out too", &Findings::proposals},
+                 {"proposals", "", "possible simplifications", &Findings::proposals},
                  {"error", "", "", &Findings::error}});
   return kFields;
+}
+
+std::string counted(int n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
+
+// "crank, coupler, rocker (+ ground)".
+std::string body_words(const System& system) {
+  Names moving, fixed;
+  for (const Body& b : system.bodies()) (b.fixed ? fixed : moving).push_back(b.name);
+  return (moving.empty() ? "none" : first_of(moving)) + " (+ " + first_of(fixed) + ")";
+}
+
+// "4 revolute: A, B, C, D; 1 distance: rope".
+std::string joint_words(const System& system) {
+  std::vector<std::pair<std::string, Names>> by_type;
+  for (const auto& link : system.links()) {
+    auto found = std::ranges::find(by_type, link->type(), &std::pair<std::string, Names>::first);
+    if (found == by_type.end()) found = by_type.insert(found, {std::string(link->type()), {}});
+    found->second.push_back(link->name());
+  }
+  std::string words;
+  for (const auto& [type, names] : by_type)
+    words += fmt::format("{}{} {}: {}", words.empty() ? "" : "; ", names.size(), type, first_of(names));
+  return words;
+}
+
+std::string freedom_words(const MobilityReport& r) {
+  std::string words = fmt::format("{}", r.freedoms + r.driven);
+  if (r.driven > 0)
+    words += fmt::format(", {}driven by {}", r.freedoms > 0 ? fmt::format("{} ", r.driven) : "", first_of(r.drives));
+  return words;
+}
+
+std::string redundant_words(const Findings& f) {
+  const MobilityReport& r = f.moves.mobility;
+  const std::string where = f.moves.plane.empty() ? "" : " in the plane (--full counts in space)";
+  if (r.redundant == 0) return "none" + where;
+  return fmt::format("{}, of joints {}", counted(r.redundant, "constraint"), first_of(r.redundant_links)) + where;
+}
+
+// The facts that matter before a run.
+std::string brief_text(const System& system, const Findings& f) {
+  const MobilityReport& r = f.moves.mobility;
+  std::string text;
+  if (f.error.empty())
+    text = fmt::format("  OK: the mechanism assembles; {}.\n\n",
+                       r.freedoms > 0
+                           ? counted(r.freedoms, "degree") + " of freedom " + (r.freedoms == 1 ? "is free" : "are free")
+                       : r.driven > 0 ? "its motion is fully prescribed"
+                                      : "it cannot move");
+  const auto line = [&](std::string_view label, const std::string& words) {
+    if (!words.empty()) text += fmt::format("  {:<18}  {}\n", label, words);
+  };
+  line("bodies", body_words(system));
+  line("joints", joint_words(system));
+  if (!f.error.empty()) return text + "\n";
+  line("degrees of freedom", freedom_words(r));
+  line("redundant", redundant_words(f));
+  line("solved as", f.formulation);
+  return text + "\n  More: --verbose, --channels, --full\n";
 }
 
 int refused(const Error& error) {
@@ -318,7 +315,7 @@ int refused(const Error& error) {
   return exit_code_of(error);
 }
 
-// The exit code of a run of it, as far as its start: the findings stand before what that refuses.
+// The exit code of a run of it, as far as its start: the findings precede the error of the start.
 Result check_scene(const Arguments& args) {
   const Loaded loaded = load(args);
   Mechanism m = build_observed(loaded.scene, loaded.registry);
@@ -331,11 +328,12 @@ Result check_scene(const Arguments& args) {
       code = refused(error), found.error = error.what();
     }
   Result result(loaded, check_fields(), found);
+  if (!args.has("--verbose")) result.brief = brief_text(m.system, found);
   result.code = code;
   return result;
 }
 
-// Each is checked, whatever the others are; the first that fails decides the exit code.
+// Each is checked; the first that fails decides the exit code.
 Result check(const Arguments& args) {
   if (args.all("more").empty()) return check_scene(args);
   Result all;
@@ -366,7 +364,7 @@ std::pair<std::string, std::string> owner_of(const std::string& channel, const S
   };
   for (const Body& b : system.bodies()) take("body", b.name);
   for (const Marker& m : system.markers()) take("marker", m.name);
-  for (const auto& l : system.links()) take("link", l->name());
+  for (const auto& l : system.links()) take("joint", l->name());
   for (const auto& f : system.forces()) take("force", f->name());
   return owner;
 }
@@ -375,9 +373,9 @@ Command check_command() {
   return {"check",
           join({scene_options(),
                 {kJson,
-                 {"--channels", "", "list every channel that the scene may record, with unit and meaning"},
-                 Option{"--of", "NAME", "with --channels: only those of this body, marker, link or force"}.along(
-                     "--channels"),
+                 {"--verbose,-v", "", "print all counts, the start, the coordinates, possible simplifications"},
+                 {"--channels", "", "list every channel of the scene, with unit and meaning"},
+                 Option{"--of", "NAME", "only channels of this body, marker, joint or force"}.along("--channels"),
                  Option{"more", "SCENE", "further scenes"}.repeated()}}),
           check,
           "Example:\n  lockstep check samples/scenes/four_bar.json --json",

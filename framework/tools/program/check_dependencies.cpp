@@ -8,30 +8,27 @@ namespace lockstep {
 namespace {
 
 std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
-  if (d.in_passing) return "in this position only, beside a singular one";
+  if (d.in_passing) return "only near a singular configuration";
   if (!d.undecided.empty())
-    return fmt::format("not decided: {}; solvers may differ; make them agree, or leave one out", d.undecided);
+    return fmt::format("not decided: {}, so solvers may differ; correct the geometry, or remove one", d.undecided);
   if (choice == NearlyRedundant::told || !d.decided)
-    return "solvers may differ there; say whether they hold: \"nearly_redundant\": \"held\" or \"free\" "
-           "(--nearly-redundant)";
+    return "solvers may differ; choose \"nearly_redundant\": \"held\" or \"free\" (--nearly-redundant)";
   const char* const are = d.left_out.size() == 1 ? "is" : "are";
   if (choice != NearlyRedundant::free)
-    return (d.left_out.empty() ? "held"
-                               : fmt::format("held, and {} {} left out, which depend{} on others exactly",
-                                             first_of(d.left_out), are, d.left_out.size() == 1 ? "s" : "")) +
-           (choice == NearlyRedundant::held
-                ? ""
-                : "; if they are not meant to hold, say \"nearly_redundant\": \"free\" (--nearly-redundant)");
-  return fmt::format("free, {} {} left out, and violated by some {:.1g} m as it moves; \"held\" holds {}",
-                     first_of(d.left_out), are, d.violation, d.left_out.size() == 1 ? "it" : "them");
+    return (d.left_out.empty() ? "kept"
+                               : fmt::format("kept, and {} {} dropped as redundant", first_of(d.left_out), are)) +
+           (choice == NearlyRedundant::held ? "" : "; to drop: \"nearly_redundant\": \"free\" (--nearly-redundant)");
+  return fmt::format("{} {} dropped, and violated by about {:.1g} m in motion; to keep: \"nearly_redundant\": \"held\"",
+                     first_of(d.left_out), are, d.violation);
 }
 
 }  // namespace
 
 Finding finding_of(const NearDependency& d, NearlyRedundant choice) {
   Finding f{&finding::nearly_redundant, first_of(d.rows)};
-  f.message = fmt::format("{}: {} too many but for {:.2g}: ", first_of(d.rows), d.nearly, d.singular_value) +
-              decided_words(d, choice);
+  f.message =
+      fmt::format("{}: {} nearly redundant (singular value {:.2g}): ", first_of(d.rows), d.nearly, d.singular_value) +
+      decided_words(d, choice);
   f.value = d.singular_value;
   return f;
 }

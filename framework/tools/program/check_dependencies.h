@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which rows nearly depend on others, and which reactions are not unique.
+// Which constraints nearly depend on others, and which reactions are not unique.
 #pragma once
 
 #include <string>
@@ -12,9 +12,9 @@
 
 namespace lockstep {
 
-/// Rows that nearly depend on one another, and what was decided.
+/// Constraints that nearly depend on one another, and what was decided.
 Finding finding_of(const NearDependency&, NearlyRedundant);
-/// The same as results have it.
+/// The same as a result.
 using DecidedNear = std::pair<NearDependency, NearlyRedundant>;
 std::vector<DecidedNear> decided(const std::vector<NearDependency>&, NearlyRedundant);
 const Fields<DecidedNear>& near_fields();

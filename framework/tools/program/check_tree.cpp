@@ -7,13 +7,14 @@
 namespace lockstep {
 namespace {
 
-// The coordinates that a lock leaves free and nothing drives; in a plane those in it, by the axes of S that lie in it or
-// along its normal, else of the world.
+// The coordinates that a lock leaves free and nothing drives; in a plane those in it, by the axes of S that lie in it
+// or along its normal, else of the world.
 std::vector<std::string> free_axes(const TreeNode& n, Plane plane) {
   std::vector<std::string> free;
   if (!plane) {
     for (const Axis axis : {Axis::x, Axis::y, Axis::z, Axis::rx, Axis::ry, Axis::rz})
-      if (!includes(n.rows, row_of(axis)) && !(is_rotation(axis) && n.turn == TreeTurn::none))  // particles do not turn
+      if (!includes(n.rows, row_of(axis)) &&
+          !(is_rotation(axis) && n.turn == TreeTurn::none))  // particles do not rotate
         free.emplace_back(to_string(axis));
     return free;
   }
@@ -26,7 +27,7 @@ std::vector<std::string> free_axes(const TreeNode& n, Plane plane) {
   for (int k = 0; k < n.n_slides; ++k) {
     const Vec3& along = n.slide(k);
     const std::string own = axis_of(S, along), world = axis_of(Mat3::Identity(), along);
-    free.push_back(!own.empty() ? own : !world.empty() ? "the world's " + world : "across what is held");
+    free.push_back(!own.empty() ? own : !world.empty() ? "world " + world : "normal to the constraints");
   }
   if (n.turn != TreeTurn::none) {
     const std::string own = axis_of(Mat3::Identity(), n.hinge);
@@ -62,13 +63,12 @@ TreeReport tree_of(const System& system, const std::vector<bool>& modes) {
 }
 
 const Fields<Branch>& branch_fields() {
-  static const Fields<Branch> kFields{
-      {"body", "", "body", &Branch::body},
-      {"parent", "", "on", &Branch::parent},
-      {"link", "", "by link", &Branch::link},
-      {"coordinates", "", "coordinates", &Branch::coordinates},
-      {"held", "", "driven throughout, or held", [](const Branch& b) { return b.coordinates.empty(); }},
-      {"rows", "", "rows left", &Branch::rows}};
+  static const Fields<Branch> kFields{{"body", "", "body", &Branch::body},
+                                      {"parent", "", "on", &Branch::parent},
+                                      {"link", "", "by joint", &Branch::link},
+                                      {"coordinates", "", "coordinates", &Branch::coordinates},
+                                      {"held", "", "prescribed", [](const Branch& b) { return b.coordinates.empty(); }},
+                                      {"rows", "", "constraints left", &Branch::rows}};
   return kFields;
 }
 

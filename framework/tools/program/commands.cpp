@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The command line: from words to a verb, and the exit codes of errors.
+// The command line: from words to a command, and the exit codes of errors.
 #include "framework/tools/program/commands.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -79,7 +79,7 @@ CLI::App& add_command(CLI::App& app, const Command& command) {
     if (!there.empty())
       parent = there.front();
     else
-      parent = app.add_subcommand(first, "Report which plugins there are")->require_subcommand(1);
+      parent = app.add_subcommand(first, "List plugins")->require_subcommand(1);
     parent->group(group);
     name.erase(0, blank + 1);
   }
@@ -101,7 +101,7 @@ Arguments arguments_of(const CLI::App& sub, const Command& command, int argc, co
   return args;
 }
 
-// Prints what is wrong with the command line, the closest name that exists, and where help is.
+// Prints what is wrong with the command line, the closest name that exists, and how to get help.
 int print_usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> called = app.get_subcommands();
   const CLI::App& verb = called.empty() ? app : *called.front();
@@ -115,27 +115,27 @@ int print_usage_error(const CLI::App& app, const CLI::ParseError& error) {
   std::string text = error.what();
   const std::string name = word.substr(0, word.find('='));
   if (!called.empty() && std::ranges::find(options, name) != options.end())
-    text = "option " + name + " stands before the verb; write it behind: lockstep " + verb.get_name() + " ... " + name;
+    text = "option " + name + " must follow the command: lockstep " + verb.get_name() + " ... " + name;
   else if (word.rfind('-', 0) == 0)
     text = "unknown option \"" + word + "\"" + text::suggestion(name, options);
   else if (called.empty())
-    text = word.empty() ? "a verb is missing; known: " + text::join(verbs, ", ")
-                        : "unknown verb \"" + word + "\"" + text::suggestion(word, verbs);
+    text = word.empty() ? "a command is missing; known: " + text::join(verbs, ", ")
+                        : "unknown command \"" + word + "\"" + text::suggestion(word, verbs);
   else if (!word.empty())
-    text = "\"" + word + "\" is one word too many; text with blanks needs quotes";
+    text = "unexpected word \"" + word + "\"; text with blanks needs quotes";
   const std::string of = called.empty() ? "" : verb.get_name() + " ";
-  tell(fmt::format("lockstep: {}\nSee `lockstep {}--help`.\n", text, of));
+  tell(fmt::format("{} {}\nSee `lockstep {}--help`.\n", error_mark(), text, of));
   return kExitUsage;
 }
 
 // Without a further request for memory.
 int out_of_memory() {
-  tell("lockstep: out of memory; record less (output, record), or run fewer copies at once\n");
+  tell("lockstep: out of memory; record less (output, record), or run fewer instances at once\n");
   return kExitMemory;
 }
 
-// Where a destructor needs memory while an error of memory is on its way (those of JSON objects do) C++ ends the program
-// by std::terminate: the words and the exit code are those of any other request that fails. What else ends so is a bug,
+// If a destructor needs memory while an error of memory is on its way (those of JSON objects do), C++ calls
+// std::terminate: words and exit code are those of any other request that fails. Anything else that ends so is a bug,
 // and leaves its core.
 std::terminate_handler usual_end = nullptr;
 [[noreturn]] void end_without_memory() {
@@ -183,8 +183,8 @@ int run_words(const Program& program, int argc, const char* const* argv) {
                                                 commit_of_build(), commit_of_build().empty() ? "" : ")"));
   app.require_subcommand(1);
   app.footer(
-      std::string("Example:\n  lockstep run samples/scenes/four_bar.json\nEach verb has a --help of its own.\n\n") +
-      "Exit codes: " + kExitCodes);
+      std::string("Example:\n  lockstep run samples/scenes/four_bar.json\nOptions: lockstep COMMAND --help\n\n") +
+      "Exit codes:\n" + kExitCodes);
   std::vector<std::pair<const CLI::App*, const Command*>> commands;
   for (const Verb& verb : verbs()) {
     const auto own = std::ranges::find(program.commands, verb.name, &Command::name);
@@ -205,7 +205,7 @@ int run_words(const Program& program, int argc, const char* const* argv) {
   return guarded([&] {
     const Arguments args = arguments_of(*chosen.first, *chosen.second, argc, argv);
     if (args.has("--json") && args["--record"] == "-")
-      throw UsageError("--json: standard output takes the rows (--record -); let one of the two go to a file");
+      throw UsageError("--json: standard output takes the table (--record -); write one of the two to a file");
     Result result = chosen.second->run(args);
     result.command = args.command;
     print(result, args);
@@ -216,7 +216,7 @@ int run_words(const Program& program, int argc, const char* const* argv) {
 // The exit code of what was printed, which may be waiting in memory still.
 int printed(int code) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  tell("lockstep: standard output cannot be written; what was printed is not complete\n");
+  tell("lockstep: standard output cannot be written; the printed text is incomplete\n");
   return code == kExitOk || code == kExitFailure ? kExitFile : code;  // a failed write may have ended the command
 }
 
@@ -263,7 +263,7 @@ Arguments read_run_words(const std::vector<std::string>& words) {
   try {
     app.parse(argc, argv.data());
   } catch (const CLI::ParseError& error) {
-    throw UsageError(std::string("the command line that a checkpoint holds cannot be read: ") + error.what());
+    throw UsageError(std::string("the command line in the checkpoint cannot be read: ") + error.what());
   }
   return arguments_of(sub, run, argc, argv.data());
 }

@@ -27,10 +27,10 @@ enum Exit {
   kExitStep = 6,
   kExitNonFinite = 7,
   kExitFile = 8,
-  kExitNotConserved = 9,  ///< the run went through, and its energy balance or its violation is beyond the limits
+  kExitNotConserved = 9,  ///< the run is complete; its energy error or constraint violation is beyond the limit
   kExitMemory = 10,
-  /// It went through, and its result is doubtful: with --strict by exit_code_of (findings.h), with --certify by a column of
-  /// which not one digit is certified.
+  /// The run is complete, and its result is doubtful: with --strict by exit_code_of (findings.h), with --certify by a
+  /// column without a verified digit.
   kExitDoubtful = 11,
   kExitInterrupted = 130
 };
@@ -94,7 +94,7 @@ Loaded load(const Arguments&);
 /// The command line of an earlier run, `lockstep run` ..., by its words after the program's name.
 Arguments read_run_words(const std::vector<std::string>& words);
 
-/// What a channel belongs to, "body" and "crank": that with the longest name that the channel begins with; "" of none.
+/// The owner of a channel, "body" and "crank": the object with the longest name that begins the channel's; "" of none.
 std::pair<std::string, std::string> owner_of(const std::string& channel, const System&);
 
 /// The commit that the program was built from, if the tree was clean; else "".
@@ -103,7 +103,7 @@ std::string_view commit_of_build();
 /// The code for an error.
 int exit_code_of(const Error&);
 
-/// A verb that no help shows: answers `plugins list` about one file, whose code may end this process.
+/// A hidden command: answers `plugins list` about one file, whose code may end this process.
 int answer_for_plugin(const char* file);
 
 struct Command;

@@ -32,7 +32,7 @@ class SceneAtHand {
     args_.set("scene", std::move(file)), args_.set("--plugin", std::move(plugins));
   }
 
-  // "crank=", and what may be varied by its path.
+  // "crank=".
   Words parameters() {
     return of_scene([](const Loaded& loaded, Words& all) {
       for (const SceneParameter& p : loaded.scene.parameters)
@@ -57,11 +57,11 @@ class SceneAtHand {
   template <class Collect>
   Words of_scene(Collect&& collect) {
     Words all;
-    std::error_code error;  // a pipe would wait for somebody to write
+    std::error_code error;  // reading a pipe would block
     if (!std::filesystem::is_regular_file(args_["scene"], error)) return all;
     try {
       collect(read_with_plugins(args_), all);
-    } catch (...) {  // whoever types a line is not told of a scene that is not ready
+    } catch (...) {  // an unfinished scene is no error while a line is typed
     }
     return all;
   }
@@ -179,7 +179,8 @@ Completion all_of(const Line& line, SceneAtHand& scene) {
   return line.positionals.empty() ? Completion{line.commands()} : Completion{};
 }
 
-constexpr const char* kBash = R"_(# Completion of lockstep for bash: `lockstep completion bash`, in a file that bash reads.
+constexpr const char* kBash =
+    R"_(# Completion of lockstep for bash: `lockstep completion bash`, in a file that bash reads.
 _lockstep() {
   # bash begins a new word after = and :, the program does not: what stands together in the line is one word.
   local line="${COMP_LINE:0:COMP_POINT}" words=() each i

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What may follow a line that somebody types: from the commands and options themselves, the registry, and the scene at hand.
+// Completions of a typed line: from the commands and options themselves, the registry, and the scene at hand.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace lockstep {
 
-/// What the last word of a line may become.
+/// The completions of the last word of a line.
 struct Completion {
   std::vector<std::string> words{};
   bool files = false;  ///< file names too
@@ -19,7 +19,7 @@ struct Completion {
 /// be read has no names.
 Completion completion(const Program&, const std::vector<std::string>& words);
 
-/// What shells call: `lockstep complete WORDS`. A line a word, first ":files" where file names fit too.
+/// Called by shells: `lockstep complete WORDS`. A line per word, first ":files" if file names fit too.
 int print_completions(const Program&, int argc, const char* const* argv);
 
 }  // namespace lockstep

@@ -15,15 +15,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A scene that is there already, with the changes that somebody made to it, stays.
+// An existing scene, with the changes made to it, stays.
 std::string scene_in(const fs::path& folder) {
-  make_folder(folder.string(), "go to another, or name one (--into)");
+  make_folder(folder.string(), "go to another folder, or name one (--into)");
   const std::string file = (folder / "four_bar.json").string();
   std::error_code error;
   if (!fs::exists(file, error))
     Result().write(file, demo_scene());
   else if (contents_of(file) != demo_scene())
-    fmt::print("{} is there already and is shown as it is\n", file);
+    fmt::print("{} exists and is shown unchanged\n", file);
   return file;
 }
 
@@ -36,13 +36,13 @@ Result show_demo(const Arguments& args) {
   run.set("--record", (folder / "four_bar.csv").string());
   run.set("--report", (folder / "four_bar.html").string());
   if (!args.has("--no-open")) run.set("--open", "");
-  if (contents_of(scene) == demo_scene()) run.set("--until", "2.5");  // some turns
+  if (contents_of(scene) == demo_scene()) run.set("--until", "2.5");  // some revolutions
   const Result result = run_scene(run);
   fmt::print(
       "\nNext:\n"
-      "  lockstep report {0} --set crank=\"80 mm\" --open     another crank\n"
-      "  lockstep check {0}                              what it consists of\n"
-      "  lockstep describe scene                         what a scene may hold\n",
+      "  lockstep report {0} --set crank=\"80 mm\" --open     change the crank\n"
+      "  lockstep check {0}                              bodies, joints, degrees of freedom\n"
+      "  lockstep describe scene                         keys of a scene\n",
       scene);
   return result;
 }
@@ -50,13 +50,12 @@ Result show_demo(const Arguments& args) {
 }  // namespace
 
 Command demo_command() {
-  return {
-      "demo",
-      {{"--into", "DIR", "folder of its files; default: lockstep_demo in LOCKSTEP_OUTPUT or here"},
-       {"--no-open", "", "only write the files, open no browser"}},
-      show_demo,
-      "Writes four_bar.json, .csv, .png, .svg and .html; a four_bar.json that is there already is shown as it is.\n\n"
-      "Example:\n  lockstep demo"};
+  return {"demo",
+          {{"--into", "DIR", "folder of the files; default: lockstep_demo in LOCKSTEP_OUTPUT or here"},
+           {"--no-open", "", "write the files without opening a browser"}},
+          show_demo,
+          "Writes four_bar.json, .csv, .png, .svg and .html. An existing four_bar.json is shown unchanged.\n\n"
+          "Example:\n  lockstep demo"};
 }
 
 }  // namespace lockstep

@@ -15,8 +15,8 @@
 namespace lockstep {
 namespace {
 
-// Whether a formula reads this name. What stands in braces in repeated parts, "{i+n}", is a formula of its own, and stands
-// for a whole number.
+// Whether a formula reads this name. Text in braces in repeated parts, "{i+n}", is a separate formula for a whole
+// number.
 bool reads(const std::string& formula, const std::string& name) {
   std::string outside;
   for (std::size_t i = 0; i < formula.size();) {
@@ -70,7 +70,7 @@ std::string value_words(const Value& v, bool brief) {
 }
 
 std::string ways_to_change(const ParameterFacts& f) {
-  if (!f.is_own && !is_list(f.written)) return "it is made in a part: change what the part makes it of";
+  if (!f.is_own && !is_list(f.written)) return "it is defined by a part: change the values of the part";
   const std::string whole = "--set " + f.name + "=\"=[1, 2, 3]\"";
   if (!is_list(f.value)) return "another value: --set " + f.name + "=..., a range: --vary " + f.name + "=...";
   if (!is_list(f.written)) return "another value: " + whole;  // a formula of the whole vector

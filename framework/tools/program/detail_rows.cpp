@@ -61,8 +61,8 @@ void PictureRows::load(SnapshotReader& in) {
   for (std::size_t i = 0; i < of_jump_.size(); ++i) of_jump_[i] = in.get_flag();
 }
 
-// What cannot be computed there is left out of the picture. The run must not depend on whether there is one: what is
-// solved for here is not the run's, and its observers solve for themselves.
+// Rows that cannot be computed are left out of the picture. The run must not depend on whether there is one, so this
+// solution is not counted, and observers of the run solve again.
 bool PictureRows::add(const Sample& sample, bool of_jump) {
   if (of_jump_.size() == kMostKept) return false;
   const Uncounted uncounted(sample.dynamics());
@@ -78,8 +78,8 @@ bool PictureRows::add(const Sample& sample, bool of_jump) {
   }
 }
 
-// Of rows at one instant the table's own come first: they show what was before a jump. Rows within steps that nearly meet
-// one of its own are left out: a line between points that a rounding separates has spikes.
+// Of rows at one time the table's own come first: they show the values before a jump. Rows within steps that nearly
+// meet one of its own are left out: a line between points that only rounding separates has spikes.
 Table PictureRows::together(const Table& main) const {
   const Table& more = own_->table();
   Table all;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rows beside the outputs of a run, for smooth pictures.
+// Additional rows between the outputs of a run, for smooth pictures.
 #pragma once
 
 #include <cmath>
@@ -11,12 +11,12 @@
 
 namespace lockstep {
 
-/// The rows that a picture needs beside those of the table: on a grid within steps, by dense output, or at the ends of
-/// steps of a method without it; before and after jumps.
+/// The rows that a picture needs in addition to those of the table: on a grid within steps, by dense output, or at the
+/// ends of steps of a method without it; before and after jumps.
 class PictureRows final : public DetailObserver {
  public:
-  /// `own`: a recorder of the columns that are drawn, which `rows` has, too. `spacing`: of the rows, s; infinity: none
-  /// but at jumps.
+  /// `own`: a recorder of the columns that are drawn, which `rows` has, too. `spacing`: of the rows, s; infinity: at
+  /// jumps only.
   PictureRows(std::unique_ptr<Recorder> own, const Recorder& rows, double spacing);
   double spacing() const override { return spacing_; }
   void start(const Sample&) override;
@@ -29,7 +29,7 @@ class PictureRows final : public DetailObserver {
 
   /// With the rows of the run, `main`, in the order of time: the columns that are drawn.
   Table together(const Table& main) const;
-  /// Whether rows within steps were asked for and the method has no dense output: curves join the ends of its steps.
+  /// Whether rows within steps were requested and the method has no dense output: curves join the ends of its steps.
   bool joins_steps() const { return std::isfinite(spacing_) && n_between_ == 0 && n_steps_ > 0; }
 
  private:
@@ -41,7 +41,7 @@ class PictureRows final : public DetailObserver {
   std::vector<bool> of_jump_;  // by row of own_
 };
 
-/// How far apart the rows of a picture are, s: some 600 over the run, or infinity where the outputs are as dense.
+/// The interval between rows of a picture, s: about 600 over the run, or infinity if the outputs are as dense.
 double picture_spacing(const StepLoopOptions&, double until);
 
 }  // namespace lockstep

@@ -57,7 +57,7 @@ std::string stem_of(const std::string& scene) { return scene == "-" ? "stdin" : 
 void make_folder(const std::string& folder, const std::string& next) {
   std::error_code error;
   if (!folder.empty()) fs::create_directories(folder, error);
-  if (error) throw FileError("folder '" + folder + "' cannot be made: " + error.message() + "; " + next);
+  if (error) throw FileError("folder '" + folder + "' cannot be created: " + error.message() + "; " + next);
 }
 
 std::string csv_path(const std::string& record, const std::string& scene) {
@@ -81,13 +81,13 @@ void check_writable(const std::string& file) {
 
 namespace {
 
-// Under which key a value stands, and under which one the object that holds it; items of a list stand under the list's.
+// The key of a value and that of the object that holds it; items of a list have the list's.
 struct KeysOfValue {
   std::string own{}, of_object{};
 };
 
-// Calls visit(value, its keys, its folder) for every value, whose folder is that of the file in which it stands. `file`:
-// that of the folder; null: not known.
+// Calls visit(value, its keys, its folder) for every value, whose folder is that of its file. `file`: that of the
+// folder; null: not known.
 template <class Visit>
 void for_each_value(const Value& value, const KeysOfValue& keys, const std::string* file, const fs::path& folder,
                     Visit&& visit) {
@@ -102,7 +102,7 @@ void for_each_value(const Value& value, const KeysOfValue& keys, const std::stri
     for (const auto& member : *object) for_each_value(member.value, {member.key, keys.own}, file, folder, visit);
 }
 
-// Whether a text under these keys names a file: the mesh of a shape does, that of a gear says how it meshes.
+// Whether a text under these keys names a file: the mesh of a shape does, that of a gear does not.
 bool names_file(const KeysOfValue& keys) {
   return keys.own == "file" || (keys.own == "mesh" && keys.of_object == "shapes");
 }
@@ -122,8 +122,8 @@ void for_each_file(const Scene& scene, Visit&& visit) {
                  });
 }
 
-// Throws UsageError where one of these results would replace a file that the scene is read from. Texts of other keys may
-// name files too, in types of plugins: they count where they end like a result.
+// Throws UsageError if one of these results would replace a file that the scene is read from. Texts of other keys may
+// name files too, in types of plugins: they count if they end like a result.
 void refuse_inputs(const std::vector<fs::path>& results, const Scene& scene) {
   std::error_code error;
   const auto refuse_if_result = [&](const fs::path& input) {
@@ -131,7 +131,7 @@ void refuse_inputs(const std::vector<fs::path>& results, const Scene& scene) {
     for (const fs::path& result : results)
       if (fs::exists(result, error) && fs::equivalent(input, result, error))
         throw UsageError("the results would replace '" + result.string() +
-                         "', from which the scene is read; name another file (--record, --report)");
+                         "', a file of the scene; name another (--record, --report)");
   };
   refuse_if_result(scene.file);
   for_each_file(scene, [&](const Value&, const fs::path& file, const std::string&) { refuse_if_result(file); });
@@ -191,8 +191,8 @@ std::uint64_t hash_of_plugins(const Scene& scene, const std::vector<std::string>
   return hash;
 }
 
-// Both paths are made absolute before links are followed: of a relative one that does not begin with what exists,
-// weakly_canonical() leaves all as it is.
+// Both paths are made absolute before links are followed: weakly_canonical() leaves a relative path unchanged if its
+// beginning does not exist.
 void check_file(const std::string& scene, const Value& value, const std::string& path, const std::string& written) {
   std::error_code error;
   const fs::path folder = fs::weakly_canonical(fs::absolute(scene).parent_path(), error);
@@ -200,7 +200,7 @@ void check_file(const std::string& scene, const Value& value, const std::string&
   const auto [end, in_file] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
   if (end == folder.end()) return;
   throw UsageError(value.where.text() + ": the file \"" + written +
-                   "\" is outside of the scene's folder; put it there, or allow it with --allow-files");
+                   "\" is outside the scene's folder; put it there, or allow it with --allow-files");
 }
 
 void check_files(const Scene& scene) {
@@ -210,8 +210,7 @@ void check_files(const Scene& scene) {
 }
 
 std::string report_path(const std::string& report, const std::string& csv, const Scene& scene) {
-  if (report == "-")
-    throw UsageError("--report: a page for the browser goes to a file; name one, as in --report out.html");
+  if (report == "-") throw UsageError("--report: the report needs a file; name one, as in --report out.html");
   const fs::path file = fs::path(report).lexically_normal();
   make_folder(file.parent_path().string());
   const fs::path base = fs::path(csv).replace_extension();
@@ -224,7 +223,7 @@ std::string report_path(const std::string& report, const std::string& csv, const
   return file.string();
 }
 
-// What opens it may stay until the browser is closed: it is waited for as long as it takes to fail.
+// xdg-open may stay until the browser is closed: it is waited for as long as it takes to fail.
 std::string open_in_browser(const std::string& file) {
   std::string program = "xdg-open", path = fs::absolute(file).string();
   char* const words[] = {program.data(), path.data(), nullptr};

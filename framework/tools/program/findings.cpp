@@ -65,17 +65,18 @@ std::string findings_page() {
   constexpr std::pair<Severity, const char*> kParts[] = {
       {Severity::wrong, "The result is wrong: the program ends with exit code 9."},
       {Severity::doubt,
-       "The result may be wrong: with `--strict` the program ends with exit code 11. `not-certified` and `start-far`, "
-       "which are asked for, end with 11 without it."},
+       "The result may be wrong: with `--strict` the program ends with exit code 11. `not-certified` and `start-far` "
+       "give that code without `--strict`."},
       {Severity::warning,
-       "Probably not what was meant. The exit code does not change, but that of `assemble`: 11 for a start that is not "
-       "the one given."},
+       "Probably not intended. The exit code does not change, except that of `assemble`: 11 if the start differs from "
+       "the given one."},
       {Severity::note, "Information."}};
   std::string page =
-      "# Findings\n\nWhat lockstep notices of a scene, a start, a run or an analysis and is not an error. Every "
-      "finding has a code, which\nnever changes. `lockstep describe CODE` prints what stands here, `--json` lists "
-      "the findings of a run under\n`findings`, and hosts read `SimulationReport::findings`, `RunVerdict::findings` "
-      "and `FindingScope`\n(`<lockstep/finding.h>`). This page is written by `lockstep reference findings`.\n";
+      "# Findings\n\nThis page lists everything that lockstep reports of a model, a run or an analysis and that is no "
+      "error. It is for users\nwho look up a code, and for authors of host programs.\n\nA code never changes. "
+      "`lockstep describe CODE` prints its entry, `--json` lists the findings of a run under `findings`,\nand hosts "
+      "read `SimulationReport::findings`, `RunVerdict::findings` and `FindingScope` (`<lockstep/finding.h>`).\n"
+      "The page is written by `lockstep reference findings`.\n";
   for (const auto& [severity, words] : kParts) {
     page += fmt::format("\n## {}\n\n{}\n\n| code | cause | cure |\n|---|---|---|\n", to_string(severity), words);
     for (const FindingKind* kind : finding_kinds())

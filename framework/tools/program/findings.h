@@ -10,11 +10,11 @@
 
 namespace lockstep {
 
-/// A finding as a result has it; what does not apply is absent.
+/// A finding as a result; fields that do not apply are absent.
 const Fields<Finding>& finding_fields();
 
-/// The findings of the command under way: those that are reported as long as it exists, and those that are added, which are
-/// not logged.
+/// The findings of the present command: those that are reported as long as it exists, and those that are added, which
+/// are not logged.
 class CommandFindings {
  public:
   CommandFindings();

@@ -10,7 +10,7 @@
 
 namespace lockstep {
 
-/// Counts the steps of a run by the coordinates of their ends. An event may change what "auto" takes.
+/// Counts the steps of a run by the coordinates of their ends. An event may change the choice of "auto".
 class FormulationSeen final : public Observer {
  public:
   void step(const Sample& s) override { ++(s.state.coordinates ? joint_ : slots_); }
@@ -19,7 +19,7 @@ class FormulationSeen final : public Observer {
   }
   void load(SnapshotReader& in) override { joint_ = in.get_count(), slots_ = in.get_count(); }
 
-  /// That of most steps; of the state where there was none: "joint", "omega" or "quaternion".
+  /// That of most steps; of the state if there was none: "joint", "omega" or "quaternion".
   std::string name(const StepLoop& sim, Formulation asked) const {
     const bool joint = joint_ + slots_ > 0 ? joint_ >= slots_ : sim.state().coordinates != nullptr;
     return joint ? "joint" : to_string(asked == Formulation::quaternion ? asked : Formulation::omega);

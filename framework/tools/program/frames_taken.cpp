@@ -48,7 +48,7 @@ std::vector<std::string> frames_taken(const Scene& scene) {
     const bool in_world = marker.find("world_orientation") != nullptr || carrier == "ground";
     if (!in_world && particles.contains(carrier)) return;  // a point has no other place
     lines.push_back("marker '" + name + "' is at the origin of " + (in_world ? "the world" : "'" + carrier + "'") +
-                    (!in_world && rods.contains(carrier) ? ", the middle of its rod" : ""));
+                    (!in_world && rods.contains(carrier) ? ", the centre of its rod" : ""));
   });
   return lines;
 }

@@ -23,7 +23,7 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kInterval = 1.0;              // s by the clock: at most so much is lost,
+constexpr double kInterval = 1.0;              // s, wall-clock: at most so much is lost,
 constexpr std::size_t kMostWaiting = 1 << 20;  // or so many bytes
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -46,7 +46,7 @@ GrowingFile::GrowingFile(std::string name) : name_(std::move(name)) {
     if (!error) name_ = target.string();
   }
   if (there && ::access(name_.c_str(), W_OK) != 0)
-    throw FileError(fmt::format("file '{}' is write-protected; allow it (chmod u+w), or name another", name_));
+    throw FileError(fmt::format("file '{}' is write-protected; change that (chmod u+w), or name another", name_));
   partial_ = in_place_ ? name_ : name_ + ".partial";
   do {
     if (file_ >= 0) ::close(file_);
@@ -70,7 +70,7 @@ GrowingFile::~GrowingFile() {
 }
 
 void GrowingFile::fail(const char* what) const {
-  throw FileError(fmt::format("file '{}' {}: {}; check the folder and the space left, or name another", partial_, what,
+  throw FileError(fmt::format("file '{}' {}: {}; check the folder and the free space, or name another", partial_, what,
                               std::strerror(errno)));
 }
 
@@ -111,10 +111,9 @@ void GrowingFile::go_on(long length, std::uint64_t hash) {
     return;
   }
   if (!begins_so(name_, [](std::string_view) {}))
-    throw FileError(
-        fmt::format("the rows that the checkpoint goes on from are neither in '{}' nor in '{}', or were changed; "
-                    "bring them back, or run anew",
-                    partial_, name_));
+    throw FileError(fmt::format(
+        "the rows before the checkpoint are missing or changed in '{}' and '{}'; restore them, or run again", partial_,
+        name_));
   clear();
   begins_so(name_, [&](std::string_view bytes) { append(bytes); });
   write();
@@ -125,7 +124,7 @@ void GrowingFile::append(std::string_view text) {
   if (waiting_.size() > kMostWaiting) write();
 }
 
-// Where the disk is full whole lines stay, and a torn one is taken back.
+// If the disk is full, whole lines stay, and a torn one is removed.
 void GrowingFile::write() {
   std::size_t written = 0;
   while (written < waiting_.size()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// GrowingFile: a file of results that loses nothing: neither the old one, nor what was written.
+// GrowingFile: a file of results that loses neither the old results nor the new ones.
 #pragma once
 
 #include <cstdint>
@@ -10,32 +10,32 @@
 
 namespace lockstep {
 
-/// NAME.partial, which becomes NAME when it is done. It is locked: a second program that writes results of that name is
-/// refused. After a failure it stays, with whole lines only. Where NAME is a link, the file that it leads to is meant;
-/// what is no regular file (a device, a pipe) is written in place and never replaced; "-" is standard output.
+/// NAME.partial, which becomes NAME when it is done. It is locked: a second program that writes results of that name
+/// gets an error. After a failure it stays, with whole lines only. If NAME is a link, its target is written. A device
+/// or a pipe is written in place and never replaced; "-" is standard output.
 class GrowingFile {
  public:
-  /// Opens the file; what it holds stays until clear(), and an existing NAME until commit(). Throws FileError: it cannot
-  /// be written, is write-protected, or another run writes it.
+  /// Opens the file; what it holds stays until clear(), and an existing NAME until commit(). Throws FileError: it
+  /// cannot be written, is write-protected, or another run writes it.
   explicit GrowingFile(std::string name);
   ~GrowingFile();
   GrowingFile(const GrowingFile&) = delete;
   GrowingFile& operator=(const GrowingFile&) = delete;
 
   const std::string& name() const { return name_; }
-  const std::string& partial() const { return partial_; }  ///< the file that is written: NAME itself where in place
+  const std::string& partial() const { return partial_; }  ///< the file that is written: NAME itself if in place
   bool in_place() const { return in_place_; }
-  void clear();                        ///< begins anew
+  void clear();                        ///< begins again
   void append(std::string_view text);  ///< whole lines; they reach the file by write()
   void write();                        ///< Throws FileError.
   void commit();                       ///< The file is done, and safe on the disk. Throws FileError.
 
-  // -- to go on with a file later
+  // -- to continue a file later
   void sync();                                  ///< write(), and to the disk. Throws FileError.
   long length() const { return length_; }       ///< bytes that were written
   std::uint64_t hash() const { return hash_; }  ///< of these bytes (hash_of, checkpoint.h)
-  /// In place of clear(): keeps the first `length` bytes of what NAME.partial holds, or of NAME where a run has ended.
-  /// Throws FileError where neither begins with bytes of that hash.
+  /// In place of clear(): keeps the first `length` bytes of NAME.partial, or of NAME if the run has ended. Throws
+  /// FileError if neither begins with bytes of that hash.
   void go_on(long length, std::uint64_t hash);
 
  private:
@@ -55,9 +55,9 @@ class GrowingFile {
 class GrowingCsv {
  public:
   GrowingCsv(GrowingFile& file, const Table& table, bool units = true) : file_(file), table_(table), units_(units) {}
-  void begin();  ///< the file begins anew, with the header
+  void begin();  ///< the file begins again, with the header
   void take();   ///< appends the rows that were added since
-  /// The table begins anew: its rows were removed.
+  /// The table begins again: its rows were removed.
   void table_emptied() { n_rows_ = 0; }
 
  private:
@@ -66,7 +66,7 @@ class GrowingCsv {
   bool units_;              // in the header
   std::size_t n_rows_ = 0;  // appended
   std::string line_;
-  double written_ = 0;  // when, s by the clock
+  double written_ = 0;  // when, s, wall-clock
 };
 
 }  // namespace lockstep

@@ -15,7 +15,7 @@
 namespace lockstep {
 namespace {
 
-// What a scene gets if it names none.
+// The default of a scene.
 bool is_default(const Description& d) {
   const RunSettings run;
   return (d.shelf == "integrators" && d.info.name == run.integrator.type) ||
@@ -134,7 +134,7 @@ Result describe_in_scene(const Arguments& args) {
   return {loaded, parameter_fields(), all};
 }
 
-/// What a name is.
+/// The meaning of a name.
 struct Described {
   std::vector<Description> types;
   std::string word;  ///< a word of scenes, "orientation"; "" for none
@@ -149,7 +149,7 @@ const Fields<Described>& described_fields() {
 
 Result describe_name(const Arguments& args) {
   if (args.has("--scene")) return describe_in_scene(args);
-  if (args["name"].empty()) throw UsageError("describe: give a name, as in `lockstep describe revolute`");
+  if (args["name"].empty()) throw UsageError("describe: a name is missing, as in `lockstep describe revolute`");
   const Registry registry = make_registry(args.all("--plugin"));
   Described found{find_descriptions(registry, args["name"]), describe_word(registry, args["name"]), {}};
   std::ranges::copy_if(finding_kinds(), std::back_inserter(found.findings),
@@ -165,7 +165,7 @@ Result describe_name(const Arguments& args) {
   for (const FindingKind* kind : found.findings) fmt::print("{}", text_of(*kind));
   for (const Description& d : found.types) {
     fmt::print("{}", describe(d));
-    if (is_default(d)) fmt::print("a run takes it when nothing else is said\n");
+    if (is_default(d)) fmt::print("the default of a run\n");
   }
   fmt::print("{}{}", found.types.empty() || found.word.empty() ? "" : "\n", found.word);
   return result;
@@ -199,8 +199,7 @@ Command describe_command() {
           {{"name", "NAME",
             "a name of `lockstep list`; an object of scenes: body, marker, link, force, event, run, ...; a key; or "
             "orientation, axis, law, formula, unit, channel, ...; with --scene a parameter or point"},
-           {"--scene", "FILE.json",
-            "describe a parameter or point of this scene, or all of them: value, place, what hangs on it"},
+           {"--scene", "FILE.json", "describe a parameter or point of this scene, or all of them: value, place, uses"},
            kPlugin,
            kJson},
           describe_name,
@@ -209,7 +208,7 @@ Command describe_command() {
 }
 Command schema_command() {
   return {"schema",
-          {{"--results", "", "the schemas of the results of all commands, by their names"}, kPlugin},
+          {{"--results", "", "the schemas of the results of all commands"}, kPlugin},
           print_schema,
           "Example:\n  lockstep schema > scene.schema.json"};
 }

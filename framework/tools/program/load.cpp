@@ -16,14 +16,14 @@
 namespace lockstep {
 namespace {
 
-// The picture gets the name of the table, with its own ending: a table of that name would be overwritten.
+// The picture has the name of the table with another ending: a table of that name would be overwritten.
 void refuse_picture(const std::string& record) {
   const std::filesystem::path file = record;
   std::string ending = file.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (ending != ".png" && ending != ".svg") return;
-  throw UsageError("--record: \"" + record + "\" is where the picture goes, not the table; name a CSV file, as in " +
-                   "--record " + std::filesystem::path(file).replace_extension(".csv").string());
+  throw UsageError("--record: \"" + record + "\" is the name of the picture; name a CSV file, as in --record " +
+                   std::filesystem::path(file).replace_extension(".csv").string());
 }
 
 bool takes_fixed_steps(const RunSettings& run, const Registry& registry) {
@@ -36,7 +36,7 @@ void refuse_missing_step(const RunSettings& run, const Arguments& args, const Re
   if (args["--integrator"].empty() || run.step > 0) return;
   if (takes_fixed_steps(run, registry))
     throw UsageError("--integrator: \"" + args["--integrator"] +
-                     "\" takes fixed steps and no step is given; add --step, as in --step 0.001");
+                     "\" has fixed steps and no step is given; add --step, as in --step 0.001");
 }
 
 // The step of the scene's fixed-step method does not limit an adaptive one that the command line names.
@@ -62,9 +62,8 @@ void put_settings(RunSettings& run, const Arguments& args, const Registry& regis
   else if ((args.has("--full") || !args["--solver"].empty()) && run.formulation == Formulation::automatic)
     run.formulation = Formulation::omega;
   if (run.formulation == Formulation::joint && !args["--solver"].empty())
-    throw UsageError(
-        "--solver: joint coordinates are eliminated along the joints, and no linear solver is chosen; leave \"" +
-        args["--solver"] + "\" out, or give --formulation omega");
+    throw UsageError("--solver: joint coordinates need no linear solver; leave out \"" + args["--solver"] +
+                     "\", or give --formulation omega");
   if (args["--formulation"] == "quaternion" && args["--solver"].empty() && run.solver.type == "schur")
     run.solver.type = "sparse";  // the default needs six velocities per body
   run.at_jumps = run.at_jumps || args.has("--at-jumps");
@@ -79,19 +78,18 @@ Scene with_values(const Scene& scene, const std::vector<std::string>& texts, con
   } catch (const ModelError& error) {
     throw UsageError("--set: " + std::string(error.what()));
   } catch (const SceneError& error) {
-    if (error.line != 0) throw;  // the value can be read, and the scene refuses it
+    if (error.line != 0) throw;  // the value can be read, and is an error of the scene
     throw UsageError("--set: " + std::string(error.what()));
   }
 }
 
-// A table that no memory holds.
+// A table beyond any memory.
 void refuse_rows(const RunSettings& run) {
   constexpr double kMost = 1e8;
   if (!(run.output > 0 && run.until / run.output > kMost)) return;
   refuse(run.where, "run.output",
-         text::brief(run.output) + " s over " + text::brief(run.until) + " s are " +
-             text::brief(run.until / run.output) + " rows; at most " + text::brief(kMost) +
-             " are recorded: take a longer interval");
+         text::brief(run.output) + " s over " + text::brief(run.until) + " s gives " +
+             text::brief(run.until / run.output) + " rows (limit " + text::brief(kMost) + "); use a longer interval");
 }
 
 // Planar motion and merged bodies.

@@ -29,7 +29,7 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-// Lines as they stand.
+// Lines as they are.
 std::string verbatim(std::string_view text) { return ".nf\n" + escaped(text) + "\n.fi\n"; }
 
 // "--step H", "SCENE".
@@ -57,10 +57,10 @@ void write_command(std::ostringstream& out, const Command& command) {
 constexpr const char* kEnvironment = R"(.SH ENVIRONMENT
 .TP
 .B LOCKSTEP_OUTPUT
-the folder of results that are not named; default: the present one
+the folder of results without a name; default: the current folder
 .TP
 .B LOCKSTEP_EXEC_PATH
-the folder of the programs that lockstep calls; default: libexec/lockstep beside its own folder
+the folder of the programs that lockstep calls; default: libexec/lockstep next to its own folder
 .TP
 .B LOCKSTEP_PLUGIN_PATH
 folders with plugins, separated by colons, before the program's own
@@ -73,7 +73,7 @@ if set, messages have no colour
 rows of a run that has not ended, or that ended with an error
 .TP
 .I NAME.csv.sweep
-what a sweep that has not ended was begun by, for sweep \-\-resume
+the command of an unfinished sweep, for sweep \-\-resume
 )";
 
 }  // namespace
@@ -91,14 +91,13 @@ Result print_manual(const Arguments&) {
   std::ostringstream out;
   out << ".TH LOCKSTEP 1 \"\" \"lockstep " << kVersion << "\" \"User Commands\"\n"
       << ".SH NAME\nlockstep \\- simulate mechanisms of rigid bodies\n"
-      << ".SH SYNOPSIS\n.B lockstep\n.I VERB\n.RI [ OPTIONS ]\n"
+      << ".SH SYNOPSIS\n.B lockstep\n.I COMMAND\n.RI [ OPTIONS ]\n"
       << ".SH DESCRIPTION\nlockstep reads a mechanism of rigid bodies, joints, laws of motion and forces from a "
-         "scene, a file in JSON, and computes its motion: as a table, as pictures, and as one page for the browser "
-         "that shows it move.\n"
+         "scene, a file in JSON. It writes the motion as a table, as pictures, and as one animated page for the "
+         "browser.\n"
       << ".PP\nBegin with\n.B lockstep demo\nor\n.BR \"lockstep describe scene\" .\n"
-      << ".SH VERBS\n";
-  out << commands_page({own_commands(), true}) << ask_tools("man-verbs") << ".SH EXIT STATUS\n"
-      << escaped(kExitCodes) << ".\n";
+      << ".SH COMMANDS\n";
+  out << commands_page({own_commands(), true}) << ask_tools("man-verbs") << ".SH EXIT STATUS\n" << verbatim(kExitCodes);
   fmt::print("{}{}", out.str(), kEnvironment);
   return kExitOk;
 }

@@ -8,14 +8,23 @@
 
 namespace lockstep {
 
-/// What `lockstep --help` ends with.
+/// The exit codes, for `lockstep --help` and the manual.
 inline constexpr const char* kExitCodes =
-    "0 done; 2 command line, 3 scene, 4 plugin or its code, 5 start off the constraints, 6 a step that cannot be "
-    "made, 7 a number that is not finite, 8 file; 9 the run went through, but its energy balance or its drift is "
-    "beyond the limits (energy_limit, violation_limit); 10 out of memory; 11 a doubtful result (run --strict), or a "
-    "start far from the one given (assemble); 130 interrupted; 1 any other failure";
+    "    0  done\n"
+    "    1  any other failure\n"
+    "    2  invalid command line\n"
+    "    3  invalid scene\n"
+    "    4  plugin, or its code\n"
+    "    5  the start does not fit the constraints\n"
+    "    6  a step or solution cannot be computed\n"
+    "    7  a number is not finite\n"
+    "    8  file\n"
+    "    9  complete; energy error or constraint violation beyond its limit (energy_limit, violation_limit)\n"
+    "   10  out of memory\n"
+    "   11  complete; doubtful result (--strict, --certify), or start far from the one given (assemble)\n"
+    "  130  interrupted";
 
-/// Its part on the commands of a program, but for one that stands in for lockstep's own.
+/// Its part on the commands of a program, without one that replaces a command of lockstep.
 std::string commands_page(const Program&);
 
 }  // namespace lockstep

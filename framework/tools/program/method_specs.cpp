@@ -107,7 +107,7 @@ int whole_number(const std::string& option, const std::string& text, int most, c
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
   if (error != std::errc() || end != text.data() + text.size() || n < 1 || n > most)
     throw UsageError(option + ": \"" + text + "\" " +
-                     (refusal.empty() ? "is no whole number from 1 to " + std::to_string(most) : refusal));
+                     (refusal.empty() ? "is not a whole number from 1 to " + std::to_string(most) : refusal));
   return n;
 }
 

@@ -28,10 +28,10 @@ MethodSpec with_known_keys(const TypeInfo& type, const Value& keys);
 
 /// A positive number of the command line, in SI or with a unit. Throws UsageError naming `option`.
 double positive_number(const std::string& option, const std::string& text, Unit unit, const char* example = nullptr);
-/// An instant of a run, s: 0, its start, or later. Throws likewise.
+/// A time of a run, s: 0, its start, or later. Throws likewise.
 double instant(const std::string& option, const std::string& text);
 
-/// A whole number of the command line, from 1 to `most`. Throws UsageError naming `option`; `refusal`: in words of its own.
+/// A whole number of the command line, from 1 to `most`. Throws UsageError naming `option`; `refusal`: its words.
 int whole_number(const std::string& option, const std::string& text, int most, const std::string& refusal = "");
 /// --jobs; `usual` without it. Throws UsageError.
 int jobs_of(const Arguments&, int usual);

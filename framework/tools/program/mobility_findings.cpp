@@ -18,7 +18,7 @@
 namespace lockstep {
 namespace {
 
-constexpr int kMostMotions = 12;        // told in words
+constexpr int kMostMotions = 12;        // reported in words
 constexpr double kNearPosition = 1e-2;  // singular value of rows of length 1
 
 State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, MobilityFindings& found) {
@@ -26,12 +26,16 @@ State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, Mobili
   State start = decided_start(dynamics, m, &near);
   try {
     if (m.run.assemble)
-      assemble(dynamics, start, m.start_speeds, m.assembly);
+      assemble_scene(dynamics, m, start);
     else
       check_start(dynamics, start, StepLoopOptions().start_limit);
     refuse_locked(dynamics, start);
+    refuse_driven_lock(dynamics, start);
+    StepLoop run(dynamics, make_integrator(m.run, *m.methods), loop_options(m.run));
+    run.set_state(start), run.run_until(start.t);  // as a run begins
   } catch (const Error&) {
-    found.refused = std::current_exception(), start = typed;
+    found.refused = std::current_exception();
+    if (dynamics.violation(start) > StepLoopOptions().start_limit) start = typed;
   }
   if (!near.looked) near = {true, nearly_redundant_at(dynamics, m, start)};
   return start;
@@ -41,15 +45,15 @@ bool is_near(const BranchPoint& position) { return position.singular || position
 
 std::string plane_text(const Json& normal) {
   if (normal.get_ref<const std::string&>().empty()) return "";
-  return "normal " + normal.get<std::string>() + "; rows out of it are left out (--full counts them too)";
+  return "normal " + normal.get<std::string>() + "; out-of-plane constraints are not counted (--full counts them)";
 }
 
 std::string unique_text(const Json& all) { return all.get<bool>() ? "all are unique" : ""; }
 
 std::string position_text(const Json& position) {
-  if (position["in"]) return "the start lies in one: " + position["what"].get<std::string>();
+  if (position["in"]) return "at the start: " + position["what"].get<std::string>();
   if (!position["near"]) return "";
-  return fmt::format("near: a combination of rows is down to {:.2g} of their size", position["smallest"].get<double>());
+  return fmt::format("near: smallest relative singular value {:.2g}", position["smallest"].get<double>());
 }
 
 }  // namespace
@@ -65,7 +69,7 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   found.columns_not_unique = columns_not_unique(m.run, found.reactions);
   if (!found.reactions.all_unique())
     CommandFindings::add({&finding::reactions_not_unique, first_of(found.reactions.rows),
-                          "redundant rows share these reactions as the solver chooses"});
+                          "reactions are not unique, because constraints are redundant"});
   found.position = branch_point(dynamics, counted);
   State at = counted;
   dynamics.to_slots(at);
@@ -79,19 +83,21 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
 
 const Fields<MobilityFindings>& mobility_fields() {
   using Found = MobilityFindings;
-  static const Fields<Dependency> kDependency{{"rows", "", "rows", &Dependency::rows},
-                                              {"too_many", "", "too many", &Dependency::too_many},
-                                              {"nearly", "", "nearly", &Dependency::nearly},
+  static const Fields<Dependency> kDependency{{"rows", "", "constraints", &Dependency::rows},
+                                              {"too_many", "", "redundant", &Dependency::too_many},
+                                              {"nearly", "", "nearly redundant", &Dependency::nearly},
                                               {"pivot", "", "", &Dependency::pivot}};
   static const Fields<MobilityReport> kReport{
-      {"bodies", "", "bodies that move", &MobilityReport::bodies},
+      {"bodies", "", "moving bodies", &MobilityReport::bodies},
       {"unknowns", "", "unknown velocities", &MobilityReport::unknowns},
-      {"rows", "", "rows", &MobilityReport::rows},
+      {"rows", "", "constraints", &MobilityReport::rows},
       {"rank", "", "rank", &MobilityReport::rank},
       {"freedoms", "", "degrees of freedom", &MobilityReport::freedoms},
-      {"redundant", "", "redundant rows", &MobilityReport::redundant},
-      {"redundant_links", "", "redundant links", &MobilityReport::redundant_links},
-      {"dependencies", "dependent rows", &MobilityReport::dependencies, kDependency}};
+      {"driven", "", "  prescribed by drives", &MobilityReport::driven, unless_zero},
+      {"drives", "", "  of", &MobilityReport::drives},
+      {"redundant", "", "redundant constraints", &MobilityReport::redundant},
+      {"redundant_links", "", "  of joints", &MobilityReport::redundant_links},
+      {"dependencies", "dependent constraints", &MobilityReport::dependencies, kDependency}};
   static const Fields<Found> kPosition{{"in", "", "", [](const Found& f) { return f.position.singular; }},
                                        {"near", "", "", [](const Found& f) { return is_near(f.position); }},
                                        {"what", "", "", &Found::position_words},
@@ -106,11 +112,11 @@ const Fields<MobilityFindings>& mobility_fields() {
       Fields<Found>{{"plane", "", "plane", &Found::plane, plane_text}}
           .with(&Found::mobility, kReport)
           .with({{"free_motions", "", "free motions", [](const Found& f) { return f.moves.free; }},
-                 {"singular_position", "singular position", position, kPosition, position_text},
+                 {"singular_position", "singular configuration", position, kPosition, position_text},
                  {"nearly_redundant", "", near, near_fields()},
                  {"reactions_unique", "", "reactions", all_unique, unique_text},
                  {"rows_not_unique", "", "reactions not unique", [](const Found& f) { return f.reactions.rows; }},
-                 {"columns_not_unique", "", "recorded of these", &Found::columns_not_unique}});
+                 {"columns_not_unique", "", "  recorded", &Found::columns_not_unique}});
   return kFields;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is counted and found of the mobility of a scene, for the verbs `mobility` and `check`.
+// The mobility of a scene, for the commands `mobility` and `check`.
 #pragma once
 
 #include <exception>
@@ -20,19 +20,19 @@ struct MobilityFindings {
   NearRows near;
   UniquenessReport reactions;
   BranchPoint position;
-  std::vector<std::string> branches;  ///< the motions that leave a branch point
-  std::string position_words;         ///< "" in a regular one
-  NearlyRedundant choice = NearlyRedundant::automatic;  ///< what the run asks for
+  std::vector<std::string> branches;                    ///< the motions that leave a branch point
+  std::string position_words;                           ///< "" in a regular one
+  NearlyRedundant choice = NearlyRedundant::automatic;  ///< as the run requests
   std::vector<std::string> columns_not_unique;          ///< recorded columns of reactions that are not unique
   DriveReport moves;
   std::string plane;           ///< "z": its normal; "" in space
-  std::exception_ptr refused;  ///< why a run would not start; null where it would
+  std::exception_ptr refused;  ///< why a run would not start; null if it would
 };
-/// Counted where a run begins: a start typed with eight digits leaves none of a loop's freedoms. One that cannot be
-/// assembled is taken as it is typed, and `refused`.
+/// Counted at the assembled start: one typed with eight digits leaves a loop no degree of freedom. A start that cannot
+/// be assembled is used as typed, and `refused` is set.
 MobilityFindings mobility_of(Dynamics&, Mechanism&, const State& typed);
 
-/// As a result has them.
+/// As a result.
 const Fields<MobilityFindings>& mobility_fields();
 
 }  // namespace lockstep

@@ -32,13 +32,13 @@ void check_letters(const std::string& name) {
   if (name.empty() || name.size() > 60 || !letters || !is_lower(name.front()) || name.back() == '_' ||
       name.find("__") != std::string::npos)
     throw UsageError(
-        fmt::format("new-plugin: \"{}\" cannot be a plugin's name; take small letters, digits and single _, "
+        fmt::format("new-plugin: \"{}\" cannot be a plugin's name; use small letters, digits and single _, "
                     "a letter first, at most 60, as in wavy_rail",
                     name));
   if (name.starts_with("lib"))
     throw UsageError(
-        fmt::format("new-plugin: \"{}\" begins with \"lib\", which lockstep cuts from the name of a plugin's file "
-                    "(libbump.so is plugin bump); take a name without it",
+        fmt::format("new-plugin: \"{}\" begins with \"lib\", which lockstep removes from the name of a plugin's file "
+                    "(libbump.so is plugin bump); use a name without it",
                     name));
 }
 
@@ -46,8 +46,8 @@ void check_free(const std::string& kind, const std::string& name, const Registry
   for_each_shelf([&](auto, const std::string& by, auto shelf) {
     if ((taken.*shelf).find(name) == nullptr) return;
     throw UsageError(
-        fmt::format("new-plugin: \"{}\" is {} {} of lockstep already (`lockstep describe {}`); take another name", name,
-                    by.front() == 'i' ? "an" : "a", by, name));
+        fmt::format("new-plugin: \"{}\" is already {} {} of lockstep (`lockstep describe {}`); use another name", name,
+                    by.front() == 'i' ? "an" : "a", by == "link" ? "joint" : by, name));
   });
   // Names of lockstep's own classes, and of CMake's own targets.
   constexpr std::array kClasses = {"MotionLaw",    "TranslationLaw", "RotationLaw",  "MarkerForce",
@@ -55,12 +55,11 @@ void check_free(const std::string& kind, const std::string& name, const Registry
   const std::string made = class_name(kind, name);
   if (std::find(kClasses.begin(), kClasses.end(), made) != kClasses.end())
     throw UsageError(
-        fmt::format("new-plugin: the class of \"{}\" would be {}, which lockstep has; take another name", name, made));
+        fmt::format("new-plugin: the class of \"{}\" would be {}, which lockstep has; use another name", name, made));
   constexpr std::array kTargets = {"all",      "clean",   "edit_cache", "help",          "install",
                                    "lockstep", "package", "preinstall", "rebuild_cache", "test"};
   if (std::find(kTargets.begin(), kTargets.end(), name) != kTargets.end())
-    throw UsageError(
-        fmt::format("new-plugin: \"{}\" is a target that every CMake project has; take another name", name));
+    throw UsageError(fmt::format("new-plugin: \"{}\" is a target of every CMake project; use another name", name));
 }
 
 std::string replaced(std::string_view text, std::string_view what, std::string_view by) {
@@ -97,11 +96,11 @@ std::vector<std::string> write_plugin(const std::string& kind, const std::string
   const fs::path folder = fs::path(into.empty() ? "." : into) / name;
   std::error_code error;
   if (fs::exists(fs::symlink_status(folder, error)))
-    throw FileError(fmt::format("{}: exists already and is left as it is; take another name, or --into another folder",
-                                folder.string()));
+    throw FileError(
+        fmt::format("{}: exists and is left unchanged; use another name, or --into another folder", folder.string()));
   if (!fs::create_directories(folder, error))
-    throw FileError(fmt::format("{}: cannot be made: {}; say --into a folder that you may write to", folder.string(),
-                                error.message()));
+    throw FileError(
+        fmt::format("{}: cannot be created: {}; give --into a writable folder", folder.string(), error.message()));
   Result made;
   try {
     for (const TemplateFile& file : template_files()) {
@@ -137,7 +136,7 @@ Command new_plugin_command() {
           {Option{"kind", "KIND", "link, coupling, law, force or integrator"}
                .among("link,coupling,law,force,integrator")
                .needed(),
-           Option{"name", "NAME", "its name in scenes, and its folder's: small letters, digits and _"}.needed(),
+           Option{"name", "NAME", "its name in scenes and of its folder: small letters, digits and _"}.needed(),
            {"--into", "DIR", "the parent of its folder; default: here"}},
           make_plugin,
           "Example:\n  lockstep new-plugin link wavy_rail"};

@@ -31,19 +31,18 @@ std::vector<std::string> words_of(std::string_view choices) {
 
 const Options& scene_options() {
   static const Options kOptions{
-      Option{"scene", "SCENE", "the scene file (JSON); -: from standard input"}.needed(),
+      Option{"scene", "SCENE", "the scene file (JSON); -: standard input"}.needed(),
       kPlugin,
-      Option{"--planar", "AXIS", "planar motion, by its normal; auto: where that is exact"}.among("off,auto,x,y,z"),
+      Option{"--planar", "AXIS", "normal of planar motion; auto: if planar motion is exact"}.among("off,auto,x,y,z"),
       Option{"--set", "NAME=VALUE",
-             "NAME=VALUE: another value of a parameter (crank=\"120 mm\"), or of a path as in `lockstep sweep --help`; "
-             "may be repeated"}
+             "another value of a parameter (crank=\"120 mm\") or of a path, as in `lockstep sweep --help`; repeatable"}
           .repeated(),
-      {"--allow-files", "", "let the scene read files outside of its folder"},
+      {"--allow-files", "", "let the scene read files outside its folder"},
       Option{"--nearly-redundant", "WORD",
-             "rows that depend on others but for a singular value below 1e-3: held (auto, where that can be), left out "
-             "(free), or told and not decided"}
+             "nearly dependent constraints (relative singular value below 1e-3): held: keep; free: drop; told: report "
+             "only; auto: keep if possible"}
           .among("auto,told,free,held"),
-      {"--full", "", "no shortcuts: neither planar motion nor merged bodies nor coordinates of joints"}};
+      {"--full", "", "no simplifications: motion in space, no merged bodies, absolute coordinates"}};
   return kOptions;
 }
 
@@ -55,8 +54,8 @@ const Options& settings_options() {
         Option{"--tolerance", "T", "relative tolerance of adaptive integrators"}.without("--step"),
         {"--until", "T", "end of the run, s"},
         Option{"--formulation", "F",
-               "unknowns: 6 velocities per body, the paper's 7 coordinates, or the coordinates of the joints; auto: of "
-               "the joints where that can be, else omega"}
+               "coordinates: joint (relative), omega (6 velocities per body), quaternion (7 per body); auto: joint if "
+               "possible, else omega"}
             .among(kFormulations),
         Option{"--stabilization", "S", "constraint stabilisation"}.among(kStabilizations),
         {"--solver", "N", "see `lockstep list solvers`"}}});
@@ -66,35 +65,33 @@ const Options& settings_options() {
 Options run_outputs() {
   return {
       {"--record", "FILE.csv",
-       "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, and words to standard "
-       "error"},
+       "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, messages to standard error"},
       {"--strict", "",
-       "end with 11 where the result is doubtful: singular positions passed with plain stages, a tolerance that was "
-       "not reached, recorded reactions beside a singular position"},
+       "exit code 11 for a doubtful result: singular configuration passed, tolerance not reached, uncertain reactions"},
       kHeaders,
-      {"--at-jumps", "", "rows also just before and just after events, impacts and jumps of laws"},
-      Option{"--picture", "X:Y",
-             "X:Y: one more picture, of column Y against column X (the path of a point); may be repeated"}
+      {"--at-jumps", "", "also write rows just before and after events, impacts and jumps of laws"},
+      Option{"--picture", "X:Y", "one more picture: column Y against column X (the path of a point); may be repeated"}
           .repeated(),
-      Option{"--no-picture", "", "draw no picture beside the CSV file"}.without("--picture"),
-      {"--quiet", "", "print errors only; energy is then not integrated and not judged, drift is"},
+      Option{"--no-picture", "", "draw no picture"}.without("--picture"),
+      {"--summary", "", "print the extremes of all recorded columns"},
+      Option{"--verbose,-v", "", "print assembly, method, steps, energy by source, violation"}.without("--summary"),
+      {"--quiet", "", "print errors only; the energy balance is not computed"},
       kJson.without("--quiet,--certify")};
 }
 
 const Options& run_options() {
   static const Options kOptions = join(
       {settings_options(),
-       {{"--report", "FILE.html", "one HTML file that shows the motion and the columns in a browser"},
+       {{"--report", "FILE.html", "one HTML file with the moving mechanism and its plots"},
         {"--certify", "",
-         "repeat the run with a tighter tolerance and with a second method; report how many digits of each column "
-         "agree; exit code 11 where not one digit of a column does"},
+         "repeat with a tighter tolerance and with a second method; report in how many digits each column agrees; exit "
+         "code 11 if it is none"},
         Option{"--budget", "T", "CPU time for all runs of --certify together; default 60 s"}.along("--certify")},
        run_outputs(),
        {Option{"--checkpoint", "FILE",
-               "write all that the run holds to this file now and then, and when it is interrupted; `lockstep resume` "
-               "goes on from there. It is removed when the run is done"}
+               "write checkpoints to this file, for `lockstep resume`; it is removed when the run is done"}
             .without("--certify,--report"),
-        Option{"--every", "T", "how often, by the clock; default 60 s"}.along("--checkpoint")}});
+        Option{"--every", "T", "wall-clock time between checkpoints; default 60 s"}.along("--checkpoint")}});
   return kOptions;
 }
 

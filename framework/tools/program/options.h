@@ -35,7 +35,7 @@ struct Option {
     return word == key() || (name.size() > key().size() && word == name.substr(key().size() + 1));
   }
 
-  // -- the same option, of which more is said
+  // -- the same option with more properties
   constexpr Option among(std::string_view words) const { return with(&Option::choices, words); }
   constexpr Option along(std::string_view other) const { return with(&Option::needs, other); }
   constexpr Option without(std::string_view other) const { return with(&Option::excludes, other); }
@@ -50,7 +50,7 @@ Options join(std::initializer_list<Options> lists);
 
 /// A command.
 struct Command {
-  std::string_view name;  ///< of its verb (tools.h)
+  std::string_view name;  ///< as in tools.h
   Options options;
   Result (*run)(const Arguments&);
   std::string_view footer{};
@@ -80,15 +80,15 @@ std::vector<Command> own_commands();  ///< all of them; the first is run
 Result run_scene(const Arguments&);
 std::vector<const Schema*> run_results();  ///< what its documents may have
 
-/// The certificate of a run.
+/// The verified digits of a run.
 struct CertifiedRun {
   std::string text;   ///< lines
-  std::string doubt;  ///< a sentence that names the columns of which not one digit is certified; "" if there are none
+  std::string doubt;  ///< a sentence that names the columns without a verified digit; "" if there are none
 };
 /// `run`: its settings; `table`: what it recorded.
 using Certify = CertifiedRun (*)(const Loaded&, const Arguments&, const RunSettings& run, const Table& table);
 
-/// `run`, and the certificate after it.
+/// `run`, and the verified digits after it.
 Result run_and_certify(const Arguments&, Certify);
 
 /// The schemas of what commands print with --json, by their names: of these, and of all programs.
@@ -101,17 +101,15 @@ std::vector<std::string> words_of(std::string_view choices);
 // -- what several commands share
 inline constexpr std::string_view kStabilizations = "project,baumgarte,none",
                                   kFormulations = "omega,quaternion,joint,auto";
-inline constexpr Option kJson{"--json", "", "print the result as JSON, and nothing else"};
-inline constexpr Option kPlugin =
-    Option{"--plugin", "P", "load a plugin, by name or path; may be given several times"}.repeated();
+inline constexpr Option kJson{"--json", "", "print the result as JSON only"};
+inline constexpr Option kPlugin = Option{"--plugin", "P", "load a plugin, by name or path; may be repeated"}.repeated();
 inline constexpr Option kHeaders =
-    Option{"--headers", "KIND", "names of the CSV's columns: with units, \"x [m]\", or plain, \"x\""}.among(
+    Option{"--headers", "KIND", "column names of the CSV file: with units, \"x [m]\", or plain, \"x\""}.among(
         "units,plain");
-inline constexpr Option kJobs{"--jobs", "N",
-                              "threads that compute runs, 1 to 1024; default: the processors that the program may use"};
+inline constexpr Option kJobs{"--jobs", "N", "threads, 1 to 1024; default: the available processors"};
 const Options& scene_options();     ///< the scene, and what changes it
 const Options& settings_options();  ///< the scene, and how it is run
 const Options& run_options();       ///< all that `run` takes
-Options run_outputs();              ///< of those, what a run writes beside its report
+Options run_outputs();              ///< of those, what a run writes except its report
 
 }  // namespace lockstep

@@ -53,7 +53,7 @@ std::vector<Panel> panels_by_unit(const Table& table, const std::vector<std::str
   return panels;
 }
 
-// The panels that are asked for, each split by unit; of none, as many columns as a picture can hold.
+// The requested panels, each split by unit; without any, as many columns as a picture can hold.
 std::vector<Panel> panels_of(const Table& table, const Panels& draw) {
   constexpr std::size_t kMostPanels = 4, kMostCurves = 6;
   std::vector<std::string> names;
@@ -83,12 +83,12 @@ void draw_path(const std::string& base, const std::string& title, const Table& t
                     .equal_scales = x.unit == y.unit && x.unit == "m"});
 }
 
-// Why a table is not drawn; "" where it is.
+// Why a table is not drawn; "" if it is.
 std::string why_not(const std::string& csv, const Table& table) {
   std::error_code none;
   if (table.n_rows() < 2) return "nothing to draw: a curve needs two rows";
-  if (table.n_columns() < 2) return "nothing to draw: no column beside the time is recorded";
-  if (!fs::is_regular_file(csv, none)) return "nothing to draw beside '" + csv + "', which is no file";
+  if (table.n_columns() < 2) return "nothing to draw: no column except the time is recorded";
+  if (!fs::is_regular_file(csv, none)) return "'" + csv + "' is not a regular file";
   return find_gnuplot().empty() ? "gnuplot is not installed (apt install gnuplot-nox)" : "";
 }
 
@@ -148,9 +148,9 @@ bool draw_run(const std::string& csv, const std::string& title, const RowEnvelop
     return false;
   }
   if (details != nullptr && details->joins_steps())
-    notes.push_back("curves join the ends of steps: " + run.integrator.type + " has no dense output");
+    notes.push_back("curves connect the ends of steps: " + run.integrator.type + " has no dense output");
   if (!outputs.pictures.empty() && rows.path_every() > 1)
-    notes.push_back(fmt::format("paths join one row in {}", rows.path_every()));
+    notes.push_back(fmt::format("paths connect one row in {}", rows.path_every()));
   const std::size_t n = rows.ranges().columns.size(), n_drawn = names_in(panels).size();
   if (run.draw.empty() && n_drawn < n)
     notes.push_back(fmt::format("drawn: {} of {} columns; choose with run.draw", n_drawn, n));

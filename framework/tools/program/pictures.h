@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pictures of a run beside its table.
+// The pictures of a run.
 #pragma once
 
 #include <memory>
@@ -14,8 +14,8 @@
 
 namespace lockstep {
 
-/// What a run writes beside its numbers, of the scene and the command line. `columns`: those that are recorded. Throws
-/// UsageError, also where a file would replace one that the scene is read from.
+/// What a run writes in addition to its numbers, by the scene and the command line. `columns`: those that are recorded.
+/// Throws UsageError, also if a file would replace one that the scene is read from.
 RunOutputs checked_outputs(const Loaded&, const Arguments&, const Table& columns, const std::string& csv);
 
 /// Names of the columns of each panel of a picture.
@@ -23,14 +23,14 @@ using Panels = std::vector<std::vector<std::string>>;
 /// The columns that draw_run() takes of a table with these.
 std::set<std::string> drawn_columns(const Table& columns, const Panels& draw, const std::vector<PictureRequest>&);
 
-/// The rows that pictures need beside the table's; null where none is drawn. A run with checkpoints may go on where there
-/// is a gnuplot, whether there is one here or not.
+/// The rows that pictures need in addition to the table's; null if none is drawn. A run with checkpoints may continue
+/// where there is a gnuplot, even if there is none here.
 std::unique_ptr<PictureRows> picture_rows(Mechanism&, const std::string& csv, const Recorder& rows, const RunOutputs&,
                                           const Arguments&);
 
 /// Draws columns over time as SVG and PNG next to the CSV: the panels of run.draw, or the first columns, one panel per
-/// unit; and pictures of one column against another, of rows of one instant each. Adds its files, and what is to know of
-/// them. False if drawing was possible and failed: the results are worth more than their picture.
+/// unit; and pictures of one column against another, of rows of one time each. Adds its files, and notes on them. False
+/// if drawing was possible and failed, which is no error of the run.
 bool draw_run(const std::string& csv, const std::string& title, const RowEnvelope&, const PictureRows* details,
               const RunSettings&, const RunOutputs&, std::vector<std::string>& files, std::vector<std::string>& notes);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The command plugins list: the plugins of the search path, and why one is refused. Each file is asked by a process of its
-// own, which code of a damaged file may end.
+// The command plugins list: the plugins of the search path, and why one is rejected. Each file is opened by a separate
+// process, which code of a damaged file may end.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -74,15 +74,15 @@ const Fields<Survey>& survey_fields(bool why) {
   const auto make = [](bool all) {
     return Fields<Survey>{{"host", "", all ? "this host" : "", &Survey::host},
                           // LOCKSTEP_PLUGIN_PATH, then the program's own
-                          {"folders", "", all ? "searched" : "", &Survey::folders},
-                          {"missing_folders", "", all ? "of them missing" : "", missing_folders},
+                          {"folders", "", all ? "searched folders" : "", &Survey::folders},
+                          {"missing_folders", "", all ? "missing folders" : "", missing_folders},
                           {"plugins", "plugins", &Survey::plugins, plugin_fields(all)}};
   };
   static const Fields<Survey> kShort = make(false), kWhole = make(true);
   return why ? kWhole : kShort;
 }
 
-// Stands before the answer of a process; what a plugin prints may stand before it.
+// Precedes the answer of a process; output of the plugin may precede it.
 constexpr std::string_view kAnswer = "\nlockstep plugin: ";
 constexpr unsigned kPatience = 10;  // s, for one file
 
@@ -107,7 +107,7 @@ void ask_process(PluginCandidate& c) {
     if (const Json answer = Json::from_msgpack(text.substr(at + kAnswer.size()), false, false); answer.is_object())
       return take_answer(answer, c);
   c.why = "plugin file '" + c.file + "' ended the process that opened it: " + end_words(status) +
-          "; the file is damaged, or its code is wrong; build or install it anew";
+          "; the file is damaged, or its code is wrong; build or install it again";
 }
 
 }  // namespace
@@ -127,7 +127,7 @@ namespace {
 Result list_plugins(const Arguments& args) {
   const Survey found{abi_words(abi_of_this_build()), plugin_folders(), survey_plugins(plugin_folders(), ask_process)};
   if (found.plugins.empty() && !args.has("--json"))
-    fmt::print("no plugin in {} folders; --why names them\n", found.folders.size());
+    fmt::print("no plugins in {} folders; --why lists them\n", found.folders.size());
   return {survey_fields(args.has("--why")), found};
 }
 
@@ -135,7 +135,7 @@ Result list_plugins(const Arguments& args) {
 
 Command plugins_list_command() {
   return {"plugins list",
-          {{"--why", "", "report everything: folders, files, builds, and why a plugin is refused"}, kJson},
+          {{"--why", "", "report folders, files, builds, and why a plugin is rejected"}, kJson},
           list_plugins,
           "Example:\n  LOCKSTEP_PLUGIN_PATH=~/my/plugins lockstep plugins list --why",
           {&survey_fields(false).schema()}};

@@ -21,7 +21,7 @@ static_assert(std::atomic<int>::is_always_lock_free);
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
-// What is ignored (SIGHUP under nohup) stays ignored.
+// A signal that is ignored (SIGHUP under nohup) stays ignored.
 void handle_by(void (*handler)(int)) {
   for (const int signal : kSignals)
     if (std::signal(signal, handler) == SIG_IGN) std::signal(signal, SIG_IGN);

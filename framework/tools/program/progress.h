@@ -8,7 +8,8 @@
 
 namespace lockstep {
 
-/// While it exists, Ctrl-C (or SIGTERM, or the end of the terminal) is recorded instead of ending the program; a second one does end it.
+/// While it exists, Ctrl-C (or SIGTERM, or the end of the terminal) is recorded instead of ending the program; a second
+/// one ends it.
 class Interrupt {
  public:
   Interrupt();
@@ -18,7 +19,7 @@ class Interrupt {
   bool asked() const;
 };
 
-/// What is counted.
+/// The unit of progress.
 enum class Counts { seconds, runs, budget };
 
 /// Prints to standard error: on a terminal up to ten times a second, cut to its width; otherwise a line every ten
@@ -30,7 +31,7 @@ class Progress {
   void at(double t);
   /// Clears the bar.
   void finish();
-  double seconds() const;  ///< since its construction, by the clock
+  double seconds() const;  ///< since its construction, wall-clock
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -25,38 +25,49 @@ std::string number_text(const Json& v, double largest) {
   if (v.is_null()) return "-";
   if (v.is_number_integer()) return v.dump();
   const double x = v.get<double>();
-  return fmt::format("{:.6g}", std::abs(x) <= 1e-12 * largest ? 0.0 : x);
+  return fmt::format("{:.6g}", std::abs(x) <= 1e-12 * largest || std::abs(x) < 1e-30 ? 0.0 : x);
 }
 
 std::string unless_zero(const Json& n) { return n == 0 ? std::string() : number_text(n); }
 
-std::string vector_text(const Json& v) {
+namespace {
+
+// The largest number in it, however deep.
+double largest_in(const Json& v) {
+  if (v.is_number()) return std::abs(v.get<double>());
   double largest = 0;
-  for (const Json& x : v)
-    if (x.is_number()) largest = std::max(largest, std::abs(x.get<double>()));
+  if (v.is_array())
+    for (const Json& x : v) largest = std::max(largest, largest_in(x));
+  return largest;
+}
+
+}  // namespace
+
+std::string vector_text(const Json& v, double largest) {
+  largest = std::max(largest, largest_in(v));
   std::string text;
   for (const Json& x : v)
-    text += (text.empty() ? "" : ", ") + (x.is_array() ? vector_text(x) : number_text(x, largest));
+    text += (text.empty() ? "" : ", ") + (x.is_array() ? vector_text(x, largest) : number_text(x, largest));
   return "[" + text + "]";
 }
 
 namespace {
 
-// A value in one line, without its unit.
-std::string value_text(const FieldInfo& field, const Json& v) {
+// A value in one line, without its unit; `largest`: the largest number of this unit that is printed.
+std::string value_text(const FieldInfo& field, const Json& v, double largest) {
   if (field.words != nullptr) return field.words(v);
   if (v.is_string()) return v;
   if (v.is_boolean()) return v.get<bool>() ? "yes" : "no";
-  if (!v.is_array()) return v.is_number() || v.is_null() ? number_text(v, 0) : v.dump();
-  if (field.type != "string") return vector_text(v);
+  if (!v.is_array()) return v.is_number() || v.is_null() ? number_text(v, largest) : v.dump();
+  if (field.type != "string") return vector_text(v, largest);
   std::vector<std::string> names;
   for (const Json& each : v)
     names.push_back(each.is_array() ? text::join(each.get<std::vector<std::string>>(), ", ") : each.get<std::string>());
   return first_of(names);
 }
 
-std::string with_unit(const FieldInfo& field, const Json& v) {
-  const std::string text = value_text(field, v);
+std::string with_unit(const FieldInfo& field, const Json& v, double largest) {
+  const std::string text = value_text(field, v, largest);
   return text.empty() || field.unit.empty() || v.is_null() || field.words != nullptr ? text : text + " " + field.unit;
 }
 
@@ -69,7 +80,7 @@ bool is_sentences(const FieldInfo& field, const Json& v) {
 
 class Printer {
  public:
-  explicit Printer(std::string& out) : out_(out) {}
+  Printer(std::string& out, const Schema& schema, const Json& data) : out_(out) { measure(schema, data); }
 
   void fields(const Schema& schema, const Json& data, std::size_t indent) {
     std::size_t width = 0;
@@ -79,7 +90,7 @@ class Printer {
       if (!is_shown(f, data)) continue;
       const Json& v = data[f.name];
       if (f.words != nullptr || (f.of == nullptr && !is_sentences(f, v)))
-        line(indent, fmt::format("{:<{}}  {}", f.label, width, with_unit(f, v)));
+        line(indent, fmt::format("{:<{}}  {}", f.label, width, with_unit(f, v, largest_[f.unit])));
       else if (f.of == nullptr)
         sentences(f, v, indent, width);
       else
@@ -88,6 +99,20 @@ class Printer {
   }
 
  private:
+  // The largest number of each unit: next to it, rounding is printed as 0.
+  void measure(const Schema& schema, const Json& data) {
+    for (const FieldInfo& f : schema.fields) {
+      if (f.label.empty() || !data.contains(f.name)) continue;
+      const Json& v = data[f.name];
+      if (f.of == nullptr) {
+        largest_[f.unit] = std::max(largest_[f.unit], largest_in(v));
+      } else if (f.depth == 0 && !f.by_name) {
+        if (v.is_object()) measure(*f.of, v);
+      } else {
+        for (const Json& each : v) measure(*f.of, each);
+      }
+    }
+  }
   static bool is_shown(const FieldInfo& f, const Json& data) {
     if (f.label.empty() || !data.contains(f.name) || is_empty(data[f.name])) return false;
     return f.words == nullptr || !f.words(data[f.name]).empty();
@@ -111,7 +136,7 @@ class Printer {
     rest(f, v.size(), indent + width + 2);
   }
 
-  // An object, a table of objects, or one after another where they hold objects themselves.
+  // An object, a table of objects, or one after another if they hold objects themselves.
   void objects(const FieldInfo& f, const Json& v, std::size_t indent) {
     const bool single = f.depth == 0 && !f.by_name;
     const bool flat = std::ranges::none_of(
@@ -146,7 +171,7 @@ class Printer {
       if (f.by_name) row.push_back(name);
       for (const FieldInfo* g : shown)
         row.push_back(each.contains(g->name) && (is_shown(*g, each) || each[g->name].is_number())
-                          ? value_text(*g, each[g->name])
+                          ? value_text(*g, each[g->name], largest_[g->unit])
                           : "");
     }
     std::vector<std::size_t> width(rows[0].size());
@@ -162,6 +187,7 @@ class Printer {
   }
 
   std::string& out_;
+  std::map<std::string, double> largest_;
 };
 
 Json type_of(std::string_view type) {
@@ -192,7 +218,7 @@ Json object_schema(const Schema& schema) {
   return {{"type", "object"}, {"properties", properties}, {"required", required}, {"additionalProperties", false}};
 }
 
-// What every document may have beside its own fields.
+// Common fields of all documents.
 struct Document {
   const Result& result;
   const std::vector<Finding>& findings;
@@ -206,7 +232,7 @@ const Fields<Document>& document_fields() {
 }
 const Fields<Document>& last_fields() {
   static const Fields<Document> kFields{
-      Field<Document>("files", "", "files", [](const Document& d) { return d.result.files; }).optional(),
+      Field<Document>("files", "", "written", [](const Document& d) { return d.result.files; }).optional(),
       Field<Document>(
           "findings", "", [](const Document& d) { return d.findings; }, finding_fields())};
   return kFields;
@@ -241,7 +267,7 @@ Json document_of(const Result& result) {
 
 std::string text_of(const Schema& schema, const Json& data) {
   std::string text;
-  Printer(text).fields(schema, data, 2);
+  Printer(text, schema, data).fields(schema, data, 2);
   return text;
 }
 
@@ -250,8 +276,10 @@ std::string text_of(const Result& result) {
   for (const Result& each : result.each) text += (text.empty() ? "" : "\n") + text_of(each);
   if (result.schema == nullptr) return text;
   if (!result.title.empty()) text += result.title + "\n";
-  return text + text_of(*result.schema, result.data) + text_of(CommandFindings::added()) +
-         text_of(last_fields().schema(), last_fields()({result, {}}));
+  const bool brief = !result.brief.empty();
+  text += (brief ? result.brief : text_of(*result.schema, result.data)) + text_of(CommandFindings::added());
+  if (brief && !result.files.empty()) return text + fmt::format("  {:<9}  {}\n", "written", first_of(result.files));
+  return text + text_of(last_fields().schema(), last_fields()({result, {}}));
 }
 
 Json schema_of(std::span<const Schema* const> results, bool several) {

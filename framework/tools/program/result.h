@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a command found, as data: fields with names, units and labels, from which text, JSON and their schema are printed.
+// The result of a command as data: fields with names, units and labels, from which text, JSON and schema are printed.
 #pragma once
 
 #include <complex>
@@ -210,16 +210,17 @@ Field<T>::Field(std::string name, std::string label, Get read, const Fields<U>& 
   };
 }
 
-/// What a command returns: its exit code, and what it found, if anything.
+/// What a command returns: its exit code, and its data, if any.
 struct Result {
   int code = kExitOk;
   Json data{};
-  const Schema* schema = nullptr;    ///< of the data; null: the command has printed what there is
-  std::string scene{}, title{};      ///< "" where no scene was read
+  const Schema* schema = nullptr;    ///< of the data; null: the command has printed everything
+  std::string scene{}, title{};      ///< "" if no scene was read
   std::vector<std::string> files{};  ///< written
   std::vector<Result> each{};        ///< of several scenes, in place of data
   std::string command{};             ///< the whole command line
-  bool even_if_quiet = false;        ///< --quiet is of the progress only
+  std::string brief{};               ///< its text, in place of that of the data; "": none
+  bool even_if_quiet = false;        ///< --quiet suppresses the progress only
   bool printed = false;              ///< its text is out: only its document is left
 
   Result(int exit_code = kExitOk) : code(exit_code) {}  // NOLINT: `return kExitFile;`
@@ -236,12 +237,12 @@ struct Result {
 /// Lines of cells, the titles first, as CSV.
 std::string csv_of(const std::vector<std::vector<std::string>>& lines);
 
-/// "0.1", "-" of null; 0 for what is rounding beside `largest`.
+/// "0.1", "-" of null; 0 if it is rounding next to `largest`, or below 1e-30.
 std::string number_text(const Json&, double largest = 0);
 /// The same, "" of 0.
 std::string unless_zero(const Json&);
-/// "[1, 0, 0]": numbers as text prints them; those that are rounding beside the largest as 0.
-std::string vector_text(const Json&);
+/// "[1, 0, 0]": numbers as text prints them; those that are rounding next to the largest, its own or this one, as 0.
+std::string vector_text(const Json&, double largest = 0);
 
 /// The document that --json prints: scene, title, the data, files, and the findings of the command.
 Json document_of(const Result&);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// RowEnvelope: what is kept in memory of the rows of a long run: all of them, or what a picture shows of them.
+// RowEnvelope: the rows of a long run in memory: all of them, or enough of them for a picture.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 namespace lockstep {
 
 /// The rows of a table while they are few. Beyond kMost, each column's least and largest value over equal numbers of
-/// rows, in the order in which they came: a curve over time through them covers what a curve through all rows would. For
-/// curves of one column against another, whole rows: one in 2, 4, 8, ... Memory does not grow with the run.
+/// rows, in the order in which they came: a curve over time through them covers what a curve through all rows would.
+/// For curves of one column against another, whole rows: one in 2, 4, 8, ... Memory does not grow with the run.
 class RowEnvelope {
  public:
   static constexpr std::size_t kMost = 1 << 14;  ///< rows that are kept at most
@@ -24,12 +24,12 @@ class RowEnvelope {
   void add(const Table&, std::size_t i);
 
   long n_rows() const { return n_rows_; }  ///< that were added
-  /// What is kept, for curves over time: a row of it may hold numbers of different instants.
+  /// The rows that are kept, for curves over time: a row of it may hold numbers of different times.
   Table table() const;
   /// Whole rows, for curves of one column against another: one in path_every(), and the last.
   Table path_table() const;
   long path_every() const { return path_every_; }  ///< 1: all rows
-  /// The last instant, and last, least and largest value of each column after the time, over all rows.
+  /// The last time, and last, least and largest value of each column after the time, over all rows.
   SweepRun ranges() const;
 
   void save(Snapshot&) const;

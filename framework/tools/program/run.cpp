@@ -2,11 +2,13 @@
 // The commands run, report and resume.
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include <lockstep/assembly.h>
 #include <lockstep/log.h>
 #include <lockstep/step_loop.h>
+#include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/params/read.h"
@@ -26,6 +28,7 @@
 #include "framework/tools/program/run_words.h"
 #include "framework/tools/program/suspects.h"
 #include "framework/tools/program/terminal.h"
+#include "framework/tools/rank/cause.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
 #include "framework/tools/scene_run/run_findings.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -48,7 +51,7 @@ struct Ended {
   bool interrupted = false;
 };
 
-// `seconds`: of computing so far, by the clock; those of this part are added.
+// `seconds`: wall-clock time so far; that of this part is added.
 Ended go(StepLoop& sim, double until, bool quiet, Checkpoints& checkpoints, double& seconds) {
   Ended ended;
   Interrupt interrupt;
@@ -78,7 +81,7 @@ Audit drift_alone(const StepLoop& sim, const AuditLimits& limits) {
   audit.violation = sim.report().largest_violation;
   audit.drifted = !(audit.violation <= audit.limits.violation);
   if (audit.drifted)
-    tell(fmt::format("lockstep: the run drifted off its constraints by {:.2g} m (limit {:.2g} m)\n", audit.violation,
+    tell(fmt::format("lockstep: the constraint violation reached {:.2g} m (limit {:.2g} m)\n", audit.violation,
                      audit.limits.violation));
   return audit;
 }
@@ -98,12 +101,12 @@ const Fields<FailedRun>& failed_fields() {
   return kFields;
 }
 
-// What a run showed until it failed; the error itself matters more than one of this file.
+// The report of a run until it failed; the error itself matters more than one of this file.
 void write_unfinished(const RunReport& report, const StepLoop& sim, const std::exception_ptr& error) {
   if (!report) return;
   try {
     const std::string why = fmt::format("the run ended at t = {:.9g} s: {}", sim.state().t, thrown_words(error));
-    tell(fmt::format("lockstep: its report up to there is {}\n", report.write_unfinished(sim, "", why)));
+    tell(fmt::format("lockstep: unfinished report: {}\n", report.write_unfinished(sim, "", why)));
   } catch (const std::exception& second) {
     tell(fmt::format("lockstep: no report: {}\n", second.what()));
   }
@@ -126,19 +129,30 @@ Loaded load_for(const Arguments& args, const RunCheckpoint* from) {
 std::string table_of(Mechanism& m, const Loaded& loaded, const Arguments& args) {
   if (m.run.until < 0)
     refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
-           "the scene does not say how long it runs; add it, or give --until 5");
+           "the scene has no end time; add it, or give --until 5");
   refuse_impossible_formulation(m.run, loaded);
   record_places(m);
   return csv_path(args["--record"], args["scene"]);
 }
 
-// Unknown velocities. Counting the freedoms of many takes long: it is done where nothing moved, and the run is lost.
+// Unknown velocities. Counting the degrees of freedom of many takes long: it is done only if nothing moved.
 constexpr int kFewVelocities = 300, kManyVelocities = 3000;
 
-// One run of a scene, with all that watches it and all that it leaves.
+// Whether every body is where the scene puts it: nothing moved.
+bool is_as_given(const System& system, const State& s) {
+  const State given = system.start();
+  return std::ranges::all_of(system.bodies(), [&](const Body& b) {
+    if (b.fixed) return true;
+    const Pose now = s.slot_pose(b.slot), then = given.slot_pose(b.slot);
+    return (now.x - then.x).norm() <= kSlight * system.length() &&
+           rotation_vector(now.q * conjugate(then.q)).norm() <= kSlight;
+  });
+}
+
+// One run of a scene, with all its observers and all its results.
 class ProgramRun {
  public:
-  /// `from`: the checkpoint that it goes on from; null: it begins.
+  /// `from`: the checkpoint that it continues; null: it begins.
   ProgramRun(const Arguments& args, const RunCheckpoint* from, Certify certify = nullptr)
       : args_(args),
         from_(from),
@@ -186,19 +200,19 @@ class ProgramRun {
                  not_unique_,
                  decided(near_.all, m_.run.nearly_redundant),
                  assembled_,
-                 resumed_at_,
-                 summary_.ways()};
+                 moved_,
+                 resumed_at_};
     for (const MissedEvent& e : end.missed) end.findings.push_back(finding_of(e));
     for (Finding& f : suspects_of(end, system_of(m_), singular_.n_passed())) end.findings.push_back(std::move(f));
     CommandFindings::add(end.findings);
     std::vector<std::string> files;
     try {
       files = conclude(end, unwritten);
-    } catch (...) {  // what was computed is printed all the same
-      print({loaded_, run_fields(), end}, args_);
+    } catch (...) {  // the result is printed all the same
+      print(result_of(end), args_);
       throw;
     }
-    Result result(loaded_, run_fields(), end);
+    Result result = result_of(end);
     result.files = files, result.code = exit_code(end);
     return result;
   }
@@ -209,28 +223,28 @@ class ProgramRun {
     if (from_ != nullptr) return start;
     if (m_.run.assemble) {
       const AssemblyReport assembled = assemble_told(start);
-      if (assembled.is_notable()) assembled_ = assembled.text();
+      if (assembled.is_notable()) assembled_ = assembled.text(), moved_ = assembled.is_moved();
     } else {
       begin_turns(dynamics_, start);
     }
     tell_near(start);
     refuse_locked(dynamics_, start);
+    if (m_.system.n_velocities() <= kFewVelocities) refuse_driven_lock(dynamics_, start);
     if (args_.has("--quiet")) return start;
     not_unique_ = columns_not_unique(dynamics_, start, m_.run);
     if (!not_unique_.empty()) {
       const std::string names = first_of(not_unique_);
       CommandFindings::add({&finding::reactions_not_unique, names,
-                            names + ": how redundant rows share these reactions is the solver's choice",
-                            "lockstep check"});
+                            names + ": reactions are not unique, because constraints are redundant", "lockstep check"});
     }
     return start;
   }
 
-  // Where solvers differ one may refuse the start: what nearly depends is told then too.
+  // If solvers differ, one may reject the start: near dependencies are reported then too.
   AssemblyReport assemble_told(State& start) {
     const State typed = start;
     try {
-      return assemble(dynamics_, start, m_.start_speeds, m_.assembly);
+      return assemble_scene(dynamics_, m_, start);
     } catch (const Error&) {
       tell_near(typed);
       throw;
@@ -239,6 +253,12 @@ class ProgramRun {
   void tell_near(const State& start) {
     if (!near_.looked && !args_.has("--quiet")) near_ = {true, nearly_redundant_at(dynamics_, m_, start)};
     for (const NearDependency& d : near_.all) CommandFindings::add(finding_of(d, m_.run.nearly_redundant));
+  }
+
+  Result result_of(const EndedRun& end) const {
+    Result result(loaded_, run_fields(), end);
+    if (!args_.has("--verbose")) result.brief = brief_text(end, args_.has("--summary"));
+    return result;
   }
 
   bool judged() const { return !args_.has("--quiet") || args_.has("--strict"); }
@@ -251,7 +271,7 @@ class ProgramRun {
     if (judged()) sim_.add_observer(doubts_);
     if (judged() && SingularWatch::is_needed(dynamics_, start, sim_.integrator().info())) sim_.add_observer(singular_);
     if (details_) sim_.add_observer(*details_);
-    if (audit_) sim_.add_observer(summary_), sim_.add_observer(*audit_);
+    if (audit_) sim_.add_observer(*audit_);
     report_.watch(sim_);
     for (Event& event : events_) sim_.add_event(std::move(event));
   }
@@ -264,7 +284,8 @@ class ProgramRun {
       resumed_at_ = sim_.state().t;
       return;
     }
-    sim_.set_state(std::move(start));
+    sim_.set_state(start);
+    started_ = std::move(start);
     warn_of_settings(loaded_.scene, m_, args_, sim_);
     if (!judged()) return;
     warn_of_branches(dynamics_, sim_);
@@ -273,20 +294,48 @@ class ProgramRun {
 
   [[noreturn]] void fail(const std::exception_ptr& error, const std::exception_ptr& unwritten) {
     const long n = rows_.rows().n_rows();
-    const std::string written = unwritten ? "the rows up to there could not be written: " + thrown_words(unwritten)
-                                          : fmt::format("{} row{} up to there {} in {}", n, n == 1 ? "" : "s",
-                                                        n == 1 ? "is" : "are", file_.partial());
-    tell(fmt::format("lockstep: the run ended at t = {:.9g} s; {}\n", sim_.state().t, written));
-    write_unfinished(report_, sim_, error);
+    const std::string saved = unwritten ? "  saved: no rows: " + thrown_words(unwritten) + "\n"
+                              : n == 0  ? std::string()
+                                        : fmt::format("  saved: {} row{} up to t = {:.9g} s in {}\n", n,
+                                                     n == 1 ? "" : "s", sim_.state().t, file_.partial());
+    std::error_code code;
+    const std::exception_ptr explained = explain(error, saved);
+    if (explained == error) tell(saved);
+    write_unfinished(report_, sim_, explained);
     CommandFindings::add(doubts_.findings(sim_.report().steps, sim_.state().t));
-    Result result(loaded_, failed_fields(), {.t = sim_.state().t, .error = thrown_words(error), .rows = n});
-    result.files = {file_.partial()}, result.printed = true, result.command = args_.command;
+    Result result(loaded_, failed_fields(), {.t = sim_.state().t, .error = thrown_words(explained), .rows = n});
+    if (n == 0)
+      std::filesystem::remove(file_.partial(), code);
+    else
+      result.files = {file_.partial()};
+    result.printed = true, result.command = args_.command;
     print(result, args_);
-    std::rethrow_exception(error);
+    std::rethrow_exception(explained);
   }
 
-  // A run that was interrupted replaces nothing: its rows and its report stay beside the old ones, and pictures are not
-  // drawn.
+  // The error with its cause in front, and what was saved.
+  std::exception_ptr explain(const std::exception_ptr& error, const std::string& saved) {
+    try {
+      std::rethrow_exception(error);
+    } catch (const Error& e) {
+      try {
+        rethrow_with(cause(), e, saved);
+      } catch (...) {
+        return std::current_exception();
+      }
+    } catch (...) {
+      return error;
+    }
+  }
+
+  // Why it stopped; the start may explain it if a method of fixed steps has left the constraints.
+  Cause cause() {
+    const double step = sim_.integrator().info().adaptive ? 0 : m_.run.step;
+    const Cause found = cause_of_stop(dynamics_, sim_.state(), step);
+    return found.fact.empty() && step > 0 ? cause_of_stop(dynamics_, started_, step) : found;
+  }
+
+  // A run that was interrupted replaces nothing: its rows and its report have other names, and pictures are not drawn.
   std::vector<std::string> leave_unfinished(const std::string& lines) {
     std::vector<std::string> files{file_.partial()};
     if (report_)
@@ -295,12 +344,12 @@ class ProgramRun {
     return files;
   }
 
-  // Files, pictures, report and certificate of a run that reached its end; what there is of one that was interrupted.
+  // Files, pictures, report and verified digits of a run that reached its end; of one that was interrupted, its rows.
   std::vector<std::string> conclude(EndedRun& end, const std::exception_ptr& unwritten) {
     try {
-      if (audit_ && m_.system.n_velocities() > kFewVelocities && summary_.nothing_moved())
+      if (audit_ && m_.system.n_velocities() > kFewVelocities && is_as_given(m_.system, sim_.state()))
         warn_of_no_freedom(m_, dynamics_, sim_, kManyVelocities);
-    } catch (const std::exception&) {  // the rows of the run are worth more than this warning
+    } catch (const std::exception&) {  // results are written even if this warning fails
     }
     if (unwritten) std::rethrow_exception(unwritten);
     const std::string lines =
@@ -328,8 +377,8 @@ class ProgramRun {
   int exit_code(const EndedRun& end) {
     if (end.interrupted) {
       tell(fmt::format(
-          "lockstep: interrupted at t = {:.9g} s; the rows up to there are in {}{}\n", sim_.state().t, file_.partial(),
-          checkpoints_ ? "; go on with: lockstep resume " + in_quotes(checkpoints_.file()) : std::string()));
+          "lockstep: interrupted at t = {:.9g} s; rows saved in {}{}\n", sim_.state().t, file_.partial(),
+          checkpoints_ ? "; continue with: lockstep resume " + in_quotes(checkpoints_.file()) : std::string()));
       return kExitInterrupted;
     }
     if (args_.has("--strict"))
@@ -350,8 +399,9 @@ class ProgramRun {
   const RunOutputs outputs_;
   std::vector<std::string> not_unique_;  // columns of reactions
   std::string assembled_;
+  bool moved_ = false;  // by assembling
   double resumed_at_ = NAN;
-  std::string uncertified_;              // what --certify found of which not one digit is certified
+  std::string uncertified_;  // columns without a digit verified by --certify
   GrowingFile file_;
   Checkpoints checkpoints_;
   std::vector<Event> events_;
@@ -361,18 +411,18 @@ class ProgramRun {
   RowsAtJumps at_jumps_;
   SingularWatch singular_;
   FormulationSeen formulation_;
-  Summary summary_;
   const std::unique_ptr<EnergyAudit> audit_;  // energies are integrated only if they are printed
   Dynamics dynamics_;
   StepLoop sim_;
   Doubts doubts_;
   NearRows near_;
+  State started_;
 };
 
 }  // namespace
 
 Result run_scene(const Arguments& args) {
-  if (args.has("--certify")) throw UsageError("--certify: write it by itself, behind the verb");
+  if (args.has("--certify")) throw UsageError("--certify: give it as a separate word, after the command");
   return ProgramRun(args, nullptr).go();
 }
 Result run_and_certify(const Arguments& args, Certify certify) { return ProgramRun(args, nullptr, certify).go(); }
@@ -385,13 +435,13 @@ Result resume_run(const Arguments& args) {
   std::error_code error;
   std::filesystem::current_path(from.folder, error);
   if (error)
-    throw FileError(fmt::format("checkpoint '{}': the folder '{}', in which the run was begun, cannot be entered: {}",
-                                file, from.folder, error.message()));
+    throw FileError(fmt::format("checkpoint '{}': the folder '{}' of the run cannot be entered: {}", file, from.folder,
+                                error.message()));
   Arguments begun = read_run_words(from.words);
   begun.set("--record", from.csv), begun.set("--checkpoint", file);
   Result result = ProgramRun(begun, &from).go();
   result.command = begun.command;
-  print(result, begun);  // as the line asks that it goes on with
+  print(result, begun);  // as the original command line asks
   return result.code;
 }
 
@@ -417,21 +467,21 @@ Command run_command() {
 Command resume_command() {
   return {
       "resume",
-      {Option{"checkpoint", "FILE", "what `lockstep run --checkpoint` wrote"}.needed()},
+      {Option{"checkpoint", "FILE", "file of `lockstep run --checkpoint`"}.needed()},
       resume_run,
-      "The run has the command line and the folder that it was begun with, and equals one that was not interrupted, "
-      "to the\nlast bit. Scene, plugins and version must be the same.\n\n"
+      "The run continues with its original command line and folder. Its result is identical, bit by bit, to that of\n"
+      "an uninterrupted run. Scene, plugins and version must be unchanged.\n\n"
       "Example:\n  lockstep run samples/scenes/four_bar.json --until 10000 --checkpoint four_bar.checkpoint --every "
       "10s\n  lockstep resume four_bar.checkpoint"};
 }
 Command report_command() {
   return {"report",
           join({settings_options(),
-                {{"--out", "FILE.html", "the HTML file; default: beside the CSV, with its name"},
+                {{"--out", "FILE.html", "the HTML file; default: next to the CSV file, with its name"},
                  {"--open", "", "show it in the browser (xdg-open)"}},
                 run_outputs()}),
           report_run,
-          "What `lockstep run` writes is written too. The file needs no network and no other file.\n\n"
+          "Also writes the results of `lockstep run`. The file needs no network and no other file.\n\n"
           "Example:\n  lockstep report samples/scenes/four_bar.json --open",
           run_results()};
 }

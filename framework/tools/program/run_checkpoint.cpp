@@ -18,7 +18,7 @@ RunCheckpoint RunCheckpoint::read(const std::string& file) {
   const Snapshot saved = read_checkpoint(file);
   SnapshotReader in(saved);
   if (const std::string kind = in.get_text(); kind != "run")
-    throw UsageError(fmt::format("checkpoint '{}' is of a simulation in C++: Simulation::load goes on with it", file));
+    throw UsageError(fmt::format("checkpoint '{}' is of a simulation in C++; load it with Simulation::load", file));
   RunCheckpoint c;
   for (long n = in.get_count(); n > 0; --n) c.words.push_back(in.get_text());
   c.folder = in.get_text(), c.csv = in.get_text();
@@ -41,8 +41,7 @@ void RunCheckpoint::write(const std::string& file) const {
 
 void RunCheckpoint::check(const std::string& file, const Arguments& args, const Loaded& loaded) const {
   const auto changed = [&](const std::string& what) {
-    throw FileError(
-        fmt::format("checkpoint '{}': {} was changed since; bring back what it was, or run anew", file, what));
+    throw FileError(fmt::format("checkpoint '{}': {} has changed; restore it, or run again", file, what));
   };
   if (hash_of_files(loaded.scene) != scene) changed("scene '" + args["scene"] + "', or a file that it reads,");
   if (hash_of_plugins(loaded.scene, args.all("--plugin")) != plugins)
@@ -53,11 +52,10 @@ Checkpoints::Checkpoints(const Arguments& args, const Loaded& loaded, GrowingFil
     : file_(args["--checkpoint"]), rows_(rows) {
   if (file_.empty()) return;
   if (args["scene"] == "-")
-    throw UsageError(
-        "--checkpoint: a scene from standard input cannot be read again when the run goes on; give a file");
+    throw UsageError("--checkpoint: a scene from standard input cannot be read again to resume; give a file");
   if (rows.in_place())
-    throw UsageError("--checkpoint: rows that go to '" + rows.name() +
-                     "' cannot be gone on with; record them to a file (--record)");
+    throw UsageError("--checkpoint: rows written to '" + rows.name() +
+                     "' cannot be continued; record them to a file (--record)");
   if (!args["--every"].empty()) every_ = positive_number("--every", args["--every"], Unit::time);
   check_checkpoint(file_, rows.name(), loaded.scene);
   file_ = fs::absolute(file_).string();
@@ -67,7 +65,7 @@ Checkpoints::Checkpoints(const Arguments& args, const Loaded& loaded, GrowingFil
   checkpoint_.plugins = hash_of_plugins(loaded.scene, args.all("--plugin"));
 }
 
-// The rows first: a checkpoint stands on rows that are on the disk.
+// The rows first: a checkpoint needs rows that are on the disk.
 void Checkpoints::write_if_due(StepLoop& sim, bool now, double seconds) {
   if (file_.empty()) return;
   const Clock::time_point time = Clock::now();
@@ -83,7 +81,7 @@ void Checkpoints::write_if_due(StepLoop& sim, bool now, double seconds) {
 void Checkpoints::refuse_unsaved(const Integrator& method) const {
   if (!file_.empty() && !method.saves_all())
     throw UsageError(fmt::format(
-        "--checkpoint: integrator '{}' keeps a history that cannot be saved; take another (--integrator), or leave out "
+        "--checkpoint: integrator '{}' keeps a history that cannot be saved; use another (--integrator), or leave out "
         "--checkpoint",
         method.info().name));
 }

@@ -13,22 +13,22 @@
 
 namespace lockstep {
 
-/// A run with all that it was begun by.
+/// A run with its command line and inputs.
 struct RunCheckpoint {
   std::vector<std::string> words;        ///< of its command line
   std::string folder, csv;               ///< in which it was begun; its table
   std::uint64_t scene = 0, plugins = 0;  ///< hashes of their files
-  double seconds = 0;                    ///< of computing so far, by the clock
+  double seconds = 0;                    ///< wall-clock time so far
   Snapshot run;                          ///< what the loop saved
 
   /// Throws FileError, and UsageError for the checkpoint of a simulation in C++.
   static RunCheckpoint read(const std::string& file);
   void write(const std::string& file) const;
-  /// Throws FileError where the scene or a plugin is another one than it was.
+  /// Throws FileError if the scene or a plugin has changed.
   void check(const std::string& file, const Arguments&, const Loaded&) const;
 };
 
-/// Writes the checkpoint of a run now and then. Without --checkpoint it does nothing.
+/// Writes the checkpoint of a run at intervals. Without --checkpoint it does nothing.
 class Checkpoints {
  public:
   /// Throws UsageError: the file is a result or an input, the scene or the rows cannot be found again.
@@ -37,7 +37,7 @@ class Checkpoints {
   const std::string& file() const { return file_; }
   /// Before the run: throws UsageError for a method that does not save all of its history.
   void refuse_unsaved(const Integrator&) const;
-  /// Between two steps: writes it if it is time to, or `now`. `seconds`: of computing so far. Throws FileError,
+  /// Between two steps: writes it if it is due, or `now`. `seconds`: wall-clock time so far. Throws FileError,
   /// ModelError.
   void write_if_due(StepLoop&, bool now, double seconds);
   void remove();  ///< The run is done.

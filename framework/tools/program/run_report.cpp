@@ -15,7 +15,7 @@
 namespace lockstep {
 namespace {
 
-// The scene as its author wrote it; from the data where the file is gone, or was none.
+// The text of the scene file; from the data if there is no file.
 std::string scene_text(const Scene& scene) {
   const std::string text = contents_of(scene.file);
   return text.empty() ? write_json(scene.root) : text;
@@ -74,12 +74,11 @@ std::vector<std::pair<std::string, std::string>> marked_links(const UniquenessRe
     const std::size_t dot = row.rfind('.');
     const std::string link = row.substr(0, dot), own = dot == std::string::npos ? "" : row.substr(dot + 1);
     if (links.empty() || links.back().first != link)
-      links.emplace_back(link, "not unique: the reaction of row " + own);
+      links.emplace_back(link, "reaction not unique: constraint " + own);
     else
       links.back().second += ", " + own;
   }
-  for (auto& [link, why] : links)
-    why += "; how redundant rows share it out is the solver's choice (lockstep check says which depend on which)";
+  for (auto& [link, why] : links) why += "; constraints are redundant (lockstep mobility lists them)";
   return links;
 }
 
@@ -99,7 +98,7 @@ void RunReport::watch(StepLoop& sim) {
 }
 
 void RunReport::mark(Dynamics& dynamics, const State& start) {
-  constexpr std::size_t kMostLinks = 1000;  // of more the search takes longer than many runs
+  constexpr std::size_t kMostLinks = 1000;  // for more, the search takes longer than many runs
   if (report_ && dynamics.system().links().size() <= kMostLinks)
     text_.marked = marked_links(uniqueness(dynamics, start));
 }

@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The report of a run of a scene: where it goes, and what it says.
+// The report of a run of a scene: its file and its texts.
 #pragma once
 
 #include <memory>
 #include <string>
 
-#include <lockstep/report.h>
 #include <lockstep/analysis.h>
+#include <lockstep/report.h>
 #include "framework/tools/program/commands.h"
 #include "framework/tools/report/histories.h"
 
 namespace lockstep {
 
-/// Lines as the program prints them, "  energy     change 1 J", as facts of a report: what, and how much. A line that
-/// goes on has no "what".
+/// Lines as the program prints them, "  energy     change 1 J", as facts of a report: label and value. A continued line
+/// has no label.
 std::vector<std::pair<std::string, std::string>> facts_of(const std::string& lines);
 
 /// The texts of a report that do not depend on the run: title, description, scene, command.
 ReportText text_of(const Arguments&, const Loaded&);
 
-/// The text of a file; "" where there is none.
+/// The text of a file; "" if there is none.
 std::string contents_of(const std::string& file);
 
-/// "out.partial.html" of "out.html": of what did not reach its end. A report that goes to no regular file has no other.
+/// "out.partial.html" of "out.html", for a run that did not reach its end. A report to no regular file keeps its name.
 std::string unfinished_report(const std::string& report);
 
 /// Writes the report of many runs, by the text of their CSV, whose columns `x` and `y` are shown first. Throws
@@ -30,11 +30,10 @@ std::string unfinished_report(const std::string& report);
 void write_runs_report(const std::string& file, const ReportText&, const std::string& csv, const std::string& x,
                        const std::string& y, bool log, const report::Histories* histories = nullptr);
 
-/// Links that are marked in a report, with the words why: those of whose rows some are redundant, so that their reactions
-/// are not unique.
+/// Joints that are marked in a report, and why: some of their constraints are redundant, so reactions are not unique.
 std::vector<std::pair<std::string, std::string>> marked_links(const UniquenessReport&);
 
-/// The report of a run, where one is asked for. Without one it costs nothing.
+/// The report of a run, if one is requested. Without one it costs nothing.
 class RunReport {
  public:
   /// Make it before the run. Throws UsageError, FileError: the file cannot be written, or is needed.
@@ -42,7 +41,7 @@ class RunReport {
   explicit operator bool() const { return report_ != nullptr; }
   const std::string& file() const { return file_; }
   void watch(StepLoop&);                     ///< adds the observer
-  void mark(Dynamics&, const State& start);  ///< marks links whose reactions are not unique, of up to 1000
+  void mark(Dynamics&, const State& start);  ///< marks joints whose reactions are not unique, of up to 1000
   /// Writes the file: `lines` are what the program prints of the run. Throws FileError.
   void write(const StepLoop&, const std::string& lines) const;
   /// Of a run that did not reach its end, and why. An older report stays: the file is unfinished_report(), and is

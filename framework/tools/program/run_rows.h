@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// RunRows: where the rows of a run go: to its file as they come, and to an envelope in memory.
+// RunRows: writes the rows of a run to its file as they come, and to an envelope in memory.
 #pragma once
 
 #include "framework/tools/program/growing_file.h"
@@ -10,11 +10,11 @@ namespace lockstep {
 /// Add it to the run after the recorder.
 class RunRows final : public Observer {
  public:
-  /// `keeps`: the recorder keeps all its rows, for who reads them afterwards; `units`: in the header.
+  /// `keeps`: the recorder keeps all its rows, for later readers; `units`: in the header.
   RunRows(GrowingFile& file, Recorder& recorder, bool keeps, bool units)
       : file_(file), recorder_(recorder), csv_(file, recorder.table(), units), rows_(recorder.table()), keeps_(keeps) {}
 
-  /// The run goes on from a checkpoint: the file is not begun anew.
+  /// The run continues from a checkpoint: the file is continued.
   void go_on() { goes_on_ = true; }
   const RowEnvelope& rows() const { return rows_; }
 

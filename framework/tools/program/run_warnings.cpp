@@ -22,7 +22,7 @@
 namespace lockstep {
 namespace {
 
-// Springs that push away from where they should hold.
+// Springs with a negative stiffness.
 std::vector<Finding> negative_stiffness(const Scene& scene) {
   std::vector<Finding> all;
   const Value* forces = scene.root.find("forces");
@@ -39,14 +39,14 @@ std::vector<Finding> negative_stiffness(const Scene& scene) {
   return all;
 }
 
-// Whether what holds at a state may let go: one-sided links, and those that events release.
+// Whether a constraint may be released: one-sided joints, and those that events release.
 bool may_let_go(const Mechanism& m) {
   return std::ranges::any_of(m.system.links(), [](const auto& link) { return link->unilateral() != nullptr; }) ||
          std::ranges::any_of(m.events, [](const EventRequest& e) { return !e.event.deactivate.empty(); });
 }
 
-// Whether laws move rows from t = 0 s to `until`: Ct, or C of bodies that stay where they are. Looked at here and there;
-// what a law throws is for the run to say.
+// Whether laws drive constraints from t = 0 s to `until`: Ct, or C of bodies at rest, at some times. An error of a law
+// is reported by the run.
 bool laws_move(Dynamics& dynamics, const State& state, double until) try {
   constexpr double kMoves = 1e-9, kOff = 1e-6;  // m/s; m, beyond what assembling leaves
   State at = state;
@@ -68,7 +68,7 @@ bool laws_move(Dynamics& dynamics, const State& state, double until) try {
   return true;
 }
 
-// The links in force with rows, merged ones too.
+// The active joints with constraints, merged ones too.
 std::vector<std::string> holding(const System& system, const State& state) {
   std::vector<std::string> names;
   for (const auto& link : system.links())
@@ -82,7 +82,7 @@ void warn_of_settings(const Scene& scene, const Mechanism& m, const Arguments& a
   const RunSettings& run = m.run;
   if (!run.times.empty() && run.times.back() > run.until)
     sim.add_finding({&finding::outputs_beyond_end, "",
-                     fmt::format("run.times: {:g} s lies beyond the end of the run at {:g} s and is not recorded",
+                     fmt::format("run.times: {:g} s is after the end of the run at {:g} s and is not recorded",
                                  run.times.back(), run.until),
                      "", run.times.back(), run.until, "s"});
   if (run.output > run.until && run.until > 0)
@@ -96,14 +96,14 @@ void warn_of_settings(const Scene& scene, const Mechanism& m, const Arguments& a
   const bool in_scene = args["--integrator"].empty() && settings != nullptr && settings->find("tolerance") != nullptr;
   if ((in_scene || !args["--tolerance"].empty()) && !sim.integrator().info().adaptive)
     sim.add_finding({&finding::setting_unused, "",
-                     fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type)});
+                     fmt::format("tolerance: it has no effect, as \"{}\" has fixed steps", run.integrator.type)});
 }
 
 std::string why_not_joint(const RunSettings& run, Dynamics& dynamics, const State& start, const Registry& registry) {
   return why_not_joint(dynamics, start, *make_integrator(run, registry));
 }
 
-// Of a mechanism of its own: what is decided of its rows, and said of its settings, is so for the run once more.
+// With a separate mechanism: the run decides on its constraints, and reports on its settings, again.
 void refuse_impossible_formulation(const RunSettings& run, const Loaded& loaded) {
   if (run.formulation != Formulation::joint) return;
   std::string why;
@@ -128,14 +128,13 @@ void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
   const double off = moves && at.all ? at.off_branches(dynamics.system(), start.v) : 0;
   sim.add_finding(
       {&finding::singular_start, "",
-       fmt::format(
-           "the start lies in a singular position: {}{}", at.text(dynamics, start),
-           !moves ? ". It is at rest there: which of them it takes is not determined"
-           : off > kOff
-               ? fmt::format(". The start velocity lies along none of them (a part of {:.2g} of it does not)", off)
-               : ". It goes on along its velocity"),
-       !moves       ? "choose one by a small start velocity along it, or start beside the position"
-       : off > kOff ? "give it along one"
+       fmt::format("the start is a singular configuration: {}{}", at.text(dynamics, start),
+                   !moves ? ". It is at rest, so its motion is not determined"
+                   : off > kOff
+                       ? fmt::format(". The start velocity is along none of them (relative deviation {:.2g})", off)
+                       : ". It continues along its velocity"),
+       !moves       ? "give a small start velocity along one of them, or start near the configuration"
+       : off > kOff ? "give a velocity along one of them"
                     : ""});
 }
 
@@ -150,12 +149,12 @@ void warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, i
     return;  // along the plane's normal
   const std::vector<std::string> links = holding(system, sim.state());
   sim.add_finding({&finding::no_freedom, "",
-                   fmt::format("no freedom is left: nothing can move; the links {} take all {} unknown velocities{}",
-                               first_of(links), mobile.unknowns,
-                               mobile.redundant > 0 ? fmt::format(", with {} row{} too many", mobile.redundant,
+                   fmt::format("no degree of freedom: joints {} constrain all {} unknown velocities{}", first_of(links),
+                               mobile.unknowns,
+                               mobile.redundant > 0 ? fmt::format(", with {} redundant constraint{}", mobile.redundant,
                                                                   mobile.redundant > 1 ? "s" : "")
                                                     : ""),
-                   "let one of them leave free what should move (lockstep mobility)"});
+                   "use a joint that leaves the motion free (lockstep mobility)"});
 }
 
 std::vector<std::string> columns_not_unique(Dynamics& dynamics, const State& start, const RunSettings& run) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is said of a run before it begins: settings without effect, starts that leave a choice, columns that are not unique.
+// Warnings before a run: settings without effect, singular starts, reactions that are not unique.
 #pragma once
 
 #include <string>
@@ -10,18 +10,18 @@
 
 namespace lockstep {
 
-/// Warns, one line each, of settings that have no effect, or hardly the one that was meant.
+/// Warns, one line each, of settings that have no effect, or probably not the intended one.
 void warn_of_settings(const Scene&, const Mechanism&, const Arguments&, StepLoop&);
-/// Warns of a start in a singular position, where the rows alone do not say how the motion continues.
+/// Warns of a start in a singular configuration, from which the motion may continue in several ways.
 void warn_of_branches(Dynamics&, StepLoop&);
-/// What keeps a run of the mechanism as it stands from joint coordinates, at a start: "rows of link 'high' that depend on
-/// others are left out", "integrator radau5 does not take joint coordinates"; "" if nothing does.
+/// Why a run of the mechanism cannot use joint coordinates, at a start: "constraints of joint 'high' are left out as
+/// redundant", "integrator radau5 does not support joint coordinates"; "" if it can.
 std::string why_not_joint(const RunSettings&, Dynamics&, const State& start, const Registry&);
-/// Refuses joint coordinates that are asked for by name and are not possible, before a run opens a file. Throws
-/// ModelError; what else is wrong with the scene is left for the run to say.
+/// Throws ModelError if joint coordinates are requested and not possible, before a run opens a file. Other errors of
+/// the scene are left to the run.
 void refuse_impossible_formulation(const RunSettings&, const Loaded&);
-/// Warns of a mechanism without a freedom, where no law moves it, no event releases a link and no link is one-sided; not
-/// of one with more unknown velocities than `most`, of which it costs too much to know.
+/// Warns of a mechanism without a degree of freedom, unless a law moves it, an event releases a joint or a joint is
+/// one-sided. Not of one with more unknown velocities than `most`, as the count costs too much.
 void warn_of_no_freedom(const Mechanism&, Dynamics&, StepLoop&, int most);
 /// The recorded columns that hold reactions which are not unique at the start.
 std::vector<std::string> columns_not_unique(Dynamics&, const State& start, const RunSettings&);

@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <lockstep/recorder.h>
 #include <lockstep/sweep.h>
+#include "framework/foundation/support/lines.h"
 #include "framework/tools/program/method_specs.h"
 
 namespace lockstep {
@@ -38,7 +40,7 @@ namespace {
 std::string words_of(const MissedEvent& e) {
   const std::string unit = e.unit.empty() ? "" : " " + e.unit;
   if (e.asked.channel.empty())
-    return fmt::format("event '{}': its instant, {:g} s, did not come", e.course.name, e.asked.event.at);
+    return fmt::format("event '{}': its time, {:g} s, was not reached", e.course.name, e.asked.event.at);
   const Event::Crossing way = e.asked.event.crossing;
   std::string words = fmt::format("event '{}': {} did not {} {:g}{}", e.course.name, e.asked.channel,
                                   way == Event::Crossing::rising    ? "rise through"
@@ -46,9 +48,10 @@ std::string words_of(const MissedEvent& e) {
                                                                     : "cross",
                                   e.asked.crosses, unit);
   if (way != Event::Crossing::any && e.course.nearest == 0)
-    words += fmt::format("; it passed there the other way at t = {:.6g} s", e.course.at);
+    words += fmt::format("; it crossed in the other direction at t = {:.6g} s", e.course.at);
   else if (std::isfinite(e.course.nearest))
-    words += fmt::format("; nearest {:.6g}{} at t = {:.6g} s", e.asked.crosses + e.course.nearest, unit, e.course.at);
+    words +=
+        fmt::format("; nearest value {:.6g}{} at t = {:.6g} s", e.asked.crosses + e.course.nearest, unit, e.course.at);
   return words;
 }
 
@@ -92,9 +95,9 @@ const Fields<EndedRun>& energy_fields() {
       {"limit", "", "", [](const Run& r) { return r.audit.limits.energy; }},
       {"change", "J", "change", [](const Run& r) { return r.audit.end - r.audit.start; }},
       {"drives", "J", "work of drives", [](const Run& r) { return r.audit.drives; }},
-      {"supplied", "J", "of motors and forces", [](const Run& r) { return r.audit.supplied; }},
+      {"supplied", "J", "work of motors and forces", [](const Run& r) { return r.audit.supplied; }},
       {"dissipated", "J", "dissipated", [](const Run& r) { return r.audit.dissipated; }},
-      {"instants", "at instants", [](const Run& r) { return r.audit.instants; }, kInstant},
+      {"instants", "at single times", [](const Run& r) { return r.audit.instants; }, kInstant},
       {"unbooked_forces", "", "", [](const Run& r) { return r.audit.unbooked_forces; }},
       {"suspects", "", "", [](const Run& r) { return texts_of(of_kind(r.findings, finding::energy_suspect)); }}};
   return kFields;
@@ -144,7 +147,7 @@ std::string first_places(const Json& places) {
   for (std::size_t k = 0; k < std::min<std::size_t>(places.size(), 3); ++k)
     text += (k > 0 ? "; " : "") + places[k].get<std::string>();
   if (places.empty()) return "";
-  return text + ", as no place is given" +
+  return text + " (no place given)" +
          (places.size() > 3 ? fmt::format("; and {} more (lockstep check)", places.size() - 3) : "");
 }
 
@@ -172,9 +175,8 @@ const Fields<EndedRun>& run_fields() {
     return m["integrator"].get<std::string>() + ", formulation " + m["formulation_used"].get<std::string>();
   };
   constexpr auto drift = +[](const Json& d) {
-    return d["violation"] == 0
-               ? std::string()
-               : fmt::format("constraints violated by at most {} m after a step", number_text(d["violation"]));
+    return d["violation"] == 0 ? std::string()
+                               : fmt::format("violation of at most {} m after a step", number_text(d["violation"]));
   };
   static const Fields<Run> kFields{
       {"status", "", "", status},
@@ -185,8 +187,8 @@ const Fields<EndedRun>& run_fields() {
       {"seconds", "s", "computed in", &Run::seconds},
       {"method", "method", std::identity(), method_fields(), method},
       {"steps", "", "steps", [](const Run& r) { return r.sim.report().steps; }},
-      {"rejected", "", "rejected", [](const Run& r) { return r.sim.report().rejected; }, unless_zero},
-      {"manifold_steps", "", "on the constraints", [](const Run& r) { return r.sim.report().manifold_steps; },
+      {"rejected", "", "rejected steps", [](const Run& r) { return r.sim.report().rejected; }, unless_zero},
+      {"manifold_steps", "", "steps with projected stages", [](const Run& r) { return r.sim.report().manifold_steps; },
        unless_zero},
       {"evaluations", "", "", [](const Run& r) { return r.sim.dynamics().work().evaluations; }},
       {"factors", "", "", [](const Run& r) { return r.sim.dynamics().work().factors; }},
@@ -194,20 +196,97 @@ const Fields<EndedRun>& run_fields() {
       {"in_contact", "", "in contact", in_contact},
       {"stopped_by", "", "stopped by", [](const Run& r) { return r.interrupted ? "" : r.sim.report().stopped_by; }},
       {"missed_events", "", &Run::missed, missed_fields()},
-      {"moved", "moved", &Run::moved, way_fields()},
       {"energy", "energy", std::identity(), energy_fields()},
-      {"drift", "drift", std::identity(), kDrift, drift},
+      {"drift", "constraints", std::identity(), kDrift, drift},
       {"warnings", "", "", [](const Run& r) { return texts_of(r.sim.report().findings); }},
       {"doubts", "", "", [](const Run& r) { return texts_of(of_severity(r.findings, Severity::doubt)); }},
       {"singular_positions", "", [](const Run& r) { return r.passed; }, kPassed},
       {"rows", "", "rows", [](const Run& r) { return r.rows->n_rows(); }},
       {"columns", "", columns_of, column_fields()},
-      {"frames_taken", "", "taken", &Run::frames_taken, first_places},
+      {"frames_taken", "", "places assumed", &Run::frames_taken, first_places},
       {"notes", "", "pictures", &Run::notes},
-      Field<Run>("certificate", "", "certificate", &Run::certificate).optional(),
+      Field<Run>("certificate", "", "verified digits", &Run::certificate).optional(),
       {"not_unique", "", "", &Run::not_unique},
       {"nearly_redundant", "", &Run::near, near_fields()}};
   return kFields;
+}
+
+namespace {
+
+std::string line_of(std::string_view label, const std::string& text) {
+  return fmt::format("  {:<9}  {}\n", label, text);
+}
+
+std::string simulated(const EndedRun& run) {
+  const RunSettings& set = run.settings;
+  const SimulationReport& report = run.sim.report();
+  const double t = run.sim.state().t;
+  const std::string method = run.sim.integrator().info().adaptive
+                                 ? fmt::format("tolerance {:g}", set.tolerance.relative)
+                                 : fmt::format("step {:g} s", set.step);
+  std::string text = fmt::format(
+      "{:.6g} s{} in {} step{}, computed in {} ({}, {})", t,
+      t < set.until ? fmt::format(" of {:.6g} s", set.until) : "", report.steps, report.steps == 1 ? "" : "s",
+      run.seconds < 1 ? fmt::format("{:.0f} ms", std::ceil(1e3 * run.seconds)) : fmt::format("{:.3g} s", run.seconds),
+      to_word(set.integrator), method);
+  if (report.impacts > 0) text += fmt::format(", {} impact{}", report.impacts, report.impacts == 1 ? "" : "s");
+  if (!run.interrupted && !report.stopped_by.empty()) text += ", stopped by " + report.stopped_by;
+  return text;
+}
+
+std::string checks(const EndedRun& run) {
+  const Audit& audit = run.audit;
+  const std::string energy = audit.energy == Audit::Energy::conserved
+                                 ? fmt::format("energy ok (error {:.2g} J)", audit.imbalance)
+                                 : fmt::format("energy {} (error {:.2g} J)", audit.verdict(), audit.imbalance);
+  return energy +
+         fmt::format("   constraints {} (at most {:.2g} m)", audit.drifted ? "VIOLATED" : "ok", audit.violation);
+}
+
+// "-1.76 ... 2.70 N m" of each column; rounding relative to the largest of its unit is printed as 0.
+std::vector<std::string> extremes(const std::vector<ColumnEnds>& columns, double rounding) {
+  std::map<std::string, double> largest;
+  for (const ColumnEnds& c : columns)
+    largest[c.unit] = std::max({largest[c.unit], std::abs(c.range.least), std::abs(c.range.most)});
+  std::vector<std::string> all;
+  for (const ColumnEnds& c : columns) {
+    const auto number = [&](double x) {
+      return fmt::format("{:.4g}", std::abs(x) <= rounding * largest[c.unit] ? 0.0 : x);
+    };
+    const std::string least = number(c.range.least), most = number(c.range.most);
+    all.push_back(c.name + "  " + least + (least == most ? "" : " ... " + most) + (c.unit.empty() ? "" : " " + c.unit));
+  }
+  return all;
+}
+
+// As many cells as three lines hold, in columns of one width, and how many there are; or all, a line each.
+std::string table_of(const std::vector<std::string>& cells, bool all) {
+  std::size_t width = 0;
+  for (const std::string& cell : cells) width = std::max(width, cell.size() + 3);
+  const std::size_t per_line = all ? 1 : std::max<std::size_t>(1, 88 / std::max<std::size_t>(1, width));
+  const std::size_t n = all ? cells.size() : std::min(cells.size(), 3 * per_line);
+  std::string text;
+  for (std::size_t k = 0; k < n; k += per_line) {
+    std::string line;
+    for (std::size_t i = k; i < std::min(n, k + per_line); ++i) line += fmt::format("{:<{}}", cells[i], width);
+    line.erase(line.find_last_not_of(' ') + 1);
+    if (k + per_line >= n && n < cells.size()) line += fmt::format("   (all {}: --summary)", cells.size());
+    text += line_of(k == 0 ? "results" : "", line);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string brief_text(const EndedRun& run, bool all_columns) {
+  std::string text;
+  if (run.moved) text += line_of("assembled", run.assembled);
+  if (std::isfinite(run.resumed_at)) text += line_of("resumed", fmt::format("at t = {:.6g} s", run.resumed_at));
+  text += line_of("simulated", simulated(run)) + line_of("checks", checks(run));
+  text += table_of(extremes(columns_of(run), run.settings.tolerance.relative), all_columns);
+  for (const std::string& note : run.notes) text += line_of("pictures", note);
+  for (const std::string& line : lines_of(run.certificate)) text += line_of("", line);
+  return text;
 }
 
 }  // namespace lockstep

@@ -10,7 +10,6 @@
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/result.h"
 #include "framework/tools/program/row_envelope.h"
-#include "framework/tools/program/summary.h"
 #include "framework/tools/rank/singular_watch.h"
 
 namespace lockstep {
@@ -25,23 +24,23 @@ struct MissedEvent {
 /// Those of a run that ended. The requests are in the order of its events.
 std::vector<MissedEvent> missed_events(Mechanism&, const StepLoop&);
 
-/// A run that ended, whichever way.
+/// A run that ended: complete, stopped by an event, or interrupted.
 struct EndedRun {
   StepLoop& sim;
   const RunSettings& settings;
   const Audit& audit;
-  double seconds = 0;        ///< of computing, by the clock
+  double seconds = 0;        ///< wall-clock time
   bool interrupted = false;  ///< by the user
-  const std::vector<PassedPosition>& passed;  ///< the first singular positions, with plain stages
+  const std::vector<PassedPosition>& passed;  ///< the first singular configurations passed without projected stages
   std::string formulation{};                  ///< of its steps: "joint", "omega", "quaternion"
   std::vector<MissedEvent> missed{};          ///< events that did not happen
   std::vector<Finding> findings{};            ///< run_findings(), missed events, suspects_of()
   const RowEnvelope* rows = nullptr;          ///< its table
-  std::vector<std::string> frames_taken{}, not_unique{};  ///< places that were not given; columns of reactions
+  std::vector<std::string> frames_taken{}, not_unique{};  ///< places assumed; columns of reactions
   std::vector<DecidedNear> near{};
   std::string assembled{};  ///< what assembling the start did; "" if little
+  bool moved = false;       ///< whether assembling moved a body
   double resumed_at = NAN;  ///< of a checkpoint, s
-  std::vector<Summary::Way> moved{};
   std::vector<std::string> notes{};  ///< on the pictures
   std::string certificate{};
 };
@@ -53,7 +52,11 @@ std::vector<Finding> of_kind(const std::vector<Finding>&, const FindingKind&);
 /// That an event did not happen.
 Finding finding_of(const MissedEvent&);
 
-/// As a result has it: status, method, counts, energy, drift, and each recorded column's last, least and largest value.
+/// As a result: status, method, counts, energy, violation, and each recorded column's last, least and largest value.
 const Fields<EndedRun>& run_fields();
+
+/// What the run answers: time and steps, one line of checks, the extremes of the recorded columns in three lines, or
+/// all of them.
+std::string brief_text(const EndedRun&, bool all_columns);
 
 }  // namespace lockstep

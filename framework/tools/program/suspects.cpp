@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMost = 4;  // clauses
 
-// What a check finds wrong with the powers of a force; "" where nothing is, or it cannot be looked at.
+// What a check finds wrong with the powers of a force; "" if nothing, or if it cannot be checked.
 std::string wrong_power(System& system, const Force& force) try {
   const CheckReport report = check_force(system, force, {.states = 2});
   for (const CheckFinding& f : report.findings())
@@ -28,8 +28,8 @@ std::string wrong_power(System& system, const Force& force) try {
 
 std::string passed_clause(const std::vector<PassedPosition>& passed, long n) {
   const PassedPosition& first = passed.front();
-  return fmt::format("the singular position at t = {:.6g} s{}{}", first.t,
-                     first.links.empty() ? "" : fmt::format(" (links {})", first_of(first.links)),
+  return fmt::format("the singular configuration at t = {:.6g} s{}{}", first.t,
+                     first.links.empty() ? "" : fmt::format(" (joints {})", first_of(first.links)),
                      n > 1 ? fmt::format(", the first of {}", n) : "");
 }
 
@@ -46,16 +46,15 @@ std::vector<Finding> suspects_of(const EndedRun& run, System& system, long n_pas
   if (!run.passed.empty()) clauses.push_back(passed_clause(run.passed, n_passed));
   const bool projects = dynamics.options().stabilization.kind == Stabilization::Kind::project;
   if (!projects && run.audit.violation > kOff * system.length())
-    clauses.push_back(
-        fmt::format("the links, which are off by {:.2g} m: what they let go does work (take stabilization project)",
-                    run.audit.violation));
+    clauses.push_back(fmt::format("the constraint violation of {:.2g} m, which does work (use stabilization project)",
+                                  run.audit.violation));
   if (run.formulation == "omega" && projects && run.audit.drives != 0 && has_loops(system, run.sim.state().modes))
     clauses.push_back(
-        "the work of the drives: stages off the constraints of a loop know their forces less well (take formulation "
-        "joint, or stages manifold)");
+        "the work of the drives, which unprojected stages compute less accurately in loops (use formulation joint, or "
+        "stages manifold)");
   if (!run.sim.integrator().info().adaptive && r.largest_turn > kLongTurn)
     clauses.push_back(
-        fmt::format("the steps, in which body '{}' turns by up to {:.2g} rad", r.turned_most, r.largest_turn));
+        fmt::format("the steps, in which body '{}' rotates by up to {:.2g} rad", r.turned_most, r.largest_turn));
   if (clauses.size() > kMost) clauses.resize(kMost);
   std::vector<Finding> all;
   for (const std::string& clause : clauses) all.push_back({&finding::energy_suspect, "", clause});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who may be to blame where a run did not conserve energy.
+// Possible causes if a run did not conserve energy.
 #pragma once
 
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace lockstep {
 
-/// The likeliest first: forces whose potential, dissipation or supply do not fit what they exert
-/// (check_force() at a few states about the start), singular positions that the motion passed, links that the
-/// stabilisation leaves open, stages off the constraints in loops with drives, long turns in fixed steps. None where energy
-/// was conserved or cannot be judged, or where nothing of this is there.
+/// The likeliest first: forces whose potential, dissipation or supply do not fit their load (check_force() at a few
+/// states near the start), singular configurations that the motion passed, constraint violation, unprojected stages in
+/// loops with drives, long rotations in fixed steps. None if energy was conserved or cannot be judged, or if none of
+/// them applies.
 std::vector<Finding> suspects_of(const EndedRun&, System&, long n_passed);
 
 }  // namespace lockstep

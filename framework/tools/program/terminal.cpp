@@ -22,7 +22,7 @@ const char* error_mark() {
   const char* terminal = std::getenv("TERM");
   const bool coloured =
       isatty(STDERR_FILENO) != 0 && !set("NO_COLOR") && terminal != nullptr && std::string_view(terminal) != "dumb";
-  return coloured ? "\033[1;31mlockstep:\033[0m" : "lockstep:";
+  return coloured ? "\033[1;31merror:\033[0m" : "error:";
 }
 
 }  // namespace lockstep

@@ -24,51 +24,36 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kRun = "Run a mechanism", kLook = "Look at a scene", kAnalyse = "Analyse",
-                           kCompare = "Compare and sweep", kExtend = "Extend and install";
+constexpr std::string_view kSimulate = "Simulate", kAnalyse = "Analyse", kCompare = "Compare methods",
+                           kLook = "Look up", kConvert = "Convert and extend";
 constexpr Verb kVerbs[] = {
-    {"run", "", kRun, "Compute the motion of a scene, write CSV and a picture"},
-    {"resume", "", kRun, "Go on with a run from its checkpoint"},
-    {"report", "", kRun,
-     "Run a scene and write it as one HTML file: the mechanism in motion, its columns, its settings"},
-    {"demo", "", kRun, "Show a moving four-bar in the browser, and leave its scene to play with"},
-    {"check", "", kLook, "Read and build a scene; report its bodies, unknowns, rows and degrees of freedom"},
-    {"list", "", kLook,
-     "List the laws, links, forces, integrators and solvers that scenes may name; `list findings`: what may be found"},
-    {"describe", "", kLook, "Print what a type, an object of a scene or a finding is, and which keys it takes"},
-    {"schema", "", kLook, "Print the JSON Schema of scene files, for editors; or of what commands print with --json"},
-    {"reference", "", kLook,
-     "Print the reference of scenes as a page in Markdown: every object, type, key and unit; or that of findings"},
-    {"mobility", "analyses", kAnalyse,
-     "Tell how a scene can move, which of its rows are too many, and which reactions are not unique"},
-    {"assemble", "analyses", kAnalyse, "Bring the start of a scene onto its constraints; report what moved how far"},
-    {"statics", "analyses", kAnalyse,
-     "Find where a scene rests under its loads; report poses, reactions and whether it stays there"},
-    {"kinematics", "analyses", kAnalyse,
-     "Follow a fully driven scene over time: positions, velocities, accelerations, without integration"},
-    {"inverse", "analyses", kAnalyse,
-     "Find the forces of the drives and all reactions of a fully driven scene over time, without integration"},
-    {"explain", "analyses", kAnalyse,
-     "Tell what acts on a body, what a link does and why it is redundant, what laws give, at one instant"},
-    {"modes", "analyses", kAnalyse, "Frequencies, damping ratios and shapes about an equilibrium or a steady rotation"},
-    {"linearize", "analyses", kAnalyse,
-     "A, B, C, D of the linear equations about a state, with named inputs and outputs"},
-    {"matrices", "analyses", kAnalyse,
-     "Mass, damping, stiffness, jacobian and right sides at an instant, with the names of rows and columns"},
-    {"chart", "measuring", kCompare,
-     "Draw error against CPU time and evaluations for all integrators, formulations, stabilisations, solvers"},
-    {"advise", "measuring", kCompare,
-     "Measure which method and setting meets an error at the least cost; print how to use it"},
-    {"atlas", "measuring", kCompare,
-     "Draw where each method works and where it fails, over any two numbers of a scene"},
-    {"sweep", "sweep", kCompare, "Run a scene many times with other values, one row per run"},
-    {"new-plugin", "", kExtend,
-     "Write the folder of a plugin: source, CMake file, test, scene; it builds and passes at once"},
-    {"completion", "", kExtend,
-     "Print the script by which a shell completes lines: verbs, options, names of the scene"},
-    {"man", "", kExtend, "Print the manual page"},
-    {"plugins list", "", kExtend, "Load each plugin of the search path; report what it brings"},
-    {"import", "import", kExtend, "Read a robot in URDF and write it as a scene"},
+    {"run", "", kSimulate, "Simulate a scene; write a CSV file and a picture"},
+    {"resume", "", kSimulate, "Continue a run from its checkpoint"},
+    {"report", "", kSimulate, "Simulate a scene and write one HTML file: animation, plots, settings"},
+    {"sweep", "sweep", kSimulate, "Run a scene many times with varied values; one table row per run"},
+    {"demo", "", kSimulate, "Show a moving four-bar in the browser, and leave its scene to edit"},
+    {"check", "", kAnalyse, "Assemble a scene; report degrees of freedom and redundant constraints"},
+    {"mobility", "analyses", kAnalyse, "Report free motions, redundant constraints and reactions that are not unique"},
+    {"assemble", "analyses", kAnalyse, "Assemble the start of a scene; report which bodies move and how far"},
+    {"statics", "analyses", kAnalyse, "Find the static equilibrium: poses, reactions, stability"},
+    {"kinematics", "analyses", kAnalyse, "Compute the motion of a fully driven scene, without integration"},
+    {"inverse", "analyses", kAnalyse, "Compute drive forces and reactions of a fully driven scene (inverse dynamics)"},
+    {"modes", "analyses", kAnalyse, "Compute natural frequencies, damping ratios and mode shapes"},
+    {"linearize", "analyses", kAnalyse, "Compute A, B, C, D of the linearised equations with named inputs and outputs"},
+    {"explain", "analyses", kAnalyse, "List the loads on a body, or the effect of a joint or force, at one time"},
+    {"matrices", "analyses", kAnalyse, "Write mass, damping, stiffness, Jacobian and right-hand sides at one time"},
+    {"advise", "measuring", kCompare, "Find the cheapest method and setting for a given error"},
+    {"chart", "measuring", kCompare, "Draw error against CPU time for all methods and settings"},
+    {"atlas", "measuring", kCompare, "Map the accuracy of each method over two numbers of a scene"},
+    {"list", "", kLook, "List joints, laws, forces, integrators, solvers or findings"},
+    {"describe", "", kLook, "Describe a type, a key, a finding, or a parameter of a scene"},
+    {"schema", "", kLook, "Print the JSON Schema of scene files, or of results (--json)"},
+    {"reference", "", kLook, "Print the reference of scene files, or of findings, in Markdown"},
+    {"man", "", kLook, "Print the manual page"},
+    {"completion", "", kLook, "Print the completion script of a shell"},
+    {"import", "import", kConvert, "Convert a robot in URDF to a scene"},
+    {"new-plugin", "", kConvert, "Create the folder of a plugin: source, CMake file, test, scene"},
+    {"plugins list", "", kConvert, "List the plugins of the search path and the types that they add"},
 };
 
 std::string file_of(std::string_view program) {
@@ -95,14 +80,14 @@ std::optional<int> call_tool(int argc, const char* const* argv) {
                            return std::string_view(word).starts_with("--certify");
                          });
   const Verb* known = verb_of(certifies ? "chart" : verb);
-  const auto own = {"complete", "plugins", "plugin-answer"};  // words that no verb is
+  const auto own = {"complete", "plugins", "plugin-answer"};  // words that are no command
   if (known != nullptr ? known->program.empty() : completes || std::ranges::find(own, verb) != own.end()) return {};
   const std::string program(known != nullptr ? known->program : verb);
   std::vector<char*> words;
   for (int k = 0; k < argc; ++k) words.push_back(const_cast<char*>(argv[k]));
   words.push_back(nullptr);
-  if (known == nullptr) words.erase(words.begin() + 1);  // of a program of another's: as git calls one
-  std::signal(SIGXFSZ, SIG_DFL);                        // as it was before run_program()
+  if (known == nullptr) words.erase(words.begin() + 1);  // of a foreign program: as git calls one
+  std::signal(SIGXFSZ, SIG_DFL);                         // as it was before run_program()
   const std::string file = file_of(program);
   execv(file.c_str(), words.data());
   const int why = errno;
@@ -112,7 +97,7 @@ std::optional<int> call_tool(int argc, const char* const* argv) {
   const std::string state = why == ENOENT ? fmt::format("which is neither '{}' nor on the PATH", file)
                                           : fmt::format("but '{}' cannot be started: {}", file, std::strerror(why));
   tell(
-      fmt::format("lockstep: {} is in the program lockstep-{}, {}; build it (cmake --build build/release --target "
+      fmt::format("lockstep: {} needs the program lockstep-{}, {}; build it (cmake --build build/release --target "
                   "lockstep_{}), or install the package lockstep\n",
                   certifies ? "--certify" : "'" + std::string(verb) + "'", program, state, program));
   return kExitUsage;
@@ -120,12 +105,12 @@ std::optional<int> call_tool(int argc, const char* const* argv) {
 
 std::string ask_tools(const char* question) {
   std::string answers;
-  std::string_view last;  // those of a program stand together
+  std::string_view last;  // those of a program are adjacent
   for (const Verb& verb : kVerbs) {
     const std::string file = file_of(verb.program);
     if (verb.program.empty() || std::exchange(last, verb.program) == verb.program || !fs::exists(file)) continue;
     const auto [status, text] = run_child({file, question});
-    if (status != 0) throw FileError("'" + file + "' cannot print its part; build or install it anew");
+    if (status != 0) throw FileError("'" + file + "' cannot print its part; build or install it again");
     answers += text;
   }
   return answers;

@@ -131,7 +131,7 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
 BranchPoint branch_point(Dynamics& dynamics, const State& state) {
   try {
     return looked_at(dynamics, state);
-  } catch (const Error&) {  // what cannot be evaluated at other velocities is not known
+  } catch (const Error&) {  // not known if other velocities cannot be evaluated
     return {};
   }
 }
@@ -140,9 +140,9 @@ std::string BranchPoint::text(Dynamics& dynamics, const State& given) const {
   if (!singular) return {};
   State state = given;
   dynamics.to_slots(state);
-  const std::string count = fmt::format("{} motion{} to first order", motions, motions == 1 ? "" : "s");
-  if (!all) return count + ", and more branches than lines can tell";
-  if (tangents.empty()) return count + ", none of which goes on: the mechanism is locked there, but for what gives way";
+  const std::string count = fmt::format("{} instantaneous degree{} of freedom", motions, motions == 1 ? "" : "s");
+  if (!all) return count + ", with more branches than can be listed";
+  if (tangents.empty()) return count + ", but no finite motion: the mechanism is locked";
   std::string words =
       count + (tangents.size() == 1 ? ", one branch: " : fmt::format(", {} branches: ", tangents.size()));
   const Inputs& in = dynamics.inputs(state);

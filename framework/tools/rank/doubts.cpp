@@ -54,21 +54,19 @@ std::vector<Finding> Doubts::findings(long steps, double t) const {
   if (unmet_.lost > seconds)
     all.push_back(
         {&finding::tolerance_not_reached, "",
-         fmt::format("the tolerance of {:g} was not reached in {} of {} step{}, from t = {:.6g} s on: errors "
-                     "of up to {:.2g} times it stay there, in sum {:.2g} times what it allows the whole run; the "
-                     "run went on with what can be reached",
+         fmt::format("the tolerance of {:g} was not reached in {} of {} step{}, from t = {:.6g} s: errors are up to "
+                     "{:.2g} times the tolerance, in sum {:.2g} times the limit of the whole run",
                      tolerance_, unmet_.steps, steps, steps == 1 ? "" : "s", unmet_.first, unmet_.largest,
                      unmet_.lost / seconds),
          "", unmet_.lost / seconds, 1, "", unmet_.first});
   if (const long n = n_uncertain_; n > 0) {
     all.push_back(
         {&finding::reactions_uncertain, "",
-         fmt::format("the reactions at t = {}{} are uncertain by more than 1 %, or have no value: {} in or beside a "
-                     "singular position",
+         fmt::format("the reactions at t = {}{} are uncertain by more than 1 %, or undefined, near a singular "
+                     "configuration",
                      times_of(uncertain_, static_cast<std::size_t>(n)),
-                     n > static_cast<long>(kNamed) ? fmt::format(" ({} instants)", n) : "",
-                     n == 1 ? "it lies" : "they lie"),
-         "look at those before and after"});
+                     n > static_cast<long>(kNamed) ? fmt::format(" ({} times)", n) : ""),
+         "use those before and after"});
     all.back().t = uncertain_.front();
   }
   return all;

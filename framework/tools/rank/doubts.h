@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What makes the result of a run doubtful though it went through: a tolerance that was not reached, recorded reactions that
-// rounding decides.
+// What makes the result of a run doubtful though it went through: a tolerance that was not reached, recorded reactions
+// that rounding decides.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,10 @@
 
 namespace lockstep {
 
-/// Watches what the method reports of its steps, and how certain reactions are that are recorded beside a singular position.
+/// Watches the step reports of the method, and the certainty of recorded reactions near a singular configuration.
 class LOCKSTEP_API Doubts final : public Observer {
  public:
-  static constexpr std::size_t kNamed = 5;  ///< instants that are kept
+  static constexpr std::size_t kNamed = 5;  ///< times that are kept
 
   /// `reactions`: some are recorded; `tolerance`: of the method, relative, 0 for fixed steps.
   Doubts(bool reactions, double tolerance) : reactions_(reactions), tolerance_(tolerance) {}
@@ -35,11 +35,11 @@ class LOCKSTEP_API Doubts final : public Observer {
   bool reactions_, loops_ = false;
   double tolerance_, begun_ = 0;
   UnmetTolerance unmet_;
-  long n_uncertain_ = 0;           // instants beside a singular position: reactions may be off by more than a hundredth
-  std::vector<double> uncertain_;  // the first of those instants, kNamed at most, s
+  long n_uncertain_ = 0;           // times near a singular configuration: errors of reactions above 1 %
+  std::vector<double> uncertain_;  // the first of those times, kNamed at most, s
 };
 
-/// "0.51, 1.02, 1.53, ... s": the first of n instants.
+/// "0.51, 1.02, 1.53, ... s": the first of n times.
 LOCKSTEP_API std::string times_of(const std::vector<double>& first, std::size_t n);
 
 /// "A, B and C", or the first of them "and 7 more".

@@ -19,12 +19,12 @@
 namespace lockstep {
 namespace {
 
-/// A coordinate of a link that its mask leaves free.
+/// A coordinate of a joint that its mask leaves free.
 struct FreeCoordinate {
   const Lock* link;
   Axis axis;
   std::string name() const { return link->name() + "." + std::string(to_string(axis)); }
-  /// Of the body that it belongs to most: P's, or S's where P stands still.
+  /// Of the body that it belongs to most: P's, or S's if P is fixed.
   int slot() const {
     const auto [p, s] = link->pairs().front();
     return p->body->slot != kGround ? p->body->slot : s->body->slot;
@@ -42,7 +42,7 @@ std::vector<FreeCoordinate> free_coordinates(const System& system, const State& 
   return all;
 }
 
-/// Rate of a coordinate: of P against S, along or about an axis of S; turns as lengths.
+/// Rate of a coordinate: of P against S, along or about an axis of S; rotations as lengths.
 double rate_of(const FreeCoordinate& c, const Inputs& in, double length) {
   const auto [p, s] = c.link->pairs().front();
   const MarkerInWorld P = in_world(MarkerFrame(*p), in), S = in_world(MarkerFrame(*s), in);
@@ -87,15 +87,14 @@ std::map<std::string, std::string> drives_by_row(const System& system) {
 std::string DriveReport::text() const {
   std::string text;
   if (freedoms > 0) {
-    text = fmt::format("{} free motion{} follow{} from no law", freedoms, freedoms == 1 ? "" : "s",
-                       freedoms == 1 ? "s" : "");
+    text = fmt::format("{} free motion{} not driven", freedoms, freedoms == 1 ? " is" : "s are");
     for (std::size_t i = 0; i < std::min<std::size_t>(free.size(), 4); ++i) text += (i > 0 ? "; " : ": ") + free[i];
     if (free.size() > 4) text += "; ...";
-    text += to_drive.empty() ? ". Hold or drive what moves" : ". Drive " + text::join(to_drive) + ", for example";
+    text += to_drive.empty() ? ". Constrain or drive them" : ". Drive " + text::join(to_drive) + ", for example";
   }
   for (const std::vector<std::string>& set : too_many)
     text += (text.empty() ? "" : ". ") + std::string("the drives ") + text::join(set) +
-            " determine one another's coordinates: release one of them";
+            " prescribe dependent coordinates: remove one of them";
   return text;
 }
 

@@ -8,8 +8,8 @@ namespace lockstep {
 
 namespace {
 
-// Of a pivot, what is left of it beside a singular position; and of the combination of rows that fades there, the share
-// below which a row takes no part, since what is left of the pivot is spread over others.
+// Of a pivot, what is left of it beside a singular configuration; and of the combination of rows that fades there, the
+// share below which a row takes no part, since what is left of the pivot is spread over others.
 constexpr double kFaded = 0.05;
 
 }  // namespace

@@ -23,7 +23,7 @@ Shard read_shard(const std::string& text) {
   Shard shard{0, 0};
   if (bar != std::string::npos) shard = {whole(text.substr(0, bar)), whole(text.substr(bar + 1))};
   if (shard.index < 1 || shard.count < 1)
-    throw ModelError("\"" + text + "\" is no share; write i/n with whole numbers from 1 on, as in 2/8");
+    throw ModelError("\"" + text + "\" is not a share; write i/n with whole numbers from 1, as in 2/8");
   if (shard.index > shard.count)
     throw ModelError("\"" + text + "\": there is no share " + std::to_string(shard.index) + " of " +
                      std::to_string(shard.count) + "; the last is " + std::to_string(shard.count) + "/" +
@@ -33,9 +33,9 @@ Shard read_shard(const std::string& text) {
 
 Grid::Grid(std::vector<std::size_t> sizes) : sizes_(std::move(sizes)) {
   for (const std::size_t size : sizes_) {
-    if (size == 0) throw ModelError("a list without values makes a grid without runs; give it one value at least");
+    if (size == 0) throw ModelError("a list of the grid has no values; give at least one");
     if (size > static_cast<std::size_t>(kMostRuns / n_runs_))
-      throw ModelError("the grid has more than " + std::to_string(kMostRuns) + " runs; take fewer values");
+      throw ModelError("the grid has more than " + std::to_string(kMostRuns) + " runs; use fewer values");
     n_runs_ *= static_cast<long>(size);
   }
 }

@@ -29,7 +29,7 @@ class LeftOutForNow {
   System& system_;
 };
 
-/// A row by itself, in lengths: C, and its jacobian in these unknowns.
+/// A row by itself, in lengths: C, and its Jacobian in these unknowns.
 struct OneRow {
   double C = 0;
   VecX J;

@@ -9,17 +9,18 @@
 
 namespace lockstep {
 
-/// Whether the rows of the links in force are few enough to be held down to the smallest, for which they are factored
+/// Whether the rows of the active links are few enough to be held down to the smallest, for which they are factored
 /// densely: 300, in a plane those of the plane, and those that are left out too.
 bool are_few_rows(const System&, const std::vector<bool>& modes);
 
 /// Leaves rows out, in addition to those that are.
 void leave_out(System&, const std::vector<NamedRow>&);
-/// Puts all rows that were left out back, and takes back that rows hold which nearly depend.
+/// Puts all rows that were left out back, and revokes the decision to keep nearly dependent rows.
 void take_back(System&);
 
-/// The largest violation of `rows`, m, on assembled poses without them: along what each of them held the mechanism moves on
-/// by 0.3 rad, or the same part of System::length(). HUGE_VAL if it cannot. They are left out as long as it looks.
+/// The largest violation of `rows`, m, on assembled poses without them: along what each of them held the mechanism
+/// moves on by 0.3 rad, or the same part of System::length(). HUGE_VAL if it cannot. They are left out as long as it
+/// looks.
 double violation_without(System&, Dynamics&, const State&, const std::vector<NamedRow>& rows,
                          const std::vector<NamedRow>& all_left_out);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rows of a mechanism loop by loop: what rank, dependencies and unique reactions are found from.
+// The rows of a mechanism loop by loop, for rank, dependencies and unique reactions.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ struct LoopRows {
   LoopRows(const System&, const RowTable&, const std::vector<int>& entries);
 
   Unknowns at;
-  SparseMat Jt;              ///< jacobian, transposed; turns as lengths
+  SparseMat Jt;              ///< Jacobian, transposed; rotations as lengths
   std::vector<int> numbers;  ///< of its columns in the table
 
   int n() const { return static_cast<int>(numbers.size()); }

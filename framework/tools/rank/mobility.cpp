@@ -7,6 +7,28 @@
 #include "framework/tools/rank/loop_rows.h"
 
 namespace lockstep {
+namespace {
+
+bool is_drive(const NamedRow& row) { return row.link->row(row.own).drive >= 0; }
+
+// The part of the rank that is due to drives, and the names of these drives, "A.rz".
+int rank_of_drives(const System& system, const RowTable& table, const LoopRows& rows, int rank,
+                   std::vector<std::string>& names) {
+  std::vector<int> others;
+  for (int k = 0; k < rows.n(); ++k) {
+    const NamedRow named(system, table, rows.numbers[k]);
+    if (is_drive(named))
+      add_name(named.link->name() + "." + named.link->driven()->drive(named.link->row(named.own).drive).name, names);
+    else
+      others.push_back(k);
+  }
+  if (static_cast<int>(others.size()) == rows.n()) return 0;
+  SparseMat Jt(rows.Jt.rows(), static_cast<Eigen::Index>(others.size()));
+  for (std::size_t k = 0; k < others.size(); ++k) Jt.col(static_cast<Eigen::Index>(k)) = rows.Jt.col(others[k]);
+  return rank - Dependencies(Jt).rank;
+}
+
+}  // namespace
 
 MobilityReport mobility(Dynamics& dynamics, const State& state) {
   const Evaluation& evaluation = dynamics.gather_rows(state);
@@ -21,6 +43,7 @@ MobilityReport mobility(Dynamics& dynamics, const State& state) {
     const LoopRows rows(system, table, entries);
     const Dependencies dependencies(rows.Jt);
     report.rank += dependencies.rank;
+    report.driven += rank_of_drives(system, table, rows, dependencies.rank, report.drives);
     for (const DependentRows& set : dependencies.sets) {
       Dependency& found = report.dependencies.emplace_back();
       found.too_many = set.too_many, found.nearly = set.nearly, found.pivot = set.pivot;

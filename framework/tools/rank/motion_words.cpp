@@ -29,7 +29,7 @@ std::string direction_words(const Vec3& direction) {
   return fmt::format("[{:.3g}, {:.3g}, {:.3g}]", plain(unit[0]), plain(unit[1]), plain(unit[2]));
 }
 
-// What a slot does in a motion: "turns about z", and how much, m; no words where it hardly moves.
+// The motion of a slot: "rotates about z", and its size, m; no words if it hardly moves.
 struct Part {
   int slot = 0;
   double size = 0;
@@ -40,7 +40,7 @@ Part part_of(const System& system, const Inputs& at, const VecX& motion, int slo
   const Vec3 move = motion.segment<3>(6 * slot), turn = at.slot(slot).A * motion.segment<3>(6 * slot + 3);
   const double moves = move.norm(), turns = system.length() * turn.norm();
   if (turns > 0 && turns >= kNotable * std::max(moves, least))
-    return {slot, turns, "turns about " + direction_words(turn)};
+    return {slot, turns, "rotates about " + direction_words(turn)};
   if (moves > 0 && moves >= kNotable * least) return {slot, moves, "moves along " + direction_words(move)};
   return {slot, 0, ""};
 }
@@ -57,7 +57,7 @@ std::vector<Part> parts_of(const System& system, const Inputs& at, const VecX& m
   return parts;
 }
 
-// The bodies of some parts, with what they do where `words`.
+// The bodies of some parts, with their motion if `words`.
 std::string list(const System& system, const std::vector<Part>& parts, bool words) {
   std::string text;
   for (std::size_t i = 0; i < std::min(kMostNamed, parts.size()); ++i)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What rows hold that nearly depend on others: found, tried, and decided where that is asked for.
+// Constraints that nearly depend on others: found, tested, and decided if requested.
 #include <algorithm>
 #include <deque>
 #include <numeric>
@@ -19,12 +19,12 @@ namespace {
 
 constexpr double kPersists = 1e-3;  // of the length: rows that are violated by less nearly depend everywhere
 
-/// What keeps a row of a link from being left out: "a law is among them"; "" for nothing.
+/// Why a row of a link cannot be left out: "one of them is driven"; "" if it can.
 std::string keeper_of(const NamedRow& row) {
-  const std::string law = "a law is among them";
+  const std::string law = "one of them is driven";
   const Lock& link = *row.link;
-  if (link.unilateral() != nullptr) return "a one-sided link is among them";
-  if (link.jointed() == nullptr) return "a link is among them that is no joint";
+  if (link.unilateral() != nullptr) return "one of them is one-sided";
+  if (link.jointed() == nullptr) return "one of them is of a coupling";
   if (link.row(row.own).drive >= 0 || (link.pattern().laws & (with::uP | with::qP | with::uS | with::qS)) != 0)
     return law;
   const ImposedMotion& imposed = link.jointed()->imposed();
@@ -50,10 +50,10 @@ class LoopChoice {
   struct Choice {
     std::vector<NamedRow> gone;
     double smallest = 1;  ///< pivot of those that stay
-    std::string kept;     ///< what keeps a row of `gone` from being left out
+    std::string kept;     ///< why a row of `gone` cannot be left out
   };
-  /// The next that stays is the first of which others leave at least half of the most. Rows that may not go come first as
-  /// long as they are a tenth of the most. Ends if no row is left above `limit`.
+  /// The next that stays is the first of which others leave at least half of the most. Rows that may not go come first
+  /// as long as they are a tenth of the most. Ends if no row is left above `limit`.
   Choice above(double limit) const {
     constexpr double kKeeps = 10;
     Choice out;
@@ -156,12 +156,12 @@ void hold(System& system, const std::deque<LoopChoice>& loops, std::vector<NearD
   }
   if (!kept.empty()) {
     for (NearDependency& d : told)
-      if (d.decided) d.decided = false, d.undecided = "of rows that depend on others exactly, " + kept;
+      if (d.decided) d.decided = false, d.undecided = "among exactly redundant constraints, " + kept;
     return;
   }
   leave_out(system, all);
   system.hold_down_to(smallest);
-  first->left_out = names_of(all);  // the first tells them all
+  first->left_out = names_of(all);  // the first reports them all
   for (const std::string& link : links) add_name(link, first->links);
 }
 

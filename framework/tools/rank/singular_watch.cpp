@@ -25,7 +25,7 @@ constexpr double kLook = 0.02;   // rad between two looks
 constexpr int kRounds = 6;       // of parabolas, each of which gains more than a digit
 constexpr double kUnseen = 0.1;  // of the turn of a step: about the distance of its stages
 
-// Whether there are rows that a singular position could make redundant.
+// Whether there are rows that a singular configuration could make redundant.
 bool has_rows(const Sample& sample) { return !sample.state.coordinates || sample.state.coordinates->has_rows(); }
 
 }  // namespace
@@ -75,7 +75,7 @@ void SingularWatch::load(SnapshotReader& in) {
   }
 }
 
-// What was seen of other links in force, or before an impact, says nothing of what follows.
+// Observations of other active joints, or before an impact, do not apply to the following motion.
 void SingularWatch::forget() {
   before_.indicator = last_.indicator = regular_.indicator = -1;
   turned_ = 0;
@@ -114,8 +114,8 @@ void SingularWatch::look(Look now) {
   last_ = std::move(now);
 }
 
-// The indicator falls as c (theta^2 + theta0^2), theta: the turn from its minimum, theta0: how far the motion passes the
-// position by. The parabola through three looks has its vertex there; the first look has none before it.
+// The indicator falls as c (theta^2 + theta0^2), theta: the turn from its minimum, theta0: how far the motion passes
+// the position by. The parabola through three looks has its vertex there; the first look has none before it.
 void SingularWatch::find_between(const Look& before, const Look& lowest, const Look& after) {
   Look best = lowest, now;
   const auto look_at = [&](double t) {
@@ -155,7 +155,7 @@ void SingularWatch::find_between(const Look& before, const Look& lowest, const L
   passed_.push_back({best.state.t, best.indicator, {}});
   try {
     passed_.back().links = fading_links(system_, regular_.state, best.state);
-  } catch (const Error&) {  // where no row can be evaluated none is named
+  } catch (const Error&) {  // if no row can be evaluated, none is named
   }
 }
 
@@ -167,15 +167,16 @@ Finding finding_of(const std::vector<PassedPosition>& passed, long n, const Inte
     for (const std::string& name : p.links)
       if (std::ranges::find(links, name) == links.end()) links.push_back(name);
   }
-  const std::string where = links.empty() ? "" : fmt::format(" (links {})", first_of(links));
+  const std::string where = links.empty() ? "" : fmt::format(" (joints {})", first_of(links));
   const char* next = !projects ? "--stabilization project with --integrator dop853"
                      : method.name == "dop853" || method.name == "dopri5" ? "stages auto, and no fixed steps"
                                                                           : "--integrator dop853";
   Finding f{
       &finding::singular_passed, "",
-      fmt::format("passed {} singular position{} with plain stages, at t = {}{}; the motion after {} may be another", n,
-                  n == 1 ? "" : "s", times_of(times, static_cast<std::size_t>(n)), where, n == 1 ? "it" : "them"),
-      std::string("take ") + next};
+      fmt::format("passed {} singular configuration{} with unprojected stages, at t = {}{}; the motion after {} may be "
+                  "on another branch",
+                  n, n == 1 ? "" : "s", times_of(times, static_cast<std::size_t>(n)), where, n == 1 ? "it" : "them"),
+      std::string("use ") + next};
   f.t = times.front();
   return f;
 }

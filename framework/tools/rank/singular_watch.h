@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// SingularWatch: the singular positions that a run passes without noticing.
+// SingularWatch: the singular configurations that a run passes without noticing.
 #pragma once
 
 #include <string>
@@ -10,16 +10,17 @@
 
 namespace lockstep {
 
-/// A singular position that a run passed.
+/// A singular configuration that a run passed.
 struct PassedPosition {
   double t = 0;                    ///< s
   double indicator = 0;            ///< the singularity indicator there (SolveReport::detector)
-  std::vector<std::string> links;  ///< whose rows depend on one another there alone; none where there are too many rows
+  std::vector<std::string> links;  ///< whose rows depend on one another there alone; none if there are too many rows
 };
 
-/// Watches the steps whose stages are evaluated as they are, and finds the singular positions between them. It looks at
-/// the singularity indicator whenever a body has turned by 0.02 rad, with a solver of its own. Where the indicator has a
-/// minimum that lies nearer to a singular position than the stages of a step to one another, they did not see that position.
+/// Watches the steps whose stages are evaluated as they are, and finds the singular configurations between them. It
+/// looks at the singularity indicator whenever a body has turned by 0.02 rad, with a solver of its own. Where the
+/// indicator has a minimum that lies nearer to a singular configuration than the stages of a step to one another, they
+/// did not see that position.
 class LOCKSTEP_API SingularWatch final : public Observer {
  public:
   /// The system must outlive it.

@@ -16,8 +16,9 @@ LOCKSTEP_API SparseMat tangent_of(const TangentSum&, bool of_velocity, const Unk
 ///
 ///     w . d^2C = c . G c,   G = N^T d(J^T w)/dx N                                            (9.23)
 ///
-/// None if G is slight beside its terms, as differences of a link without a formula leave a zero: the rows depend on one
-/// another in the neighbouring positions too. `N`: in these unknowns, turns as lengths; `w`: 1 per row of the table.
+/// None if G is slight beside its terms, as differences of a link without a formula leave a zero: the rows depend on
+/// one another in the neighbouring positions too. `N`: in these unknowns, rotations as lengths; `w`: 1 per row of the
+/// table.
 LOCKSTEP_API std::optional<MatX> stopping_form(const Evaluation&, const Unknowns&, const MatX& N, const VecX& w);
 
 }  // namespace lockstep

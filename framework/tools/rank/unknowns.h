@@ -38,7 +38,7 @@ class LOCKSTEP_API Unknowns {
   VecX to_slots(const VecX& unknowns) const;
   /// What each unknown is multiplied by to be a length: 1, and System::length() for turns.
   const VecX& lengths() const { return lengths_; }
-  /// A motion u with turns as lengths, 6 per slot: m (world) and rad (slot axes).
+  /// A motion u with rotations as lengths, 6 per slot: m (world) and rad (slot axes).
   VecX motion_of(const VecX& u) const { return to_slots(u.cwiseQuotient(lengths_)); }
   /// Forces, N, that have the power of f in each motion u; f: 6 per slot, N (world) and N m (slot axes).
   VecX forces_in(const VecX& f) const { return of_slots(f).cwiseQuotient(lengths_); }
@@ -49,7 +49,7 @@ class LOCKSTEP_API Unknowns {
   void add(int slot, const Mat3& moves, const Mat3& turns, Triplets& to) const;
   /// Jacobian, transposed, of entries of a table: a row is a column, entry after entry.
   SparseMat rows(const RowTable&, const std::vector<int>& entries) const;
-  /// The same with turns as lengths; and of all entries.
+  /// The same with rotations as lengths; and of all entries.
   SparseMat rows_in_lengths(const RowTable&, const std::vector<int>& entries) const;
   SparseMat rows_in_lengths(const RowTable& t) const { return rows_in_lengths(t, up_to(t.entries.size())); }
   /// A matrix of pairs of unknowns.
@@ -62,7 +62,8 @@ class LOCKSTEP_API Unknowns {
   VecX lengths_;
 };
 
-/// Basis of the motions that the rows leave free, orthonormal with turns as lengths: one column each (RowSpace::free).
+/// Basis of the motions that the rows leave free, orthonormal with rotations as lengths: one column each
+/// (RowSpace::free).
 LOCKSTEP_API MatX free_motions(const Evaluation&);
 
 }  // namespace lockstep

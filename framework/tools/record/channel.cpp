@@ -34,12 +34,11 @@ void add_angle(Entries& out, std::string name, std::string help, std::function<c
       const Inputs& in = s.inputs();
       if (!*told && angle.doubt(in.s) > CountedAngle::kInDoubt) {
         *told = true;
-        Finding f{
-            &finding::turns_uncertain, "channel \"" + channel + "\"",
-            fmt::format("channel \"{}\": up to t = {} s the angle has been more than a quarter turn from where "
-                        "its rate led: it has no value nearby, or steps are too long; its full turns are in doubt",
-                        channel, text::brief(s.state.t)),
-            "record an angle about another axis, or take smaller steps (--step)"};
+        Finding f{&finding::turns_uncertain, "channel \"" + channel + "\"",
+                  fmt::format("channel \"{}\": until t = {} s the angle changed by 90 deg more than its rate gives: it "
+                              "is undefined nearby, or steps are too long; its revolutions are uncertain",
+                              channel, text::brief(s.state.t)),
+                  "record an angle about another axis, or use smaller steps (--step)"};
         f.t = s.state.t;
         report_finding(f);
       }
@@ -66,11 +65,11 @@ void each_object(const System& system, Visit&& visit) {
   for (const Body& b : system.bodies()) visit("body", b.name, [&](Entries& out) { of_body(b, out); });
   for (const Marker& m : system.markers()) visit("marker", m.name, [&](Entries& out) { of_frame({m.body, &m}, out); });
   for (const auto& l : system.links())
-    visit("link", l->name(), [&](Entries& out) { of_link(system, *l, out), of_reactions(*l, out); });
+    visit("joint", l->name(), [&](Entries& out) { of_link(system, *l, out), of_reactions(*l, out); });
   for (const auto& f : system.forces()) visit("force", f->name(), [&](Entries& out) { of_force(*f, out); });
   for (const ControlInput& i : system.control_inputs())
     visit("input", i.name(), [&](Entries& out) {
-      add(out, "value", i.unit(), "as the host has set it", [&i](const Sample&) { return i.value(); });
+      add(out, "value", i.unit(), "value set by the host", [&i](const Sample&) { return i.value(); });
     });
 }
 
@@ -108,6 +107,18 @@ std::vector<std::string> names_of(const Entries& entries) {
   return names;
 }
 
+// The one rotation of a joint was called "angle_z" before it was "rz": for one release both are read.
+const Entry* find_old(const Entries& entries, const std::string& name, std::string_view quantity) {
+  if (!quantity.starts_with("angle_")) return nullptr;
+  const auto now = std::ranges::find(entries, "r" + std::string(quantity.substr(6)), &Entry::name);
+  if (now == entries.end()) return nullptr;
+  report_finding({&finding::renamed_key, "",
+                  fmt::format("channel \"{}\" is now called \"{}{}\"", name,
+                              name.substr(0, name.size() - quantity.size()), now->name),
+                  "the next release reads only the new name"});
+  return &*now;
+}
+
 Channel made(System& system, const std::string& name, const Entry& entry) {
   Channel c{name, entry.unit, {}};
   entry.make(system, c);
@@ -142,7 +153,11 @@ bool says_more(std::string_view name, std::string_view word) {
 // angle_z, and a moment a torque.
 std::vector<std::string> meant_by(const std::string& quantity, const std::vector<std::string>& names) {
   constexpr std::size_t kMost = 4;
-  for (const auto& [word, ours] : {std::pair<std::string, std::string>{"r", "angle_"}, {"moment", "torque"}})
+  for (const auto& [word, ours] : {std::pair<std::string, std::string>{"reaction_", "force_on_p_world_"},
+                                   {"drive_torque", "drive.torque_on_p_link_z"},
+                                   {"torque", "torque_on_p_link_z"},
+                                   {"r", "angle_"},
+                                   {"moment", "torque"}})
     if (quantity.starts_with(word))
       if (const std::string name = ours + quantity.substr(word.size()); std::ranges::find(names, name) != names.end())
         return {name};
@@ -171,7 +186,7 @@ std::vector<std::string> meant_by(const std::string& quantity, const std::vector
   const std::string near = text::closest_name(channel, total_names);
   const std::string hint = !near.empty() ? "; did you mean \"" + near + "\"?" : text::suggestion(object, names);
   throw ModelError(
-      fmt::format("channel \"{}\": no body, marker, link or force is called \"{}\"{}; a channel is an object and a "
+      fmt::format("channel \"{}\": no body, marker, joint or force is called \"{}\"{}; a channel is an object and a "
                   "quantity like \"{}.x\", or one of {}",
                   channel, object, hint, names.size() > 1 ? names[1] : "body", text::join(total_names)));
 }
@@ -208,6 +223,7 @@ Channel make_channel(System& system, const std::string& name) {
     if (!object) continue;
     const std::string quantity = name.substr(dot + 1);
     if (const Entry* e = find(object->entries, quantity)) return made(system, name, *e);
+    if (const Entry* e = find_old(object->entries, name, quantity)) return made(system, name, *e);
     unknown_quantity(name, object->label, quantity, object->entries);
   }
   unknown_object(system, name, name.substr(0, name.find('.')));

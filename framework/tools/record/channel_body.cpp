@@ -13,7 +13,7 @@ namespace lockstep::channels {
 namespace {
 
 /// Angle of a frame's own next axis about axis k of another frame, or of the world, for planar motion: angle_z is that of its
-/// x axis. It has no value where that axis is along k.
+/// x axis. It is undefined if that axis is along k.
 class DirectionAngle final : public CountedAngle {
  public:
   DirectionAngle(const Frame& m, const Frame& n, int k)
@@ -76,10 +76,9 @@ void add_sequences(Entries& out, const std::function<Quat(const Sample&)>& q) {
     const std::string sequence = angle_sequence(name);
     for (int k = 0; k < 3; ++k)
       add(out, fmt::format("{}_{}", name, k + 1), "rad",
-          fmt::format("turn {} of three about own axes {}", k + 1, sequence),
+          fmt::format("rotation {} of three about own axes {}", k + 1, sequence),
           [q, sequence, k](const Sample& s) { return to_angles(sequence, q(s)).value[k]; });
-    add(out, name + "_gimbal", "",
-        "1 where the outer axes of that sequence are parallel and the third turn is set to 0, else 0",
+    add(out, name + "_gimbal", "", "1 in gimbal lock of that sequence (the third rotation is set to 0), else 0",
         [q, sequence](const Sample& s) { return to_angles(sequence, q(s)).gimbal ? 1.0 : 0.0; });
   }
 }
@@ -95,7 +94,8 @@ void add_origin(Entries& out, const Frame& m, const Frame& n, const std::array<c
 void of_frame(const Frame& f, Entries& out) {
   const auto y = [f](const Sample& s) { return relative(f, {}, s); };
   const auto y2 = [f](const Sample& s) { return relative_with_second(f, {}, s); };
-  add_origin(out, f, {}, {"origin in the world", "velocity of the origin, world", "acceleration of the origin, world"});
+  add_origin(out, f, {},
+             {"position of the origin, world", "velocity of the origin, world", "acceleration of the origin, world"});
   const auto q = [y](const Sample& s) { return y(s).e; };
   add_quaternion(out, "quaternion to world axes", q);
   add_vector(out, "omega_world_", "rad/s", "angular velocity, world axes", [y](const Sample& s) { return y(s).w(); });
@@ -104,33 +104,33 @@ void of_frame(const Frame& f, Entries& out) {
              [y2](const Sample& s) { return y2(s).alpha(); });
   add_vector(out, "alpha_body_", "rad/s^2", "angular acceleration, own axes",
              [y2](const Sample& s) { return y2(s).alpha_in_m(); });
-  add_directions(out, f, {}, "turn about the world's {}, of the own {} axis, counted past full turns");
+  add_directions(out, f, {}, "angle about the world's {}, of the own {} axis, with its revolutions");
   add_sequences(out, q);
 }
 
 void of_body(const Body& body, Entries& out) {
   of_frame({&body, nullptr}, out);
   if (body.fixed) return;
-  const Body* const b = &body;  // the mass centre is the slot's origin
-  add_vector(out, "center_", "m", "mass centre in the world",
+  const Body* const b = &body;  // the centre of mass is the slot's origin
+  add_vector(out, "center_", "m", "position of the centre of mass, world",
              [b](const Sample& s) { return Vec3(s.inputs().slot(b->slot).x); });
-  add_vector(out, "center_v", "m/s", "velocity of the mass centre, world",
+  add_vector(out, "center_v", "m/s", "velocity of the centre of mass, world",
              [b](const Sample& s) { return Vec3(s.inputs().slot(b->slot).v); });
-  add_vector(out, "center_a", "m/s^2", "acceleration of the mass centre, world",
+  add_vector(out, "center_a", "m/s^2", "acceleration of the centre of mass, world",
              [b](const Sample& s) { return Vec3(s.accelerations().segment<3>(6 * b->slot)); });
 }
 
 void of_pair(const Frame& m, const Frame& n, Entries& out) {
   const auto y = [m, n](const Sample& s) { return relative(m, n, s); };
-  add_origin(out, m, n, {"origin, in the other's axes", "rate of that", "second rate of that"});
+  add_origin(out, m, n, {"position of the origin seen from the other frame", "its rate", "its second rate"});
   const auto q = [y](const Sample& s) { return y(s).e; };
-  add_quaternion(out, "quaternion to the other's axes", q);
-  add_vector(out, "omega_", "rad/s", "angular velocity against the other, its axes",
+  add_quaternion(out, "quaternion to the axes of the other frame", q);
+  add_vector(out, "omega_", "rad/s", "angular velocity relative to the other frame, its axes",
              [y](const Sample& s) { return y(s).w(); });
-  add_directions(out, m, n, "turn about the other's axis, counted past full turns");
+  add_directions(out, m, n, "angle about the {} axis of the other frame, with its revolutions");
   add_sequences(out, q);
-  add(out, "distance", "m", "distance of the two origins", [y](const Sample& s) { return y(s).x.norm(); });
-  add(out, "distance_d", "m/s", "rate of that; 0 where they meet", [y](const Sample& s) {
+  add(out, "distance", "m", "distance between the two origins", [y](const Sample& s) { return y(s).x.norm(); });
+  add(out, "distance_d", "m/s", "rate of the distance; 0 if the origins meet", [y](const Sample& s) {
     const Relative r = y(s);
     const double d = r.x.norm();
     return d > 0 ? r.x.dot(r.v) / d : 0.0;

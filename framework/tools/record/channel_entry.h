@@ -30,8 +30,7 @@ void add(Entries&, std::string name, std::string unit, std::string help, Value v
 void add_vector(Entries&, const std::string& name, const std::string& unit, const std::string& help,
                 std::function<Vec3(const Sample&)> value);
 
-/// An angle counted past full turns, by the system that `count` adds it to; where the count is in doubt, a warning reports it,
-/// once.
+/// An angle with revolutions, counted by the system that `count` adds it to. A warning reports a doubtful count once.
 void add_angle(Entries&, std::string name, std::string help, std::function<const CountedAngle&(System&)> count);
 /// The time integral of `rate` along the motion: the system's quadrature `id`, which all channels of that id share.
 void add_integral(Entries&, std::string name, std::string unit, std::string help, std::string id,
@@ -43,7 +42,7 @@ void add_origin(Entries&, const Frame& m, const Frame& n, const std::array<const
 /// A part of a link that exerts forces: the joint itself, all its drives, one of them.
 struct ReactionPart {
   std::string prefix,  ///< of its channels: "", "drive.", "drive_rz."
-      by;              ///< "the link", "its drive"
+      by;              ///< "the joint", "its drive"
   int part;            ///< Reactions::Part
 };
 LOCKSTEP_API std::vector<ReactionPart> parts_of(const Lock&);
@@ -85,7 +84,7 @@ void add_own(Entries& out, const std::vector<Quantity>& own, const std::string& 
 /// Residuals C of the rows of some entries, in the system's norm, m.
 double violation(const Evaluation&, std::span<const RowEntry>, VecX& scratch);
 
-/// Power that a force gives to the bodies, W, with what it does by these reactions where they are given.
+/// Power that a force gives to the bodies, W, with the load by these reactions if they are given.
 double power_of(const Force&, const Inputs&, const Reactions*, VecX& scratch);
 /// Power taken out by the damping and friction of a force, W.
 double loss(const Force&, const Evaluated&);

@@ -54,7 +54,7 @@ void of_force(const Force& force, Entries& out) {
   };
   const auto scratch = std::make_shared<VecX>();
   if (free("power"))
-    add(out, "power", "W", "power that the force gives to the bodies", [f, reacting, scratch](const Sample& s) {
+    add(out, "power", "W", "power of the force on the bodies", [f, reacting, scratch](const Sample& s) {
       const Reactions reactions(s.values());
       return power_of(*f, s.values().in, reacting ? &reactions : nullptr, *scratch);
     });
@@ -64,9 +64,9 @@ void of_force(const Force& force, Entries& out) {
       return f->acts(in) ? named(*f, s.state.t, [&] { return f->potential(in); }) : 0.0;
     });
   if (free("dissipation"))
-    add(out, "dissipation", "W", "power taken out by dampers and friction",
+    add(out, "dissipation", "W", "power dissipated by dampers and friction",
         [f](const Sample& s) { return loss(*f, s.values()); });
-  add_integral(out, "dissipated", "J", "energy taken out since the start", force.name() + ".dissipated",
+  add_integral(out, "dissipated", "J", "energy dissipated since the start", force.name() + ".dissipated",
                [f](const Evaluated& v) { return loss(*f, v); });
 }
 

@@ -10,7 +10,7 @@
 namespace lockstep::channels {
 namespace {
 
-// Rates of theta = 2 atan2(e_k, e0); not finite where both are 0, where the angle has no value.
+// Rates of theta = 2 atan2(e_k, e0); not finite if both are 0, where the angle is undefined.
 struct Turn {
   double d, dd;
 };
@@ -20,21 +20,29 @@ Turn turn(int k, const Relative& r) {
   return {d, (2.0 * (c * sdd - s * cdd) - 2.0 * d * (c * cd + s * sd)) / n};
 }
 
-void add_coordinates(const Frame& p, const Frame& s, Entries& out) {
+// "rz" of the one rotation that a joint leaves free; all others are "angle_x", ...
+std::string angle_name(const Lock& link, int k) {
+  const Jointed* joint = link.jointed();
+  const Mask turns = joint == nullptr ? Mask::none : joint->mask() & Mask::e123;
+  const bool only = count_rows(turns) == 2 && !overlaps(turns, row_of(static_cast<Axis>(3 + k)));
+  return (only ? "r" : "angle_") + std::string(kAxisName[k]);
+}
+
+void add_coordinates(const Lock& link, const Frame& p, const Frame& s, Entries& out) {
   const auto y = [p, s](const Sample& x) { return relative(p, s, x); };
   const auto y2 = [p, s](const Sample& x) { return relative_with_second(p, s, x); };
-  add_origin(out, p, s, {"origin of P, S axes", "rate of that", "second rate of that"});
-  add_vector(out, "omega_", "rad/s", "angular velocity of P against S, S axes",
+  add_origin(out, p, s, {"position of P relative to S, S axes", "its rate", "its second rate"});
+  add_vector(out, "omega_", "rad/s", "angular velocity of P relative to S, S axes",
              [y](const Sample& x) { return y(x).w(); });
   for (int k = 0; k < 3; ++k) {
     const std::string axis = kAxisName[k];
     add(out, axis + "_d", "m/s", "rate of " + axis, [y, k](const Sample& x) { return y(x).v[k]; });
     add(out, axis + "_dd", "m/s^2", "second rate of " + axis, [y2, k](const Sample& x) { return y2(x).a[k]; });
-    add_angle(out, "angle_" + axis, "turn of P about S's " + axis + ", counted past full turns",
+    const std::string angle = angle_name(link, k);
+    add_angle(out, angle, "rotation of P about S's " + axis + ", with its revolutions",
               [p, s, k](System& system) -> const CountedAngle& { return system.count(*p.marker, *s.marker, k); });
-    add(out, "angle_" + axis + "_d", "rad/s", "rate of angle_" + axis,
-        [y, k](const Sample& x) { return turn(k, y(x)).d; });
-    add(out, "angle_" + axis + "_dd", "rad/s^2", "second rate of angle_" + axis,
+    add(out, angle + "_d", "rad/s", "rate of " + angle, [y, k](const Sample& x) { return turn(k, y(x)).d; });
+    add(out, angle + "_dd", "rad/s^2", "second rate of " + angle,
         [y2, k](const Sample& x) { return turn(k, y2(x)).dd; });
   }
 }
@@ -57,10 +65,10 @@ void add_rows(const Lock& link, Entries& out) {
     const RowKind kind = link.row_kind(k);
     const std::string& row = link.row_name(k);
     add(out, "C_" + row, kind == RowKind::translation ? "m" : "",
-        "residual of row " + row + "; 0 while the link is not active",
+        "violation of constraint " + row + "; 0 while the joint is inactive",
         of_row(l, k, [](const Evaluated& v, const RowEntry& e, int i) { return v.rows.block(e).C(i); }));
     add(out, "lambda_" + row, kUnits[static_cast<std::size_t>(kind)],
-        "multiplier of row " + row + "; 0 while the link is not active",
+        "multiplier of constraint " + row + "; 0 while the joint is inactive",
         of_row(l, k, [](const Evaluated& v, const RowEntry& e, int i) { return v.lambda[e.first_row + i]; }));
   }
 }
@@ -77,10 +85,10 @@ void add_contact(const Lock& link, Entries& out) {
   const Lock* const l = &link;
   const auto room = std::make_shared<RowTable>();
   add(out, "gap", link.row_kind(0) == RowKind::translation ? "m" : "",
-      "how far the one-sided link is from holding; below zero is forbidden", [l, room](const Sample& s) {
+      "gap of the one-sided joint; negative is penetration", [l, room](const Sample& s) {
         return l->unilateral()->sign() * row_value(*l, s.dynamics().inputs(s.state), *room);
       });
-  add(out, "in_contact", "", "1 while the one-sided link holds, 0 while it is free",
+  add(out, "in_contact", "", "1 in contact, 0 otherwise",
       [l](const Sample& s) { return s.state.modes[l->number()] ? 1.0 : 0.0; });
   add(out, "impact_loss", "J", "energy lost in its impacts since the start",
       [l](const Sample& s) { return s.state.z[l->impact_memory()]; });
@@ -104,11 +112,11 @@ void of_link(const System& system, const Lock& link, Entries& out) {
   const Lock* const l = &link;
   const auto pairs = link.pairs();
   if (!pairs.empty())
-    add_coordinates({pairs.front().first->body, pairs.front().first},
+    add_coordinates(link, {pairs.front().first->body, pairs.front().first},
                     {pairs.front().second->body, pairs.front().second}, out);
   if (system.ready()) add_rows(link, out);
   const auto scratch = std::make_shared<VecX>();
-  add(out, "violation", "m", "largest residual of the link, turns as lengths; 0 while it is not active",
+  add(out, "violation", "m", "largest constraint violation of the joint, rotations as lengths; 0 while it is inactive",
       [l, scratch](const Sample& s) {
         const Evaluation& at = s.values().evaluation;
         const RowEntry* e = entry_of(*l, at.rows());
@@ -116,7 +124,7 @@ void of_link(const System& system, const Lock& link, Entries& out) {
       });
   if (link.unilateral()) add_contact(link, out);
   if (const Observable* const own = link.observable())
-    add_own(out, own->quantities(), fmt::format("{} link", link.type()), [l, own](int k, const Sample& s) {
+    add_own(out, own->quantities(), fmt::format("{} joint", link.type()), [l, own](int k, const Sample& s) {
       return named(*l, s.state.t, [&] { return own->quantity(k, s.values().in); });
     });
 }

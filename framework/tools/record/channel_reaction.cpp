@@ -10,8 +10,8 @@ namespace lockstep::channels {
 std::vector<ReactionPart> parts_of(const Lock& link) {
   const Driven* driven = link.driven();
   const int n = driven ? driven->n_drives() : 0;
-  if (n == 0) return {{"", "the link", Reactions::kJoint}};
-  std::vector<ReactionPart> parts{{"", "the link, drives left out", Reactions::kJoint},
+  if (n == 0) return {{"", "the joint", Reactions::kJoint}};
+  std::vector<ReactionPart> parts{{"", "the joint without its drives", Reactions::kJoint},
                                   {"drive.", n > 1 ? "all its drives" : "its drive", Reactions::kDrives}};
   for (int d = 0; d < n; ++d)
     parts.push_back({"drive_" + driven->drive(d).name + ".", "its drive on " + driven->drive(d).name, d});
@@ -44,7 +44,7 @@ void of_reactions(const Lock& link, Entries& out) {
                  });
     if (part == Reactions::kJoint) continue;
     const auto power = [l, part = part](const Evaluated& v) { return power_of_part(*l, part, v.rows, v.lambda); };
-    add(out, prefix + "power", "W", "power put in by " + by, [power](const Sample& x) { return power(x.values()); });
+    add(out, prefix + "power", "W", "power supplied by " + by, [power](const Sample& x) { return power(x.values()); });
     add_integral(out, prefix + "work", "J", "work of " + by + " since the start", link.name() + "." + prefix + "work",
                  power, Integrand::drive);
   }

@@ -57,7 +57,7 @@ void make_rejected(System&, Channel& c) {
 
 void of_totals(Entries& out) {
   add(out, "energy.kinetic", "J", "kinetic energy of all bodies", EnergyTerms::kinetic);
-  add(out, "energy.potential", "J", "of gravity (0 at the origin) and of all forces that store energy",
+  add(out, "energy.potential", "J", "potential energy of gravity (0 at the origin) and of all forces",
       EnergyTerms::potential);
   add(out, "energy.total", "J", "kinetic and potential energy",
       [](const Sample& s) { return EnergyTerms::kinetic(s) + EnergyTerms::potential(s); });
@@ -70,28 +70,28 @@ void of_totals(Entries& out) {
   };
   add_work("energy.drives", "work of all drives and moving laws since the start", Work::drives);
   add_work("energy.supplied", "work of the laws and motors of all forces since the start", Work::supplied);
-  add_work("energy.dissipated", "energy taken out by all dampers, friction and impacts since the start",
+  add_work("energy.dissipated", "energy dissipated by all dampers, friction and impacts since the start",
            Work::dissipated);
   out.push_back({"energy.balance", "J",
-                 "total - drives - supplied + dissipated, minus its value at the start: the error of the run",
-                 make_balance});
+                 "energy error: total - drives - supplied + dissipated, minus its value at the start", make_balance});
   add_vector(out, "momentum.", "N s", "momentum of all bodies, world axes", momentum);
   add_vector(out, "angular_momentum.", "N m s", "angular momentum about the origin, world axes", angular_momentum);
 }
 
 void of_run(Entries& out) {
-  add(out, "step", "s", "the step that led here", [](const Sample& s) { return s.report.h; });
-  out.push_back({"rejected", "", "tries thrown away since the start", make_rejected});
+  add(out, "step", "s", "size of the last step", [](const Sample& s) { return s.report.h; });
+  out.push_back({"rejected", "", "rejected steps since the start", make_rejected});
   const auto scratch = std::make_shared<VecX>();
-  add(out, "violation", "m", "largest residual of all rows, turns as lengths",
+  add(out, "violation", "m", "largest constraint violation, rotations as lengths",
       [scratch](const Sample& s) { return violation(s.values().evaluation, s.values().rows.entries, *scratch); });
-  add(out, "evaluations", "", "evaluations of the equations of motion so far, those for the record included",
+  add(out, "evaluations", "", "evaluations of the equations of motion since the start, including those for recording",
       [](const Sample& s) { return static_cast<double>(s.dynamics().work().evaluations); });
-  add(out, "solver.residual", "", "largest residual of the rows' equations, relative",
+  add(out, "solver.residual", "", "largest relative residual of the constraint equations",
       [](const Sample& s) { return s.values().full_report().residual; });
   add(out, "solver.corrections", "", "proximal corrections of this solution",
       [](const Sample& s) { return static_cast<double>(s.values().report.corrections); });
-  add(out, "solver.detector", "", "smallest relative pivot beyond the usual ones: how near a singular position is",
+  add(out, "solver.detector", "",
+      "smallest relative pivot except those of redundant constraints; small near a singular configuration",
       [](const Sample& s) { return s.values().full_report().detector; });
   add(out, "solver.smallest_pivot", "", "smallest relative pivot of this solution",
       [](const Sample& s) { return s.values().full_report().smallest_pivot; });

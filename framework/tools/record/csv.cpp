@@ -20,12 +20,6 @@
 namespace lockstep {
 namespace {
 
-void append_number(std::string& line, double value) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, value);
-  line.append(text, end.ptr);
-}
-
 // "Bx [N]" -> Bx, N; "n []" -> n, of no unit
 void add_titled_column(Table& table, std::string_view text) {
   const auto open = text.rfind(" [");
@@ -55,6 +49,17 @@ void split_line(const std::string& text, std::vector<std::string>& cells, const 
     throw FileError(fmt::format("{}:{}:{}: {}", file, line, csv_column(text, fault->byte), fault->problem));
 }
 
+void write_lines(std::ostream& out, const Table& table, bool units) {
+  std::string line;
+  append_csv_header(line, table, units);
+  out.write(line.data(), static_cast<std::streamsize>(line.size()));
+  for (std::size_t i = 0; i < table.n_rows(); ++i) {
+    line.clear();
+    append_csv_row(line, table, i);
+    out.write(line.data(), static_cast<std::streamsize>(line.size()));
+  }
+}
+
 }  // namespace
 
 void append_csv_header(std::string& text, const Table& table, bool units) {
@@ -68,25 +73,11 @@ void append_csv_row(std::string& text, const Table& table, std::size_t i) {
   const std::size_t begin = text.size();
   for (const Column& c : table.columns()) {
     if (text.size() > begin) text += ',';
-    append_number(text, c.values[i]);
+    char number[32];
+    text.append(number, std::to_chars(number, number + sizeof number, c.values[i]).ptr);
   }
   text += '\n';
 }
-
-namespace {
-
-void write_lines(std::ostream& out, const Table& table, bool units) {
-  std::string line;
-  append_csv_header(line, table, units);
-  out.write(line.data(), static_cast<std::streamsize>(line.size()));
-  for (std::size_t i = 0; i < table.n_rows(); ++i) {
-    line.clear();
-    append_csv_row(line, table, i);
-    out.write(line.data(), static_cast<std::streamsize>(line.size()));
-  }
-}
-
-}  // namespace
 
 void write_csv(std::ostream& out, const Table& table) { write_lines(out, table, true); }
 
@@ -121,13 +112,12 @@ Table read_csv(std::istream& in, const std::string& file) {
     if (text::trimmed(text).empty()) continue;
     split_line(text, cells, file, line);
     if (cells.size() != row.size())
-      throw FileError(
-          fmt::format("{}:{}: {} cells where the header has {} columns; every line needs one number a column", file,
-                      line, cells.size(), row.size()));
+      throw FileError(fmt::format("{}:{}: {} cells, but the header has {} columns; give one number per column", file,
+                                  line, cells.size(), row.size()));
     for (std::size_t i = 0; i < row.size(); ++i) row[i] = read_number(cells[i], file, line, table.columns()[i].name);
     table.add_row(row);
   }
-  if (in.bad()) throw FileError(fmt::format("cannot read \"{}\" to its end; check the file", file));
+  if (in.bad()) throw FileError(fmt::format("cannot read \"{}\" completely; check the file", file));
   return table;
 }
 

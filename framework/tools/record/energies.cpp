@@ -14,7 +14,7 @@ namespace lockstep {
 
 namespace {
 
-// What a force says of its energy must be a number; where the force itself is none, that is the cause.
+// The energy of a force must be a number; if its wrench is none, that is the cause.
 double must_be_number(const System& system, const Force& f, const char* what, double value, const Inputs& in) {
   if (std::isfinite(value)) return value;
   check_wrench(system, in, f);
@@ -29,7 +29,7 @@ void add_energy(const Sample& s, int k, const char* what, double energy, double&
   if (std::isfinite(sum)) return;
   const Thing body{.kind = "body", .name = s.system().body_of_slot(k).name};
   throw NonFiniteError(at_time(s.state.t) + "with " + body.words() + " the " + what + " energy is " +
-                           text::number(sum) + "; it must be a finite number: look at gravity, masses and speeds",
+                           text::number(sum) + ", which is not finite; check gravity, masses and speeds",
                        {.thing = body, .t = s.state.t});
 }
 

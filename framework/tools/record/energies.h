@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Energies of a mechanism: of its motion, and works that are integrated beside it.
+// Energies of a mechanism: of its motion, and works that are integrated with it.
 #pragma once
 
 #include <lockstep/step_loop.h>
@@ -14,11 +14,11 @@ struct Energies {
   double balance() const { return kinetic + potential - drives - supplied + dissipated; }
 };
 
-/// What is integrated beside the motion: the work of laws, of laws and motors of forces, and what dampers and friction take.
+/// Integrals along the motion: the work of laws, of laws and motors of forces, and the loss of dampers and friction.
 enum class Work { drives, supplied, dissipated };
 const Quadrature& work_of(System&, Work);
 
-/// Energies at states of a run. What is made for a system integrates works beside its motion; links and forces that are
+/// Energies at states of a run. What is made for a system integrates works with its motion; links and forces that are
 /// added later count too.
 class EnergyTerms {
  public:

@@ -38,7 +38,7 @@ struct EnergyAudit::Books {
   VecX f;
   Audit audit;
 
-  // What a checkpoint keeps, but for what of it are no numbers.
+  // The numbers that a checkpoint keeps.
   std::array<double*, 23> numbers() {
     auto& r = ranges;
     return {&r[0].least,  &r[0].most, &r[1].least,      &r[1].most,         &r[2].least,      &r[2].most,
@@ -140,7 +140,7 @@ void EnergyAudit::load(SnapshotReader& in) {
   for (double* x : b.numbers()) *x = in.get();
   in.get_all(b.gives_power), in.get_all(b.booked_forces);
   if (b.gives_power.size() != b.force_names.size() || b.booked_forces.size() != b.force_names.size())
-    throw ModelError("the saved books of the energy are those of other forces than the system has");
+    throw ModelError("the saved energy terms belong to other forces than those of the system");
   Audit& a = b.audit;
   a.instants.clear();
   for (long n = in.get_count(); n > 0; --n) {

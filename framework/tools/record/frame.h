@@ -7,7 +7,7 @@
 
 namespace lockstep::channels {
 
-/// Stays valid through a new set-up of the system: it is folded into its slot anew after each.
+/// Stays valid through a new set-up of the system: it is folded into its slot again after each.
 struct Frame {
   const Body* body = nullptr;      ///< null: the world
   const Marker* marker = nullptr;  ///< null: the body's own frame

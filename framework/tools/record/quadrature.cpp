@@ -12,10 +12,9 @@ const Quadrature& quadrature(System& system, const std::string& name,
   for (const auto& auxiliary : system.auxiliaries()) {
     if (auxiliary->name() != name) continue;
     if (const auto* found = dynamic_cast<const Quadrature*>(auxiliary.get())) return *found;
-    throw ModelError(
-        fmt::format("channel \"{0}\" integrates under its own name, but the system has a state '{0}' already; rename "
-                    "that state",
-                    name));
+    throw ModelError(fmt::format(
+        "channel \"{0}\" needs an integrated state of its name, but the system already has one; rename that state",
+        name));
   }
   return static_cast<const Quadrature&>(system.add(std::make_unique<Quadrature>(name, rate, of)));
 }

@@ -7,7 +7,6 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/user_code.h"
-#include "framework/tools/record/saved_rows.h"
 
 namespace lockstep {
 
@@ -46,7 +45,7 @@ void call(Hook Channel::*hook, const std::vector<Channel>& columns, const std::v
       if (c.*hook) (c.*hook)(args...);
 }
 
-// The same at a state, which is told once: all are called, also where one throws, so that no other misses a turn.
+// The same at a state, once: all are called, also if one throws, so that no other misses a revolution.
 template <class Hook>
 void call_at(const Sample& sample, Hook Channel::*hook, const std::vector<Channel>& columns,
              const std::vector<Channel>& followed) {
@@ -60,6 +59,33 @@ void call_at(const Sample& sample, Hook Channel::*hook, const std::vector<Channe
   if (first) std::rethrow_exception(first);
 }
 
+// Writes names and rows.
+void save_rows(const Table& table, Snapshot& out) {
+  out.put(static_cast<double>(table.n_columns()));
+  for (const Column& c : table.columns()) out.put_text(column_title(c));
+  out.put(static_cast<double>(table.n_rows()));
+  for (std::size_t i = 0; i < table.n_rows(); ++i)
+    for (const Column& c : table.columns()) out.put(c.values[i]);
+}
+
+// Reads what save_rows() wrote, in place of the table's rows. Throws ModelError if the columns are others.
+void load_rows(Table& table, SnapshotReader& in) {
+  const long n = in.get_count();
+  if (n != static_cast<long>(table.n_columns()))
+    throw ModelError(
+        fmt::format("the run was saved with {} columns and records {}; record the same columns", n, table.n_columns()));
+  for (const Column& c : table.columns())
+    if (const std::string title = in.get_text(), own = column_title(c); title != own)
+      throw ModelError(fmt::format(
+          "the run was saved with column \"{}\" and records \"{}\" in its place; record the same columns", title, own));
+  table.clear_rows();
+  std::vector<double> row(table.n_columns());
+  for (long left = in.get_count(); left > 0; --left) {
+    for (double& x : row) x = in.get();
+    table.add_row(row);
+  }
+}
+
 }  // namespace
 
 void Recorder::start(const Sample& sample) {
@@ -70,7 +96,7 @@ void Recorder::start(const Sample& sample) {
 
 void Recorder::step(const Sample& sample) { call_at(sample, &Channel::track, channels_, followed_); }
 
-// A row is added whole. One that cannot be made is asked for again when the run goes on, as no other way leads to it.
+// A row is added whole. One that cannot be made is requested again when the run continues, as it is lost otherwise.
 void Recorder::output(const Sample& sample) {
   row_[0] = sample.state.t;
   for (std::size_t k = 0; k < channels_.size(); ++k)

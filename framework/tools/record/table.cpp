@@ -54,8 +54,7 @@ const Column& Table::column(const std::string& name) const {
 namespace {
 
 const std::vector<double>& filled(const Column& c) {
-  if (c.values.empty())
-    throw ModelError(fmt::format("column \"{}\" has no rows yet; run before you ask for it", c.name));
+  if (c.values.empty()) throw ModelError(fmt::format("column \"{}\" has no rows yet; run first", c.name));
   return c.values;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of a link is drawn beside the symbol of its mask.
+// The drawing of a joint in addition to the symbol of its mask.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -21,7 +21,7 @@ void put(Json& points, const Vec3& x) {
   for (int k = 0; k < 3; ++k) points.push_back(x[k]);
 }
 
-// A path as far as it was used, and a little more. Laws that end where they are asked cut it off.
+// The used part of a path, and a little more. A law that ends cuts it off.
 Json path(const CurvePoint& curve, std::pair<double, double> range) {
   const auto [low, high] = range;
   const double more = 0.1 * (high - low) + 1e-9;

@@ -22,7 +22,7 @@ Pose pose_of(const Body& body, const Inputs& in) {
   return Pose{O.x, O.e} * body.in_slot;
 }
 
-// The load of a force on a body is that on its slot, with the moment about the marker.
+// The load of a force on a body is that on its rigid group, with the moment about the marker.
 LinkWrench wrench_of(const Force& force, const Marker& at, const Evaluated& v) {
   VecX f = VecX::Zero(6 * static_cast<Eigen::Index>(v.in.motions.size() - 1));
   WrenchSum sum(v.in.motions, f);
@@ -137,7 +137,7 @@ void Frames::put_loads(const Sample& of_run) {
   }
 }
 
-// How much of its path a link used: its first quantity is the parameter of the curve.
+// The used part of a joint's path: its first quantity is the parameter of the curve.
 void Frames::follow_paths(const Inputs& in) {
   for (const auto& link : system_->links()) {
     const auto k = static_cast<std::size_t>(link->number());

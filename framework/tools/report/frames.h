@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Frames: what is drawn at the instants of a run.
+// Frames: the data that is drawn, at times of a run.
 #pragma once
 
 #include <string>
@@ -10,20 +10,20 @@
 
 namespace lockstep::report {
 
-/// An instant at which something acted: "event 'grab'", "an impact".
+/// A time at which something acted: "event 'grab'", "an impact".
 struct Mark {
   double t;  ///< s
   std::string what;
 };
 
-/// A link that came into force, or was released.
+/// A joint that was activated or deactivated.
 struct Switch {
   double t;  ///< s
   int link;
   bool active;
 };
 
-/// What a link or a force exerts, drawn at a marker.
+/// The load of a joint or a force, drawn at a marker.
 struct Load {
   const Lock* link;    ///< or null
   const Force* force;  ///< or null
@@ -43,8 +43,8 @@ class Frames {
   explicit Frames(const System&, std::size_t most_numbers = 16'000'000, std::size_t fewest = 100);
 
   void output(const Sample&);  ///< adds a frame
-  void step(const Sample&);    ///< adds one where bodies moved far since the last
-  void jumped(const Sample&);  ///< adds one at the same instant, and a mark
+  void step(const Sample&);    ///< adds one if bodies moved far since the last
+  void jumped(const Sample&);  ///< adds one at the same time, and a mark
   void finish(const Sample&);  ///< adds the last one
 
   const System& system() const { return *system_; }
@@ -56,11 +56,11 @@ class Frames {
   const std::vector<bool>& after_jump() const { return after_jump_; }
   const std::vector<float>& rows() const { return rows_; }  ///< one after another
   std::size_t width() const { return width_; }              ///< numbers of a row
-  std::size_t stride() const { return stride_; }            ///< every so many instants one is kept
+  std::size_t stride() const { return stride_; }            ///< one of so many times is kept
   const std::vector<Mark>& marks() const { return marks_; }
   const std::vector<Switch>& switches() const { return switches_; }
   const std::vector<bool>& modes_at_start() const { return modes_at_start_; }
-  /// Least and largest value of the first quantity of a link with a path; none: 0, 0.
+  /// Least and largest value of the first quantity of a joint with a path; none: 0, 0.
   std::pair<double, double> path_range(int link) const { return paths_[link]; }
 
  private:
@@ -84,7 +84,7 @@ class Frames {
   std::vector<Mark> marks_;
   std::vector<Switch> switches_;
   std::vector<bool> modes_at_start_, modes_;
-  std::vector<std::pair<double, double>> paths_;  // by link
+  std::vector<std::pair<double, double>> paths_;  // by joint
   std::vector<bool> path_seen_;
   std::size_t stride_ = 1, skipped_ = 0;  // of outputs, once there are too many
 };

@@ -65,7 +65,7 @@ std::string Histories::left_out() const {
   const auto say = [&](const std::string& more) { words += (words.empty() ? "" : ", ") + more; };
   if (stride_ > 1) say("1 run in " + std::to_string(stride_));
   if (most_rows_left_out_ > 1) say("1 row in " + std::to_string(most_rows_left_out_));
-  if (most_instants_left_out_ > 1) say("1 instant in " + std::to_string(most_instants_left_out_));
+  if (most_instants_left_out_ > 1) say("1 frame in " + std::to_string(most_instants_left_out_));
   if (n_without_motion_ > 0) say("no motion of " + std::to_string(n_without_motion_) + " of them");
   return words;
 }

@@ -15,13 +15,13 @@
 
 namespace lockstep::report {
 
-/// What a page keeps of many runs, within limits that hold for all of them together:
+/// The data of many runs for a page, within limits for all of them together:
 ///
 ///     runs      2000, evenly chosen
 ///     columns   4 million numbers: of each run every k-th row, at least 30 rows
-///     motion    4 million numbers: of each run every k-th instant, at least 30 of them
-///     outlines  16 million bytes: what a mechanism looks like, once for those that look the same; a run whose outline
-///               is beyond that has its columns alone
+///     motion    4 million numbers: of each run every k-th time, at least 30 of them
+///     outlines  16 million bytes: the appearance of a mechanism, once for equal ones; a run with an outline beyond that
+///               has its columns alone
 ///
 /// Runs may be added from several threads.
 class LOCKSTEP_API Histories {
@@ -37,8 +37,8 @@ class LOCKSTEP_API Histories {
   void add(long run, const Table&, const Watcher&, const Mechanism&);
 
   long n_kept() const;  ///< runs that were added
-  /// What of the runs is kept where something was left out: "1 run in 5, 1 row in 3, 1 instant in 4, no motion of 7 of
-  /// them"; "" where nothing was. Rows and instants are those of the run that has most of them left out.
+  /// The kept part of the runs: "1 run in 5, 1 row in 3, 1 frame in 4, no motion of 7 of them"; "" if it is all. Rows and
+  /// frames are those of the run that has most of them left out.
   std::string left_out() const;
   /// {"runs": [{"run":, "table":, "mechanism": number, "frames":, "marks":, "switches":}], "mechanisms": [...],
   /// "meshes": [...]}, with numbers as those of numbers(). Runs in the order of their numbers.

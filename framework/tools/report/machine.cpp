@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/report/machine.h"
 
+#include <spdlog/fmt/chrono.h>
+#include <spdlog/fmt/fmt.h>
 #include <sys/utsname.h>
 
 #include <ctime>
@@ -37,12 +39,8 @@ std::string machine_words() {
 }
 
 std::string measured_words() {
-  const std::time_t now = std::time(nullptr);
-  std::tm day{};
-  gmtime_r(&now, &day);
-  char date[16];
-  const std::size_t n = std::strftime(date, sizeof date, "%Y-%m-%d", &day);
-  return "lockstep " + std::string(library_version()) + ", " + std::string(date, n) + ", " + machine_words();
+  return fmt::format("lockstep {}, {:%Y-%m-%d}, {}", library_version(), fmt::gmtime(std::time(nullptr)),
+                     machine_words());
 }
 
 }  // namespace lockstep::report

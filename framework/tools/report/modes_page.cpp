@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of each body that moves the real and the imaginary parts of its slot's twelve amplitudes.
+// Of each moving body, the real and the imaginary parts of the twelve amplitudes of its rigid group.
 Json shape_json(const std::vector<const Body*>& bodies, const ShownMode& mode) {
   Json all = Json::array();
   for (const Body* body : bodies) {
@@ -25,7 +25,7 @@ Json shape_json(const std::vector<const Body*>& bodies, const ShownMode& mode) {
   return all;
 }
 
-// The points about which the bodies turn: the origins of their slots.
+// The points about which the bodies rotate: the origins of their rigid groups.
 Json pivots_json(const std::vector<const Body*>& bodies, const Inputs& in) {
   Json all = Json::array();
   for (const Body* body : bodies) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The report of modes: the mechanism at rest, and how it swings in each of its modes.
+// The report of modes: the mechanism at rest, and its motion in each of its modes.
 #pragma once
 
 #include <array>
@@ -14,17 +14,17 @@
 
 namespace lockstep::report {
 
-/// How the bodies of one slot move in a mode: amplitudes of the translation of the slot's origin, m, and of the rotation,
-/// rad, in world axes.
+/// The motion of one rigid group in a mode: amplitudes of the translation of its origin, m, and of the rotation, rad, in
+/// world axes.
 using SlotShape = std::array<std::complex<double>, 6>;
 
 /// One mode.
 struct ShownMode {
   std::string name,                ///< "1: 3.56 Hz"
-      words;                       ///< what else is known of it, in a sentence
+      words;                       ///< further facts, in a sentence
   double frequency = 0;            ///< Hz; 0 of one that does not swing
   double damping = 0;              ///< damping ratio
-  std::vector<SlotShape> shape{};  ///< by slot
+  std::vector<SlotShape> shape{};  ///< by rigid group
 };
 
 /// The page as text: `rest` is the state about which the modes are. Translations of shapes are compared with rotations by

@@ -4,8 +4,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <type_traits>
+
+#include "framework/tools/charts/chart_style.h"
 
 namespace lockstep::report {
 namespace {
@@ -14,62 +18,38 @@ static_assert(std::endian::native == std::endian::little, "the page reads little
 
 constexpr double kSmallest = 1e-36, kLargest = 1e36;  // what single precision holds with all its digits
 
-struct Extent {
-  double low = 0, high = 0;
-  bool any = false, fits = true;  // fits: single precision has such numbers
-};
-
-Extent extent_of(std::span<const double> values) {
-  Extent e;
-  for (const double v : values) {
-    if (!std::isfinite(v)) continue;
-    e.low = e.any ? std::min(e.low, v) : v;
-    e.high = e.any ? std::max(e.high, v) : v;
-    e.any = true;
-    if (const double size = std::abs(v); size > kLargest || (size < kSmallest && size > 0)) e.fits = false;
-  }
-  return e;
+bool fits_single(double v) {
+  const double size = std::abs(v);
+  return !std::isfinite(v) || size == 0 || (size >= kSmallest && size <= kLargest);
 }
 
 }  // namespace
 
-nlohmann::ordered_json Numbers::append(const void* data, std::size_t n, std::size_t width) {
+template <class Number>
+nlohmann::ordered_json Numbers::append(std::span<const Number> values) {
   bytes_.resize((bytes_.size() + 7) / 8 * 8);
   const std::size_t at = bytes_.size();
-  bytes_.resize(at + n * width);
-  if (n > 0) std::memcpy(bytes_.data() + at, data, n * width);
-  return {{"at", at}, {"n", n}, {"bits", 8 * width}};
-}
-
-nlohmann::ordered_json Numbers::add(std::span<const float> values) {
-  return append(values.data(), values.size(), sizeof(float));
-}
-
-nlohmann::ordered_json Numbers::add(std::span<const double> values) {
-  return append(values.data(), values.size(), sizeof(double));
-}
-
-nlohmann::ordered_json Numbers::add(std::span<const std::uint16_t> values) {
-  nlohmann::ordered_json place = append(values.data(), values.size(), sizeof(std::uint16_t));
-  place["whole"] = true;
+  bytes_.resize(at + values.size_bytes());
+  if (!values.empty()) std::memcpy(bytes_.data() + at, values.data(), values.size_bytes());
+  nlohmann::ordered_json place{{"at", at}, {"n", values.size()}, {"bits", 8 * sizeof(Number)}};
+  if (std::is_integral_v<Number>) place["whole"] = true;
   return place;
 }
-
-nlohmann::ordered_json Numbers::add(std::span<const std::uint32_t> values) {
-  nlohmann::ordered_json place = append(values.data(), values.size(), sizeof(std::uint32_t));
-  place["whole"] = true;
-  return place;
-}
+nlohmann::ordered_json Numbers::add(std::span<const float> values) { return append(values); }
+nlohmann::ordered_json Numbers::add(std::span<const double> values) { return append(values); }
+nlohmann::ordered_json Numbers::add(std::span<const std::uint16_t> values) { return append(values); }
+nlohmann::ordered_json Numbers::add(std::span<const std::uint32_t> values) { return append(values); }
 
 nlohmann::ordered_json Numbers::add_column(std::span<const double> values) {
-  const Extent e = extent_of(values);
-  if (!e.fits) return add(values);
+  if (!std::ranges::all_of(values, fits_single)) return add(values);
+  chart_style::Extent e{};
+  e.take(values, false);
   const double size = std::max(std::abs(e.low), std::abs(e.high));
   const bool differences = e.any && e.high - e.low < 1e-2 * size;
   const double base = differences ? 0.5 * (e.low + e.high) : 0;
   std::vector<float> single(values.size());
   std::transform(values.begin(), values.end(), single.begin(), [&](double v) { return static_cast<float>(v - base); });
-  nlohmann::ordered_json place = add(single);
+  nlohmann::ordered_json place = add(std::span<const float>(single));
   if (base != 0) place["base"] = base;
   return place;
 }

@@ -17,19 +17,21 @@ namespace lockstep::report {
 class LOCKSTEP_API Numbers {
  public:
   /// Adds an array; returns where it is: {"at": first byte, "n": count, "bits": 32 or 64}.
+  /// Of whole numbers, std::uint16_t or std::uint32_t: {..., "bits": 16 or 32, "whole": true}.
   nlohmann::ordered_json add(std::span<const float> values);
   nlohmann::ordered_json add(std::span<const double> values);
-  /// Whole numbers: {..., "bits": 16 or 32, "whole": true}.
   nlohmann::ordered_json add(std::span<const std::uint16_t> values);
   nlohmann::ordered_json add(std::span<const std::uint32_t> values);
-  /// Adds a column with single precision, as differences from "base" where they are small against the values: what
-  /// changes in the last digits of an energy stays visible. With double precision where single has no such numbers.
+  /// Adds a column with single precision, as differences from "base" if they are small against the values: changes in the
+  /// last digits of an energy stay visible. With double precision if single has no such numbers.
   nlohmann::ordered_json add_column(std::span<const double> values);
   /// All of it.
   std::string base64() const;
 
  private:
-  nlohmann::ordered_json append(const void* data, std::size_t n, std::size_t width);
+  template <class Number>
+  nlohmann::ordered_json append(std::span<const Number>);
+
   std::vector<unsigned char> bytes_;
 };
 

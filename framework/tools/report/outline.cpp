@@ -30,19 +30,7 @@ class Numbering {
   std::unordered_map<const T*, std::size_t> numbers_;
 };
 
-const char* word(Solid::Kind kind) {
-  switch (kind) {
-    case Solid::Kind::box:
-      return "box";
-    case Solid::Kind::sphere:
-      return "sphere";
-    case Solid::Kind::mesh:
-      return "mesh";
-    case Solid::Kind::cylinder:
-      return "cylinder";
-  }
-  return "";
-}
+constexpr const char* kWords[] = {"box", "cylinder", "sphere", "mesh"};  // of the kinds of solids
 
 /// Solids and looks by the names of their bodies.
 struct Shown {
@@ -51,7 +39,7 @@ struct Shown {
     for (const Solid& s : all) {
       const bool has_mesh = s.mesh != nullptr && !s.mesh->triangles.empty() && !s.mesh->points.empty();
       if (s.kind == Solid::Kind::mesh && !has_mesh) continue;
-      Json json{{"kind", word(s.kind)}, {"size", of(s.size)}, {"at", of(s.at)}};
+      Json json{{"kind", kWords[static_cast<std::size_t>(s.kind)]}, {"size", of(s.size)}, {"at", of(s.at)}};
       if (s.kind == Solid::Kind::mesh) json["mesh"] = meshes.number(s.mesh);
       solids.try_emplace(s.body, Json::array()).first->second.push_back(std::move(json));
     }

@@ -21,45 +21,24 @@ void put(std::string& page, std::string_view mark, const std::string& value) {
   page.replace(at, mark.size(), value);
 }
 
+// With `words` in place of each character c.
+std::string without(char c, std::string_view words, const std::string& text) {
+  std::string out;
+  out.reserve(text.size());
+  for (const char& own : text) out += own == c ? words : std::string_view(&own, 1);
+  return out;
+}
+
 }  // namespace
 
-std::string for_script(const std::string& json) {
-  std::string text;
-  text.reserve(json.size());
-  for (const char c : json) {
-    if (c == '<')
-      text += "\\u003c";
-    else
-      text += c;
-  }
-  return text;
-}
-
-std::string for_html(const std::string& text) {
-  std::string html;
-  for (const char c : text) {
-    if (c == '<')
-      html += "&lt;";
-    else if (c == '&')
-      html += "&amp;";
-    else
-      html += c;
-  }
-  return html;
-}
-
-// From the end, so that no mark is sought in what was put in.
+// From the end, so that no mark is found in what was put in. In JSON only texts hold "<".
 std::string page_with(const std::string& title, const std::string& json, const std::string& numbers) {
   std::string page;
   for (const std::string_view piece : page_pieces()) page += piece;
-  const std::size_t data = page.find("@lockstep-json@");
-  if (data == std::string::npos) throw Error("the page of reports lacks its mark @lockstep-json@");
-  std::string tail = page.substr(data);
-  page.resize(data);
-  put(tail, "@lockstep-numbers@", numbers);
-  put(tail, "@lockstep-json@", for_script(json));
-  put(page, "@lockstep-title@", for_html(title));
-  return page + tail;
+  put(page, "@lockstep-numbers@", numbers);
+  put(page, "@lockstep-json@", without('<', "\\u003c", json));
+  put(page, "@lockstep-title@", without('<', "&lt;", without('&', "&amp;", title)));
+  return page;
 }
 
 nlohmann::ordered_json json_of(const ReportText& text) {
@@ -91,7 +70,7 @@ void write_whole(const std::string& file, const std::string& page) {
   std::error_code ignored;
   if (!in_place) std::filesystem::remove(partial, ignored);
   throw FileError("report '" + file + "' cannot be written" + (error ? ": " + error.message() : "") +
-                  "; check the folder and the space left, or name another file");
+                  "; check the folder and the free space, or name another file");
 }
 
 }  // namespace lockstep::report

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The page of a report, whose script and style stand in the library.
+// The page of a report; its script and style are in the library.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -17,11 +17,6 @@ std::span<const std::string_view> page_pieces();
 /// The page with its title, its description as JSON text, and its numbers as base64. Nothing in them ends an element of
 /// the page.
 LOCKSTEP_API std::string page_with(const std::string& title, const std::string& json, const std::string& numbers);
-
-/// JSON text for a script element: without "<", which only texts in it hold.
-std::string for_script(const std::string& json);
-/// A text as HTML shows it.
-std::string for_html(const std::string& text);
 
 /// The texts of a report, with the version of the library.
 nlohmann::ordered_json json_of(const ReportText&);

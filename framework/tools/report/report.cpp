@@ -34,7 +34,7 @@ void Report::finish(const Sample& sample) { seen_->watcher.finish(sample); }
 std::string Report::page(const ReportText& text) const {
   if (!seen_->watcher.has_seen())
     throw ModelError(
-        "report: there is nothing to show before the run; add it to the run (add_observer), then write it");
+        "report: the run has not begun; add the report to the run (add_observer), and write it after the run");
   const report::Frames& frames = seen_->watcher.frames();
   report::Numbers numbers;
   report::Meshes meshes(numbers);

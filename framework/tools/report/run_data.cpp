@@ -17,31 +17,6 @@ std::vector<double> thinned(const std::vector<double>& values, std::size_t k) {
   return some;
 }
 
-Json frames_of(const Frames& frames, Numbers& numbers) {
-  Json json{{"n", frames.times().size()},
-            {"stride", frames.stride()},
-            {"width", frames.width()},
-            {"times", numbers.add(std::span<const double>(frames.times()))},
-            {"rows", numbers.add(std::span<const float>(frames.rows()))},
-            {"jumps", Json::array()}};
-  for (std::size_t k = 0; k < frames.times().size(); ++k)
-    if (frames.after_jump()[k]) json["jumps"].push_back(k);
-  return json;
-}
-
-Json marks_of(const Frames& frames) {
-  Json json = Json::array();
-  for (const Mark& mark : frames.marks()) json.push_back({{"t", mark.t}, {"what", mark.what}});
-  return json;
-}
-
-Json switches_of(const Frames& frames) {
-  Json json{{"at_start", frames.modes_at_start()}, {"later", Json::array()}};
-  for (const Switch& s : frames.switches())
-    json["later"].push_back({{"t", s.t}, {"link", s.link}, {"active", s.active}});
-  return json;
-}
-
 }  // namespace
 
 Watcher::~Watcher() = default;
@@ -69,7 +44,19 @@ Json table_json(const Table& table, std::size_t most_cells, std::size_t fewest, 
 }
 
 Json frames_json(const Frames& frames, Numbers& numbers) {
-  return {{"frames", frames_of(frames, numbers)}, {"marks", marks_of(frames)}, {"switches", switches_of(frames)}};
+  Json jumps = Json::array(), marks = Json::array(), later = Json::array();
+  for (std::size_t k = 0; k < frames.times().size(); ++k)
+    if (frames.after_jump()[k]) jumps.push_back(k);
+  for (const Mark& mark : frames.marks()) marks.push_back({{"t", mark.t}, {"what", mark.what}});
+  for (const Switch& s : frames.switches()) later.push_back({{"t", s.t}, {"link", s.link}, {"active", s.active}});
+  Json kept{{"n", frames.times().size()},
+            {"stride", frames.stride()},
+            {"width", frames.width()},
+            {"times", numbers.add(std::span<const double>(frames.times()))},
+            {"rows", numbers.add(std::span<const float>(frames.rows()))},
+            {"jumps", jumps}};
+  Json switches{{"at_start", frames.modes_at_start()}, {"later", later}};
+  return {{"frames", kept}, {"marks", marks}, {"switches", switches}};
 }
 
 }  // namespace lockstep::report

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rows of a table beside its outputs: at what jumps.
+// Rows of a table in addition to its outputs: at jumps.
 #pragma once
 
 #include <functional>

@@ -18,15 +18,15 @@ void add_energy(std::vector<Finding>& all, const Audit& audit, bool adaptive) {
                                                       : "none was exchanged");
   if (audit.energy == Audit::Energy::not_conserved)
     all.push_back({&finding::energy_not_conserved, "",
-                   off + ", or a force's potential, dissipation or supply does not fit what it exerts",
-                   adaptive ? "take a smaller tolerance (--tolerance), look for singular positions (lockstep check)"
-                            : "take a smaller step (--step)",
+                   off + ", or the potential, dissipation or supply of a force does not fit its load",
+                   adaptive ? "use a smaller tolerance (--tolerance), or find singular configurations (lockstep check)"
+                            : "use a smaller step (--step)",
                    audit.imbalance_share(), audit.limits.energy});
   if (audit.energy == Audit::Energy::not_judged)
     all.push_back({&finding::energy_not_judged, "",
-                   fmt::format("{}: force{} {} {} power, but no potential, dissipation or supply", off,
+                   fmt::format("{}: force{} {} {} work without potential, dissipation or supply", off,
                                audit.unbooked_forces.size() > 1 ? "s" : "", text::join(audit.unbooked_forces),
-                               audit.unbooked_forces.size() > 1 ? "give" : "gives"),
+                               audit.unbooked_forces.size() > 1 ? "do" : "does"),
                    "", audit.imbalance_share(), audit.limits.energy});
 }
 
@@ -44,15 +44,15 @@ std::vector<Finding> run_findings(StepLoop& run, const Audit& audit, const Doubt
   add_energy(all, audit, method.adaptive);
   if (audit.drifted)
     all.push_back({&finding::constraints_drifted, "",
-                   fmt::format("constraints violated by at most {:.2g} m after a step (limit {:.2g} m)",
-                               audit.violation, audit.limits.violation),
-                   "project them (stabilization project)", audit.violation, audit.limits.violation, "m"});
+                   fmt::format("constraint violation up to {:.2g} m after a step (limit {:.2g} m)", audit.violation,
+                               audit.limits.violation),
+                   "project after each step (stabilization project)", audit.violation, audit.limits.violation, "m"});
   if (std::isfinite(report.stiff_since))
-    all.push_back(
-        {&finding::stiff, "",
-         fmt::format("from t = {:.4g} s on damped fast modes limited the steps, not accuracy", report.stiff_since),
-         "an implicit method is cheaper (--integrator radau5 or generalized_alpha)",
-         std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(), "", report.stiff_since});
+    all.push_back({&finding::stiff, "",
+                   fmt::format("stiff from t = {:.4g} s on: damped fast modes limited the steps", report.stiff_since),
+                   "an implicit method is cheaper (--integrator radau5 or generalized_alpha)",
+                   std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(), "",
+                   report.stiff_since});
   return all;
 }
 

@@ -10,14 +10,15 @@
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/rank/branch_point.h"
+#include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/left_out_rows.h"
 
 namespace lockstep {
 namespace {
 
-constexpr double kOn = 1e-6;  // m, times the length: nearer than this a start is on the constraints but for its digits
+constexpr double kOn = 1e-6;  // m, times the length: nearer than this a start is on the constraints up to its digits
 
-// Dependent rows leave a small pivot, in the factor of one solver whatever that of the run is.
+// Dependent rows leave a small pivot, in the factor of one solver, independent of that of the run.
 bool may_depend(System& system, const State& state) {
   constexpr double kSmall = 1e-2;
   const SchurSolver solver;
@@ -38,7 +39,7 @@ bool holds_by_itself(System& system, const State& start) {
          are_few_rows(system, start.modes);
 }
 
-// Whether anything may be decided, as far as can be told without a look at the rows.
+// Whether anything may be decided, as far as it is known without the rows.
 bool is_asked_for(Mechanism& m, const State& start) {
   const NearlyRedundant choice = m.run.nearly_redundant;
   return choice != NearlyRedundant::told && has_loops(m.system, start.modes) &&
@@ -53,7 +54,7 @@ void refuse_switched(const Mechanism& m, const NearDependency& decided) {
         if (std::ranges::find(*names, link) != names->end())
           throw ModelError("\"nearly_redundant\" of \"run\" is \"" +
                            std::string(m.run.nearly_redundant == NearlyRedundant::held ? "held" : "free") +
-                           "\", and event '" + request.event.name + "' switches link '" + link +
+                           "\", and event '" + request.event.name + "' switches joint '" + link +
                            "', on whose loop rows nearly depend on others: what is decided at the start is wrong then; "
                            "leave it \"auto\", or \"told\"");
 }
@@ -85,7 +86,7 @@ bool decide(Dynamics& dynamics, Mechanism& m, const State& start, const State& p
   if (event.empty()) return true;
   near.all = decide_nearly_redundant(system_of(m), dynamics, pose, NearlyRedundant::told);
   for (NearDependency& d : near.all)
-    if (d.undecided.empty() && !d.in_passing) d.undecided = "event '" + event + "' switches links of such a loop";
+    if (d.undecided.empty() && !d.in_passing) d.undecided = "event '" + event + "' switches joints of such a loop";
   return false;
 }
 
@@ -110,7 +111,7 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
       assemble(dynamics, pose, m.start_speeds, m.assembly);
     }
     dynamics.to_slots(pose);
-  } catch (const Error&) {  // the run says what is wrong
+  } catch (const Error&) {  // the run reports the error
     return start;
   }
   if (!near.all.empty() && decide(dynamics, m, start, pose, near)) {
@@ -119,6 +120,19 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
   }
   if (out != nullptr) *out = std::move(near);
   return start;
+}
+
+void refuse_driven_lock(Dynamics& dynamics, const State& start) {
+  if (const Cause lock = cause_of_lock(dynamics, start); !lock.fact.empty())
+    throw AssemblyError(lock.fact + "\n  hint: " + lock.hint, {.problem = lock.fact, .advice = lock.hint});
+}
+
+AssemblyReport assemble_scene(Dynamics& dynamics, const Mechanism& m, State& start) {
+  try {
+    return assemble(dynamics, start, m.start_speeds, m.assembly);
+  } catch (const AssemblyError& error) {
+    rethrow_with(cause_of_start(dynamics, start), error);
+  }
 }
 
 void refuse_locked(Dynamics& dynamics, const State& start) {
@@ -137,7 +151,7 @@ std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m
     dynamics.to_slots(pose);
     if (dynamics.violation(pose) > kOn * system_of(m).length() || !may_depend(system_of(m), pose)) return {};
     return decide_nearly_redundant(system_of(m), dynamics, pose, NearlyRedundant::told);
-  } catch (const Error&) {  // the run says what is wrong
+  } catch (const Error&) {  // the run reports the error
     return {};
   }
 }

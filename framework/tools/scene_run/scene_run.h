@@ -34,7 +34,7 @@ inline Dynamics make_dynamics(Mechanism& m, const Registry& registry) {
   return Dynamics(system_of(m), make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
 }
 
-/// build_mechanism(), which says of a scene that is refused also which channels of "record" and of events are unknown.
+/// build_mechanism(); an error of the scene also lists unknown channels of "record" and of events.
 LOCKSTEP_API Mechanism build_observed(const Scene&, const Registry&);
 
 /// Rows that nearly depend on others at a start.
@@ -44,9 +44,9 @@ struct NearRows {
 };
 
 /// The start of the system, to be assembled, when it is decided what rows hold that nearly depend on others, where the run
-/// settings ask for that; `near`, where given, tells it. Where anything was decided its positions are those, with all rows
+/// settings require that; `near`, if given, reports it. If anything was decided its positions are those, with all rows
 /// on the constraints, at which it was. Nothing is decided at a start that is off them and is not or cannot be assembled.
-/// NearlyRedundant::automatic decides nothing beside one-sided links, nor where an event switches a link of such a loop;
+/// NearlyRedundant::automatic decides nothing near one-sided joints, nor if an event switches a joint of such a loop;
 /// what is asked for by name throws ModelError there.
 LOCKSTEP_API State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* near = nullptr);
 
@@ -56,12 +56,18 @@ LOCKSTEP_API std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics,
 /// Throws AssemblyError if a start moves in a singular position in which the mechanism is locked.
 LOCKSTEP_API void refuse_locked(Dynamics&, const State& start);
 
-/// The same start, assembled unless the scene says otherwise; counted angles begin where drives do. `report`, where given,
+/// Throws AssemblyError if drives are to move a mechanism whose joints leave it no degree of freedom.
+LOCKSTEP_API void refuse_driven_lock(Dynamics&, const State& start);
+
+/// assemble() with the settings of the scene; the cause of a start that cannot be assembled precedes the error.
+LOCKSTEP_API AssemblyReport assemble_scene(Dynamics&, const Mechanism&, State&);
+
+/// The same start, assembled unless the scene forbids it; counted angles begin with the drives. `report`, if given,
 /// takes what assembly changed. Throws what assemble() and refuse_locked() throw.
 inline State assembled_start(Dynamics& dynamics, Mechanism& m, AssemblyReport* report = nullptr) {
   State start = decided_start(dynamics, m);
   if (m.run.assemble) {
-    const AssemblyReport assembled = assemble(dynamics, start, m.start_speeds, m.assembly);
+    const AssemblyReport assembled = assemble_scene(dynamics, m, start);
     if (report != nullptr) *report = assembled;
   } else {
     begin_turns(dynamics, start);

@@ -42,7 +42,7 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
     return start;
   }
   RunVerdict verdict() const override {
-    if (!loop) throw ModelError("simulation: verdict() before the run began; call it after run()");
+    if (!loop) throw ModelError("simulation: verdict() was called before the start of the run; call it after run()");
     RunVerdict found{audit->result(), run_findings(*loop, audit->result(), *doubts, singular)};
     found.right = !found.audit.is_wrong();
     return found;

@@ -40,19 +40,18 @@ void append(std::string& bytes, std::uint64_t n) { bytes.append(reinterpret_cast
   throw FileError(fmt::format("checkpoint '{}' {}", file, why));
 }
 
-// Throws FileError where the first line is none of this layout. Behind kMagic there are a number and the line's end.
+// Throws FileError if the first line is none of this layout. A number and the line's end follow kMagic.
 void check_layout(std::string_view bytes, const std::string& file) {
-  if (!bytes.starts_with(kMagic)) refuse(file, "is none: it was not written by lockstep (run --checkpoint)");
+  if (!bytes.starts_with(kMagic)) refuse(file, "is not a checkpoint; give a file written by lockstep run --checkpoint");
   const std::string_view rest = bytes.substr(kMagic.size());
   int layout = 0;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), layout);
   if (error != std::errc{} || end == rest.data() + rest.size() || *end != '\n')
-    refuse(file, "is cut or damaged: its first line holds no number of a layout; take an older one");
+    refuse(file, "is truncated or damaged: its first line has no layout number; use an older one");
   if (layout != kCheckpointLayout)
-    refuse(file,
-           fmt::format("is of another layout ({} instead of {}): another version or build of lockstep made it; go "
-                       "on with that one, or run the scene again from its start",
-                       layout, kCheckpointLayout));
+    refuse(file, fmt::format("has layout {} instead of {}: another version or build of lockstep wrote it; use that "
+                             "one, or run the scene again from its start",
+                             layout, kCheckpointLayout));
 }
 
 // Closes the file, and removes it unless it was finished.
@@ -71,7 +70,7 @@ struct Partial {
 void check_replaceable(const std::string& file) {
   std::error_code none;
   if (std::filesystem::exists(file, none) && !std::filesystem::is_regular_file(file, none))
-    refuse(file, "would replace a folder, a device or a pipe; name a file");
+    refuse(file, "would replace a folder, a device or a pipe; give a file name");
 }
 
 void write_checkpoint(const std::string& file, const Snapshot& snapshot) {
@@ -91,7 +90,7 @@ void write_checkpoint(const std::string& file, const Snapshot& snapshot) {
   Partial partial{file + ".partial"};
   const auto fail = [&](const char* what) {
     refuse(file,
-           fmt::format("{}: {}; check the folder and the space left, or name another", what, std::strerror(errno)));
+           fmt::format("{}: {}; check the folder and the free space, or use another file", what, std::strerror(errno)));
   };
   partial.file = ::open(partial.name.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
   if (partial.file < 0) fail("cannot be written");
@@ -101,7 +100,7 @@ void write_checkpoint(const std::string& file, const Snapshot& snapshot) {
     if (n < 0) fail("cannot be written");
     at += n;
   }
-  if (::fsync(partial.file) != 0 && errno != EINVAL && errno != EROFS) fail("cannot be brought to the disk");
+  if (::fsync(partial.file) != 0 && errno != EINVAL && errno != EROFS) fail("cannot be flushed to disk");
   if (std::rename(partial.name.c_str(), file.c_str()) != 0) fail("cannot be renamed");
   partial.finished = true;
 }
@@ -111,18 +110,19 @@ Snapshot checkpoint_from(std::string_view bytes, const std::string& file) {
   const std::size_t head = first_line().size() + 8;  // bytes before the numbers
   const std::uint64_t n = bytes.size() < head + 8 ? 0 : number_at(bytes, head - 8);
   if (bytes.size() < head + 8 || (bytes.size() - head - 8) / 8 != n || (bytes.size() - head) % 8 != 0)
-    refuse(file, fmt::format("is cut or damaged: {} bytes do not hold what its beginning says; take an older one",
-                             bytes.size()));
+    refuse(file,
+           fmt::format("is truncated or damaged: it has {} bytes, its header gives another number; use an older one",
+                       bytes.size()));
   if (hash_of(bytes.substr(0, bytes.size() - 8)) != number_at(bytes, bytes.size() - 8))
-    refuse(file, "is damaged: its content does not fit its hash; take an older one");
+    refuse(file, "is damaged: its content does not match its hash; use an older one");
   std::vector<double> numbers(n);
   if (n > 0) std::memcpy(numbers.data(), bytes.data() + head, 8 * n);
   Snapshot snapshot;
   snapshot.assign(std::move(numbers));
   SnapshotReader in(snapshot);
   if (const std::string version = in.get_text(); version != kVersion)
-    refuse(file, fmt::format("was written by lockstep {}; this is {}: go on with that version, or run anew", version,
-                             kVersion));
+    refuse(file, fmt::format("was written by lockstep {}, this is {}; continue with that version, or run again",
+                             version, kVersion));
   return in.rest();
 }
 
@@ -130,7 +130,7 @@ Snapshot read_checkpoint(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   if (in) text << in.rdbuf();
-  if (!in) refuse(file, "cannot be read; name one that `lockstep run --checkpoint` wrote");
+  if (!in) refuse(file, "cannot be read; give a file written by `lockstep run --checkpoint`");
   return checkpoint_from(text.str(), file);
 }
 

@@ -6,7 +6,7 @@
 // The number in the first line is that of the layout: which numbers follow one another, down to those of integrators,
 // solvers and observers. Whoever changes what one of them saves gives the layout another number.
 // The first numbers are the version of lockstep as a text. Numbers are little-endian IEEE doubles, lengths and the hash
-// unsigned 64-bit numbers. The hash (FNV-1a) tells any changed byte.
+// unsigned 64-bit numbers. The hash (FNV-1a) detects any changed byte.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ namespace lockstep {
 /// The number of the layout that is written and read. A test holds kept checkpoints against it.
 inline constexpr int kCheckpointLayout = 9;
 
-/// Throws FileError where there is something that is no regular file, which a checkpoint would replace.
+/// Throws FileError if there is something that is no regular file, which a checkpoint would replace.
 LOCKSTEP_API void check_replaceable(const std::string& file);
 /// Writes a checkpoint to FILE.partial, which replaces FILE when it is whole and on the disk. Throws FileError.
 LOCKSTEP_API void write_checkpoint(const std::string& file, const Snapshot&);

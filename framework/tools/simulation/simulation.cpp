@@ -47,14 +47,14 @@ struct SystemParts final : SystemSettings, Simulation::Parts {
       : SystemSettings{settings_of(options, registry), {}},
         Parts(of, SystemSettings::settings, std::make_unique<Recorder>(of)) {
     methods.integrators = registry.integrators, methods.solvers = registry.solvers;
-    make_method(), make_solver();  // what is wrong with them is said at once
+    make_method(), make_solver();  // their errors are reported at once
   }
   std::unique_ptr<Integrator> make_method() const override {
     const MethodSpec& method = Parts::settings.integrator;
     std::unique_ptr<Integrator> made = make_integrator(method, methods, "simulation.integrator");
     if (!made->info().adaptive && !(Parts::settings.step > 0))
       throw ModelError("simulation: integrator \"" + method.type +
-                       "\" takes fixed steps and no step is given; set .step, for instance .step = 1e-3");
+                       "\" uses fixed steps, and none is given; set .step, such as .step = 1e-3");
     return made;
   }
   std::unique_ptr<LinearSolver> make_solver() const override {
@@ -102,7 +102,7 @@ void Simulation::Parts::start_from(State start) {
 }
 
 RunVerdict Simulation::Parts::verdict() const {
-  throw ModelError("simulation: nothing watches the run of a system; add an EnergyAudit as an observer");
+  throw ModelError("simulation: a run of a system has no verdict; add an EnergyAudit as an observer");
 }
 
 Simulation::Simulation(System& system, SimulationOptions options, const Registry& registry)
@@ -114,14 +114,14 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 Simulation::~Simulation() = default;
 
 RunSettings& Simulation::settings() {
-  if (parts_->loop) throw ModelError("simulation: settings() after the run began; change them before");
+  if (parts_->loop) throw ModelError("simulation: settings() after the start of the run; change them before");
   return parts_->settings;
 }
 System& Simulation::system() { return parts_->system; }
 const System& Simulation::system() const { return parts_->system; }
 
 const Table& Simulation::record(std::vector<Request> requests) {
-  if (parts_->loop) throw ModelError("simulation: record() after the run began; ask for all columns before run_until()");
+  if (parts_->loop) throw ModelError("simulation: record() after the start of the run; add columns before run_until()");
   for (Request& request : requests) {
     Channel channel = parts_->channel(request.channel);
     channel.name = request.name;
@@ -172,7 +172,7 @@ std::string name_of(const MethodSpec& method) {
   return name;
 }
 
-// What a checkpoint of another simulation would differ in, beside what the loop compares itself.
+// What a checkpoint of another simulation would differ in, in addition to what the loop compares.
 std::string fingerprint(const RunSettings& run) {
   return fmt::format("integrator {}, solver {}, tolerance {:a} {:a}, step {:a}, output {:a}", name_of(run.integrator),
                      name_of(run.solver), run.tolerance.relative, run.tolerance.atol_x, run.step, run.output);
@@ -191,11 +191,10 @@ void Simulation::load(const std::string& file) {
   const Snapshot saved = read_checkpoint(file);
   SnapshotReader in(saved);
   if (const std::string kind = in.get_text(); kind != "simulation")
-    throw ModelError(
-        fmt::format("checkpoint '{}' is one of the program's (lockstep resume), not of a simulation", file));
+    throw ModelError(fmt::format("checkpoint '{}' belongs to the program; continue it by `lockstep resume`", file));
   if (const std::string other = in.get_text(), own = fingerprint(parts_->settings); other != own)
-    throw ModelError(
-        fmt::format("checkpoint '{}' is of a simulation with other options ({}); this one has {}", file, other, own));
+    throw ModelError(fmt::format("checkpoint '{}' belongs to a simulation with other options ({}); this one has {}",
+                                 file, other, own));
   loop().load(in);
 }
 

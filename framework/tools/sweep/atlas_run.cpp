@@ -26,7 +26,7 @@ struct Ran {
   Audit audit;
   SimulationReport report;
   double length = 0, cpu = 0;
-  long passed = 0;  // singular positions, with plain stages
+  long passed = 0;  // singular configurations, with unprojected stages
   bool given_up = false;
   std::string failure{};
 };
@@ -68,7 +68,7 @@ Ran run_scene(const Scene& scene, const Registry& registry, const std::vector<do
   return ran;
 }
 
-// The instants of `some` among those of a history that holds them all.
+// The times of `some` in a history that contains them all.
 History at_instants(const History& all, const std::vector<double>& some) {
   History out;
   for (const double t : some) {
@@ -110,8 +110,8 @@ AtlasReference atlas_reference(const Scene& scene, const Registry& registry, con
       if (!go_on()) return out;
       continue;
     }
-    if (ran.passed > 0) {  // on another branch it would judge all others wrongly
-      out.reason = fmt::format("{} at {:g}: passed singular positions with plain stages", method, tolerance);
+    if (ran.passed > 0) {  // on another branch it would not be a reference
+      out.reason = fmt::format("{} at {:g}: passed singular configurations with unprojected stages", method, tolerance);
       continue;
     }
     const Ran wider = with(method, 100 * tolerance);
@@ -136,7 +136,7 @@ AtlasCell atlas_run(const Scene& scene, const Registry& registry, const AtlasRef
   if (!go_on()) return cell;
   if (ran.given_up || !ran.failure.empty()) {
     cell.outcome = ran.given_up ? AtlasOutcome::too_slow : AtlasOutcome::stopped;
-    cell.reason = ran.given_up ? fmt::format("given up after {:.2g} s of computing", ran.cpu) : ran.failure;
+    cell.reason = ran.given_up ? fmt::format("stopped after {:.2g} s of CPU time", ran.cpu) : ran.failure;
     cell.error = HUGE_VAL;
     return cell;
   }
@@ -151,9 +151,8 @@ AtlasCell atlas_run(const Scene& scene, const Registry& registry, const AtlasRef
 }
 
 const char* words_of(AtlasOutcome outcome) {
-  constexpr const char* kWords[] = {
-      "works",    "inaccurate", "wrong, and says so", "wrong without a word", "stops with an error",
-      "too slow", "not tried"};
+  constexpr const char* kWords[] = {"accurate", "inaccurate", "wrong (flagged)", "wrong (not flagged)",
+                                    "failed",   "too slow",   "not tried"};
   return kWords[static_cast<std::size_t>(outcome)];
 }
 

@@ -8,18 +8,18 @@
 
 namespace lockstep {
 
-/// Accelerations of a mechanism near a state: dx'' = A dx + B dx', of all slots, in the directions of their velocities;
-/// with Baumgarte's terms where the stabilisation has them, so that the roots of drift are among the motions.
+/// Accelerations of a mechanism near a state: dx'' = A dx + B dx', of all rigid groups, in the directions of their
+/// velocities; with Baumgarte stabilisation if it is on, so that the roots of drift are among the motions.
 struct SmallMotions {
   MatX A, B;
 };
 
-/// By central differences at the assembled start. Throws what a run throws.
+/// By central differences at the assembled start. Throws as a run does.
 LOCKSTEP_API SmallMotions small_motions(const Scene&, const Registry&);
 
-/// The smallest step in [low, high], s, from which on the method lets small motions grow that do not grow themselves;
-/// infinite where there is none, NaN where no theory is known of the method: rk4, semi_implicit_euler, rattle2, and
-/// dopri5 with fixed steps have one.
+/// The smallest step in [low, high], s, beyond which the method is unstable for stable small motions; infinite if there
+/// is none, NaN if the method has no known theory. rk4, semi_implicit_euler, rattle2, and dopri5 with fixed steps have
+/// one.
 LOCKSTEP_API double step_limit(const MethodSpec&, const SmallMotions&, double low, double high);
 
 }  // namespace lockstep

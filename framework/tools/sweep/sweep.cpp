@@ -39,7 +39,7 @@ class HistoryRows {
   HistoryRows& operator=(const HistoryRows&) = delete;
 
   Observer& observer() { return at_jumps_; }
-  /// The table but for these rows: what sweeps tell of a run does not hang on whether its history is kept.
+  /// The table without these rows: the results of a run in a sweep do not depend on whether its history is kept.
   Table outputs_alone() const {
     const Table& all = recorder_.table();
     Table outputs;
@@ -101,7 +101,7 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
 
 void refuse_other_columns(const Table& table, const Table& like) {
   if (table.names() != like.names())
-    throw ModelError("it records other columns than the first run; name in \"run\" what is recorded");
+    throw ModelError("it records other columns than the first run; list the same channels under \"record\" of \"run\"");
 }
 
 std::string titled(const std::string& name, const std::string& unit) {
@@ -115,8 +115,8 @@ std::string SweepRun::outcome() const {
   const std::string judged = !wrong ? status : status == "ok" ? "wrong" : "wrong: " + status;
   std::string all = judged;
   if (passed > 0)
-    all += "; passed " + std::to_string(passed) + " singular position" + (passed == 1 ? "" : "s") +
-           " with plain stages, from t = " + text::brief(first_passed) + " s on";
+    all += "; passed " + std::to_string(passed) + " singular configuration" + (passed == 1 ? "" : "s") +
+           " with unprojected stages, first at t = " + text::brief(first_passed) + " s";
   for (const Finding& f : findings)
     if (f.severity() == Severity::doubt) all += "; doubtful: " + f.text();
   return all;
@@ -170,7 +170,7 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     };
     try {
       refuse_other_columns(recorder->table(), like);
-      if (m.run.until < 0) throw ModelError("the scene does not say how long it runs; add \"until\" to \"run\"");
+      if (m.run.until < 0) throw ModelError("the scene has no end time; add \"until\" to \"run\"");
       simulate(m, *recorder, registry, result, go_on, at_jumps ? &at_jumps->observer() : nullptr, watch.observer);
     } catch (...) {
       end();

@@ -16,13 +16,13 @@
 namespace lockstep {
 namespace {
 
-const StepReport kNoReport{};  // lanes report no steps
+const StepReport kNoReport{};  // a vectorised batch reports no steps
 
 /// One run, at a fixed address.
 struct Lane {
   Mechanism mechanism;
   std::unique_ptr<Recorder> recorder{};
-  std::unique_ptr<EnergyAudit> audit{};  // none where laws do work, which lanes do not integrate
+  std::unique_ptr<EnergyAudit> audit{};  // none if laws do work, which lanes do not integrate
   std::unique_ptr<Doubts> doubts{};
   bool follows_steps = false;            // columns or the audit look at every step
   std::unique_ptr<Dynamics> dynamics{};
@@ -33,15 +33,15 @@ struct Lane {
 
 bool has_keys(const MethodSpec& typed) { return typed.keys.object() != nullptr && !typed.keys.object()->empty(); }
 
-// Why a run with these settings cannot be in a lane; "" if it can.
+// The reason why a run with these settings cannot be in a vectorised batch; "" if it can.
 std::string unsuited(const RunSettings& run) {
   const std::string& method = run.integrator.type;
   if ((method != "dop853" && method != "dopri5") || has_keys(run.integrator))
-    return "lanes are there for dop853 and dopri5 without keys";
-  if (run.solver.type != "schur" || has_keys(run.solver)) return "lanes have the solver schur without keys";
-  if (run.stabilization.kind == Stabilization::Kind::baumgarte) return "lanes have no Baumgarte stabilisation";
+    return "vectorised runs need dop853 or dopri5 without keys";
+  if (run.solver.type != "schur" || has_keys(run.solver)) return "vectorised runs need the solver schur without keys";
+  if (run.stabilization.kind == Stabilization::Kind::baumgarte) return "Baumgarte stabilisation is not vectorised";
   if (run.nearly_redundant == NearlyRedundant::free || run.nearly_redundant == NearlyRedundant::held)
-    return "lanes have all rows of their links: \"nearly_redundant\" is \"auto\" or \"told\" in them";
+    return "vectorised runs need \"nearly_redundant\": \"auto\" or \"told\"";
   if (run.times.empty() && !(run.output > 0)) return "every step is recorded; give \"output\" or \"times\" to \"run\"";
   return {};
 }
@@ -51,7 +51,7 @@ std::string unsuited(Mechanism& m) {
   for (const ChannelRequest& request : m.run.record) {
     if (request.channel == "step" || request.channel == "rejected" || request.channel == "evaluations" ||
         request.channel.starts_with("solver."))
-      return "column \"" + request.channel + "\" is about steps and solutions of a run by itself";
+      return "column \"" + request.channel + "\" exists only for single runs";
     make_channel(system_of(m), request.channel);  // works add their states to the system
   }
   return Copies::unsuited(system_of(m), m.run.formulation);
@@ -141,7 +141,7 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
   return copies.run(starts, times, output, step, go_on);
 }
 
-// Energy and drift; in lanes the latter is seen at outputs.
+// Energy and drift, of which the latter is computed at outputs.
 void judge(const Lane& lane, SweepRun& run) {
   if (lane.audit) judge(lane.audit->result(), run);
   run.violation = lane.violation;
@@ -183,7 +183,7 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
     if (lanes.empty() || times.empty()) return {};
     reports = run_together(lanes, times, registry, goes_on);
   } catch (const Error&) {
-    return {};  // a run fails: run one by one, each gets its own reason
+    return {};  // a run fails: run one by one, each with its own reason
   }
   if (broken_off) {
     SweepRun broken;

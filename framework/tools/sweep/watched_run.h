@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One run of a sweep that is watched by more than its recorder.
+// One run of a sweep with a further observer besides its recorder.
 #pragma once
 
 #include <functional>
@@ -8,14 +8,14 @@
 
 namespace lockstep {
 
-/// Who watches besides: an observer, and what is called at the end of the run, also of one that failed, with the
-/// mechanism and the recorded columns. Both may be empty.
+/// An observer, and a function that is called at the end of the run, also of one that failed, with the mechanism and the
+/// recorded columns. Both may be empty.
 struct RunWatch {
   Observer* observer = nullptr;
   std::function<void(const Mechanism&, const Table&)> ended{};
 };
 
-/// Writes what an audit found to the result of a run.
+/// Writes the results of an audit to the result of a run.
 void judge(const Audit&, SweepRun&);
 
 /// As sweep_run.

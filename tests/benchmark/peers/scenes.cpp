@@ -81,7 +81,7 @@ Draft four_bars_draft(const Mechanism& m) {
     d.link(numbered("left", k), "revolute", numbered("bar", k), numbered("upright", k), {double(k), 1, 0});
     d.link(numbered("right", k), "revolute", numbered("bar", k), numbered("upright", k + 1), {double(k + 1), 1, 0});
   }
-  for (const char* channel : {"foot0.angle_z", "bar0.x", "bar0.y", "energy.total"}) d.channel(channel);
+  for (const char* channel : {"foot0.rz", "bar0.x", "bar0.y", "energy.total"}) d.channel(channel);
   return d;
 }
 

@@ -17,22 +17,22 @@
 
 namespace lockstep {
 
-// Reacting: the facet of a force that depends on the reactions of links, as friction does.
+// Reacting: the facet of a force that depends on the reactions of joints, as friction does.
 
 class Force;
 class Params;
 struct Attachment;
 
-/// What friction holds at rest: a force or a moment along some directions, up to a limit.
+/// The friction that can act at rest: a force or a moment along some directions, up to a limit.
 struct Grip {
   std::string what,         ///< "sliding", "turning"
       unit;                 ///< of `most`: "N", "N m"
   double most = 0;          ///< the largest size of it
-  std::vector<VecX> along;  ///< what one unit of it does along each of its directions, which are at right angles to one
-                            ///< another: 6 per slot, N (world) and N m (slot axes)
+  std::vector<VecX> along;  ///< the load of one unit along each of its directions, which are perpendicular: 6 per slot,
+                            ///< N (world) and N m (slot axes)
 };
 
-/// The facet of a force that depends on the reactions of links. Such a force derives from it, and Force::reacting()
+/// The facet of a force that depends on the reactions of joints. Such a force derives from it, and Force::reacting()
 /// returns `this`. What it exerts is added to apply(). The solution is found by iteration, so the force as a function
 /// of the reactions must be a contraction, as friction with a coefficient well below one is.
 class LOCKSTEP_API Reacting {
@@ -40,13 +40,13 @@ class LOCKSTEP_API Reacting {
   /// `self` is the force that derives from this.
   explicit Reacting(const Force& self) : self_(&self) {}
 
-  /// The links whose reactions it reads. Asked before setup(), because these links are not merged into slots.
+  /// The joints whose reactions it reads. Asked before setup(), because these joints are not merged into slots.
   virtual std::vector<const Lock*> reads() const = 0;
   /// Adds what it exerts at these reactions, on top of apply().
   virtual void react(const Inputs&, const Reactions&, WrenchSum&) const = 0;
   /// Power that react() takes out, W, not negative; default 0.
   virtual double friction_loss(const Inputs&, const Reactions&) const { return 0; }
-  /// What it holds at rest under these reactions, where react() is smooth and holds nothing; default: nothing.
+  /// The friction that can act at rest under these reactions; react() is smooth and zero there. Default: nothing.
   virtual std::vector<Grip> grips(const Inputs&, const Reactions&) const { return {}; }
   /// Adds K and D of react() with the multipliers fixed; conventions of TangentSum. Default: central differences.
   virtual void react_tangent(const Inputs&, const Reactions&, TangentSum& out) const;
@@ -85,14 +85,14 @@ class LOCKSTEP_API Force {
   const std::string& name() const { return name_; }  ///< name in the system
   /// Name of its type, "spring_damper"; for messages.
   virtual std::string_view type() const = 0;
-  /// Who brought its type: "built in", a plugin's name, or "" for a class of the host's own.
+  /// Origin of its type: "built in", a plugin's name, or "" for a class of the host.
   const std::string& origin() const { return origin_; }
   void set_origin(std::string origin) { origin_ = std::move(origin); }  ///< set by the registry
 
   // -- description
   /// The markers at which it acts; for slots, messages and checks.
   virtual std::vector<const Marker*> markers() const = 0;
-  /// Appends the instants in (t0, t1), s, where one of its laws jumps. Default: none.
+  /// Appends the times in (t0, t1), s, when one of its laws jumps. Default: none.
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
   /// Which of its laws throws or is not finite at time t, s, in words; "" when none is. Default: "". As
   /// Driven::diagnose.
@@ -100,9 +100,9 @@ class LOCKSTEP_API Force {
 
   /// The laws that it reads, for accounts. Default: none.
   virtual std::vector<ForceLaw> laws() const { return {}; }
-  /// Whether a mechanism that moves in this plane stays there under it, at any time and in any position: it pushes along
-  /// the plane, without lever arms along the normal, and turns about the normal. After setup. Default: false, unknown,
-  /// which keeps the mechanism in space.
+  /// Whether it keeps a mechanism that moves in this plane there, at any time and in any position: its forces are in
+  /// the plane, without lever arms along the normal, and its moments along the normal. After setup. Default: false,
+  /// unknown, which keeps the mechanism in space.
   virtual bool stays_in_plane(Plane) const { return false; }
 
   // -- setup: called when the bodies have their slots
@@ -113,7 +113,7 @@ class LOCKSTEP_API Force {
 
   // -- evaluation
   /// Adds the wrenches on the slots to `out`. Within a step the same inputs give the same wrenches; between two calls of a
-  /// run what it reads beside them may change (ControlInput).
+  /// run other data that it reads may change (ControlInput).
   virtual void apply(const Inputs&, WrenchSum& out) const = 0;
   /// Adds K = -df/d(dx, dth) and D = -df/d(v, w) to `out`; conventions of TangentSum. Only implicit methods ask for it.
   /// Default: central differences of apply() over the slots of the markers.
@@ -128,7 +128,7 @@ class LOCKSTEP_API Force {
   // -- facets: null without it; a class with the facet derives from it and returns `this`
   virtual const Observable* observable() const { return nullptr; }    ///< recorder channels of its own
   virtual const Remembering* remembering() const { return nullptr; }  ///< numbers in State::z
-  virtual const Reacting* reacting() const { return nullptr; }        ///< it depends on the reactions of links
+  virtual const Reacting* reacting() const { return nullptr; }        ///< it depends on the reactions of joints
 
   /// How many numbers of State::z are its own.
   int n_own_memory() const { return remembering() ? remembering()->n_memory() : 0; }
@@ -143,7 +143,7 @@ class LOCKSTEP_API Force {
   void set_switched(bool on) { switched_ = true, on_at_start_ = on; }
   bool is_switched() const { return switched_; }       ///< whether events may switch it
   bool acts_at_start() const { return on_at_start_; }  ///< whether it acts at the start
-  /// Where State::z says whether it acts (1) or not (0); -1: it always does. Set by System::setup.
+  /// Index in State::z of whether it acts (1) or not (0); -1: it always acts. Set by System::setup.
   int switch_memory() const { return switch_memory_; }
   /// Whether it acts at these inputs.
   bool acts(const Inputs& in) const {
@@ -210,11 +210,11 @@ class LOCKSTEP_API MarkerForce : public Force {
   /// Throws ParameterError unless `value` is finite and not negative.
   void require_not_negative(const char* key, double value) const;
 
-  /// Throws ModelError when the marker is on a particle, which cannot turn; `does` is the verb of the message: "turns".
+  /// Throws ModelError when the marker is on a particle, which cannot rotate; `does`: "rotates", for example.
   void require_turning(const Marker& m, const char* does) const;
 
   /// Whether the laws of the markers keep a planar mechanism in this plane and, for a force (`pushes`), their origins and
-  /// the mass centres are at one height: what stays_in_plane() answers for a force along lines between or through them.
+  /// the centres of mass are at one height: stays_in_plane() of a force along lines between or through them.
   bool markers_stay_in(Plane, bool pushes = true) const;
   /// Whether a force at P has no lever arm along the normal of the plane on the bodies of P and S.
   bool has_no_arms(Plane) const;
@@ -243,9 +243,9 @@ struct ForceAccount;
 
 // FormulaForce: a force between markers from one formula.
 
-/// A force between markers from one formula: F derives from FormulaForce<F> and has act(ends, load), as namespace
-/// formula says (formula.h, which who writes such a force includes). Wrench, tangent and energies come from it. The first of F's quantities() are those that act() shows;
-/// one more at the end, "power", is the power given to the two bodies, W.
+/// A force between markers from one formula: F derives from FormulaForce<F> and has act(ends, load), as described in
+/// namespace formula (include formula.h to write one). Wrench, tangent and energies come from it. The first of F's
+/// quantities() are those that act() shows; one more at the end, "power", is the power given to the two bodies, W.
 template <class F>
 class FormulaForce : public MarkerForce, public Observable {
  public:
@@ -281,10 +281,10 @@ class FormulaForce : public MarkerForce, public Observable {
 ///       out.force(tip.body->slot, -0.3 * M.v.norm() * M.v, M.x);
 ///     }));
 ///
-/// Between two calls of a run a host may change what the functions read, best as a ControlInput (System::add_input), which
-/// checkpoints save: the next step begins with it, whatever the method. Within a step the same `in` must give the same
-/// result, and the functions change nothing but `out`. `potential` (J) and `dissipation` (W, not negative) enter the
-/// energies; without them they are zero.
+/// Between two calls of a run a host may change data that the functions read, best as a ControlInput
+/// (System::add_input), which checkpoints save: the next step begins with it, with any method. Within a step the same
+/// `in` must give the same result, and the functions change only `out`. `potential` (J) and `dissipation` (W, not
+/// negative) enter the energies; without them they are zero.
 class LOCKSTEP_API FunctionForce final : public Force {
  public:
   using Apply = std::function<void(const Inputs&, WrenchSum&)>;  ///< adds wrenches to a sum

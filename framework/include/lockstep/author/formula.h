@@ -13,7 +13,7 @@
 
 namespace lockstep {
 
-/// The two markers of a force at one instant. Without an S, S is the ground's origin.
+/// The two markers of a force at one time. Without an S, S is the ground's origin.
 template <class T>
 struct Ends {
   MarkerOn<T> P,              ///< marker P on its slot
@@ -23,7 +23,7 @@ struct Ends {
 };
 
 /// A number with its derivatives with respect to the pose of one slot (dx, dth) or its velocity (v, w): three each,
-/// translations in world axes, turns and angular velocities in slot axes.
+/// translations in world axes, rotations and angular velocities in slot axes.
 using SlotJet = Jet<6, double, NoMotion>;
 
 /// The powers and quantities of a force at one instant.
@@ -56,7 +56,7 @@ struct ForceAccount {
 ///     supplies(P)           power that the force's own laws put in at the markers, W
 ///     shows(a, b, ...)      values of the force's quantities(), in their order: numbers and vectors
 ///
-/// Where markers are moved on their bodies by laws, the power given to the bodies differs from that at the markers.
+/// If markers are moved on their bodies by laws, the power given to the bodies differs from that at the markers.
 /// The difference comes from those laws and is added to the supply.
 namespace formula {
 

@@ -13,7 +13,7 @@
 namespace lockstep {
 
 // Rows and laws use no finite differences: a derivative that is not written by hand is evaluated on jets. Only the
-// default tangents of links and forces, which implicit integrators use, are differences.
+// default tangents of joints and forces, which implicit integrators use, are differences.
 //
 // Jet<N> holds, of a function f of N variables y that move as y(t):
 //   v  value             d  first derivative along the motion, f' = f_y yd (+ f_t)
@@ -75,7 +75,7 @@ struct Jet {
     return a;
   }
 
-  /// A jet is no number. Functions of std take only numbers, and of those this one alone, so that their call leads here.
+  /// A jet is not a number. Functions of std take only numbers, and of those this one alone: their call ends here.
   template <std::same_as<long double> F>
   operator F() const {
     return jet_detail::not_a_number<F>();
@@ -297,7 +297,7 @@ template <int N, class T, class D>
 inline Jet<N, T, D> abs(const Jet<N, T, D>& a) {
   return a.v < 0 ? -a : a;
 }
-/// The greater one, with its derivatives; a where both are equal.
+/// The greater one, with its derivatives; a if both are equal.
 template <int N, class T, class D>
 inline Jet<N, T, D> max(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
   return a < b ? b : a;
@@ -312,7 +312,7 @@ template <int N, class T, class D>
 inline Jet<N, T, D> max(const jet_detail::Number auto& a, const Jet<N, T, D>& b) {
   return max(Jet<N, T, D>(a), b);
 }
-/// The smaller one, with its derivatives; a where both are equal.
+/// The smaller one, with its derivatives; a if both are equal.
 template <int N, class T, class D>
 inline Jet<N, T, D> min(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
   return b < a ? b : a;
@@ -368,7 +368,7 @@ inline std::ostream& operator<<(std::ostream& out, const Jet<N, T, D>& a) {
 
 /// The number itself: value_of() of what may be a jet or a number.
 inline double value_of(double a) { return a; }
-/// The value without its derivatives, for what is decided once and does not vary: a branch, the number of turns.
+/// The value without its derivatives, for what is decided once and does not vary: a branch, the number of revolutions.
 template <int N, class T, class D>
 inline T value_of(const Jet<N, T, D>& a) {
   return a.v;
@@ -401,11 +401,11 @@ struct Eigen::ScalarBinaryOpTraits<double, lockstep::Jet<N, double, D>, Op> {
 
 namespace lockstep {
 
-// Pack<N>: N doubles that the compiler keeps in vector registers, whatever the instruction set.
+// Pack<N>: N doubles that the compiler keeps in vector registers of any instruction set.
 //
-// A block of up to 8 rows has one pack per column, so that one instruction works on all rows of a link.
+// A block of up to 8 rows has one pack per column, so that one instruction works on all rows of a joint.
 
-/// Where the type of a pack of N numbers is defined: N is 2, 4 or 8.
+/// The type of a pack of N numbers: N is 2, 4 or 8.
 template <int N>
 struct PackOf;
 /// A pack of two numbers.

@@ -15,7 +15,7 @@ namespace lockstep {
 
 class Registry;
 
-// Where plugins may come from. One search path for the program and for every other host.
+// The search path of plugins, the same for the program and for every other host.
 
 /// The folders that are searched when none are given: those of LOCKSTEP_PLUGIN_PATH (separated by ':'); then
 /// ../plugins, relative to the folder of the running program and to that of the library; then lockstep/plugins in the
@@ -29,35 +29,34 @@ LOCKSTEP_API std::string plugin_name(const std::string& path);
 /// name plugins only in this way.
 LOCKSTEP_API bool is_bare_name(const std::string& name);
 
-/// The file of a plugin, with symbolic links followed. A name without '/' is looked for in `folders` (plugin_folders()
-/// if empty); the first file of that name is taken, or refused if it leads out of all these folders or if anyone but
-/// you, root and the owner of this library could change it or its folder. A path is used as it is: its caller vouches
-/// for the file. Throws PluginError.
+/// The file of a plugin, with symbolic links followed. A name without '/' is searched in `folders` (plugin_folders() if
+/// empty), and the first file of that name is used. Throws PluginError if it is outside of these folders, or if users
+/// other than you, root and the owner of this library can change it or its folder. A path is not checked in this way.
 LOCKSTEP_API std::string find_plugin(const std::string& name_or_path, std::vector<std::string> folders);
 
-/// What a plugin's file was when it was read.
+/// Size and checksum of a plugin's file when it was read.
 struct PluginStamp {
   std::uint64_t size = 0;                                                    ///< bytes
   std::uint64_t checksum = 0;                                                ///< FNV-1a, 64 bits, of all bytes
   friend bool operator==(const PluginStamp&, const PluginStamp&) = default;  ///< whether both agree
 };
 
-// Loads plugins: finds the file, reads what it was built with, opens it and takes over what it registers.
+// Loads plugins: finds the file, reads its build record, opens it and adds the types that it registers.
 
 /// Loads a plugin into the registry and returns the path of its file. "cam_follower", "plugins/cam_follower" and
-/// "plugins/cam_follower.so" are all accepted, and "lib" before the name is tried as well; the file is found as by
-/// find_plugin(), so never pass on a path that came from a scene. On an error the registry is unchanged. The plugin
-/// stays loaded for the life of the process, because objects run its code. Throws PluginError: not found (with the
-/// places), not a plugin, cut, built differently (with the first field that differs), nothing registered, a name
-/// that is taken, or what the plugin itself threw. Size and checksum of the file are kept before it is opened. A file
-/// that has others when it is loaded again is refused, as is one that has others than `expected`.
+/// "plugins/cam_follower.so" are all accepted, also with "lib" before the name. The file is found by find_plugin(), so
+/// never pass on a path that came from a scene. On an error the registry is unchanged. The plugin stays loaded for the
+/// life of the process, because objects run its code. Throws PluginError: not found (with the folders), not a plugin,
+/// cut, built differently (with the first field that differs), nothing registered, a name that is taken, or an error of
+/// the plugin. Size and checksum of the file are kept before it is opened. A file whose stamp has changed when it is
+/// loaded again, or differs from `expected`, is an error.
 LOCKSTEP_API std::string load_plugin(Registry&, const std::string& name_or_path,
                                      const std::vector<std::string>& folders = {},
                                      const std::optional<PluginStamp>& expected = {});
 
-/// Checks in a file all that load_plugin() checks before it opens it: that it is a whole shared library for this machine,
-/// and that its record fits this build. None of its code runs. Throws PluginError. It does not find other damage: compare
-/// the returned size and checksum with those of a sound file.
+/// The checks of load_plugin() before it opens a file: a whole shared library for this machine, with a record that fits
+/// this build. None of its code runs. Throws PluginError. It does not find other damage: compare the returned size and
+/// checksum with those of a sound file.
 LOCKSTEP_API PluginStamp check_plugin_file(const std::string& path);
 
 /// The record in the file of a plugin, read without opening the file as a library. Throws PluginError.
@@ -66,7 +65,7 @@ LOCKSTEP_API lockstep_abi_record read_abi(const std::string& path);
 /// A record in words: "ABI 3, gcc 12.2.0, libstdc++ 12, Eigen 3.4.0, alignment 16".
 LOCKSTEP_API std::string abi_words(const lockstep_abi_record&);
 
-/// How the record `plugin` differs from `host`, and what to do, in one sentence; "" where they fit.
+/// The difference between the records `plugin` and `host`, and what to do, in one sentence; "" if they fit.
 LOCKSTEP_API std::string abi_difference(const lockstep_abi_record& plugin, const lockstep_abi_record& host);
 
 }  // namespace lockstep

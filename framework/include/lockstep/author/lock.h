@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The lock: root of all links.
+// The lock: root of all joints.
 #pragma once
 
 #include <array>
@@ -21,31 +21,31 @@
 
 namespace lockstep {
 
-// Unilateral: what makes a link of one row push and not pull.
+// Unilateral: what makes a joint of one row push and not pull.
 
-/// A one-sided constraint: C >= 0 in place of C = 0. The link is not in force while C > 0. Where C falls to zero there
-/// is an impact; one that would leave a speed below rest_speed puts the link in force, until it would have to pull.
+/// A one-sided constraint: C >= 0 in place of C = 0. The joint is inactive while C > 0. When C falls to zero there is
+/// an impact; one that would leave a speed below rest_speed activates the joint, until it would have to pull.
 struct Unilateral {
   double restitution = 0;    ///< rate of C after an impact over that before it, 0 to 1
-  double rest_speed = 1e-3;  ///< smallest rate of C with which an impact ends, above zero; m/s where C is a length
+  double rest_speed = 1e-3;  ///< smallest rate of C with which an impact ends, above zero; m/s if C is a length
   bool below = false;        ///< the free side is C <= 0 (a rope: the distance may be less than its length)
   double sign() const { return below ? -1.0 : 1.0; }  ///< sign of C on the free side
 };
 
-// Lock: a constraint between bodies, the root of all links. A link is what the user handles; a lock is the constraint
+// Lock: a constraint between bodies, the root of all joints. A joint is what the user handles; a lock is the constraint
 // it is made of.
 
 class AngleCounter;
 
-/// One row of a link.
+/// One row of a joint.
 struct LinkRow {
   RowKind kind = RowKind::function;  ///< what it measures
-  std::string name;                  ///< "x", "e1", "phi": for messages and channels; unique within the link
+  std::string name;                  ///< "x", "e1", "phi": for messages and channels; unique within the joint
   int drive = -1;                    ///< number of the drive that it belongs to; -1: the joint itself
   friend bool operator==(const LinkRow&, const LinkRow&) = default;  ///< the same in all three
 };
 
-/// What the code that gathers a link depends on. Links of equal dynamic type, pattern, row count and slot count make a
+/// The properties on which gathering depends. Joints of equal dynamic type, pattern, row count and slot count form a
 /// group.
 struct LinkPattern {
   unsigned laws = 0;           ///< of a MarkerLock: with::Bits of its laws, and of parallel markers
@@ -56,12 +56,12 @@ struct LinkPattern {
   friend auto operator<=>(const LinkPattern&, const LinkPattern&) = default;  // NOLINT(modernize-use-nullptr)
 };
 
-/// The rows of a link, as plan_rows() reports them.
+/// The rows of a joint, as plan_rows() reports them.
 struct RowPlan {
   std::vector<LinkRow> rows;            ///< 1 to kMaxRows
   SlotList slots;                       ///< moving slots that the rows have columns on
   LinkPattern pattern;                  ///< what its group is found by
-  RowLayout layout = RowLayout::dense;  ///< how the jacobian is stored: dense or triple
+  RowLayout layout = RowLayout::dense;  ///< how the Jacobian is stored: dense or triple
   double sign = 1;                      ///< of a triple, as in RowShape
 
   /// Adds a row with columns on v and w; a triple becomes dense.
@@ -70,8 +70,8 @@ struct RowPlan {
   void add_turning(LinkRow row) { rows.push_back(std::move(row)); }
 };
 
-/// A constraint between bodies, the root of all links. A class answers four questions: type(), pairs(), plan_rows() and
-/// gather(). All else is a facet, which a link has or has not.
+/// A constraint between bodies, the root of all joints. A class defines type(), pairs(), plan_rows() and gather(). All
+/// else is an optional facet.
 class LOCKSTEP_API Lock {
  public:
   /// `name` is unique in its system.
@@ -80,15 +80,15 @@ class LOCKSTEP_API Lock {
   Lock(const Lock&) = delete;
   Lock& operator=(const Lock&) = delete;
 
-  // -- the four questions
+  // -- to be defined
   virtual std::string_view type() const = 0;  ///< "revolute": the name in files, logs and errors
   /// Marker pairs, P before S. The recorder reports the reaction at P of the first.
   virtual std::vector<std::pair<const Marker*, const Marker*>> pairs() const = 0;
-  /// Writes the rows of all links of one group at the same inputs: C, Ct, Qhat and the jacobians, every number of them.
+  /// Writes the rows of all joints of one group at the same inputs: C, Ct, Qhat and the Jacobians, every number.
   virtual void gather(Group, const Inputs&, RowSpan out) const = 0;
 
  protected:
-  /// Prepares the link, whose bodies have their slots by now, and reports its rows. Throws ModelError, naming the link.
+  /// Prepares the joint, whose bodies have their slots, and reports its rows. Throws ModelError, naming the joint.
   virtual RowPlan plan_rows() = 0;
 
  public:
@@ -102,34 +102,34 @@ class LOCKSTEP_API Lock {
   virtual Planar* planar() { return nullptr; }                               ///< rows gathered in a plane
   virtual const Jointed* jointed() const { return nullptr; }                 ///< a mask, imposed laws and drives
   virtual Jointed* jointed() { return nullptr; }                             ///< a mask, imposed laws and drives
-  /// Whether a mechanism that moves in this plane stays there by it: whatever its functions and laws are at any time,
-  /// its rows hold the bodies in the plane or normal to it, never both at once. Which of the two is read at the start,
-  /// where rows of functions must lie in it. After setup. Default: false, unknown, which keeps the mechanism in space.
+  /// Whether it keeps a mechanism that moves in this plane there: at all times and for all its functions and laws, each
+  /// row holds the bodies in the plane or normal to it, never both. Which of the two is read at the start; rows of
+  /// functions must then be in the plane. After setup. Default: false, unknown, which keeps the mechanism in space.
   virtual bool stays_in_plane(Plane) const { return false; }
   /// Asks for the angles that it counts, and keeps the references; called by System::setup after its own. Default: none.
   virtual void count_angles(AngleCounter&) {}
   /// Whether it holds its two bodies rigidly together, without any law: they may be merged into one slot.
   virtual bool is_weld() const { return false; }
 
-  // -- what the user sets, before the system's setup
-  bool active_at_start() const { return active_at_start_; }  ///< whether it is in force, or watched, at the start
+  // -- set by the user before the system's setup
+  bool active_at_start() const { return active_at_start_; }  ///< whether it is active, or watched, at the start
   void set_active_at_start(bool active) { active_at_start_ = active; }  ///< default: it is
-  /// Null for a link that pushes and pulls.
+  /// Null for a joint that pushes and pulls.
   const Unilateral* unilateral() const { return unilateral_.get(); }
-  /// Makes the link one-sided, which must have exactly one row (checked by setup()). Throws ModelError: a number out of
-  /// its range.
+  /// Makes the joint one-sided; it must have exactly one row (checked by setup()). Throws ModelError: a number out of
+  /// range.
   void set_unilateral(const Unilateral&);
 
   const std::string& name() const { return name_; }  ///< name in the system
-  /// Where its class comes from: "built in", a plugin's name, or "" for a class of the host's own.
+  /// Origin of its class: "built in", a plugin's name, or "" for a class of the host.
   const std::string& origin() const;
   void set_origin(std::string origin);  ///< called by the registry
 
   // -- after the system's setup
   /// Stores what plan_rows() reports; called by System::setup. Throws ModelError: no row, more than kMaxRows, or more
-  /// than one of a unilateral link.
+  /// than one of a unilateral joint.
   void setup();
-  /// Called by System::setup: rows that equal those of another link, by kind, name and drive, are stored once.
+  /// Called by System::setup: rows that equal those of another joint, by kind, name and drive, are stored once.
   void share_rows(const Lock& with);
   void set_indices(int number, int first_state, int first_memory);                   ///< called by System::setup
   int row_count() const { return rows_ ? static_cast<int>(rows_->size()) : 0; }      ///< number of rows, in space
@@ -138,19 +138,19 @@ class LOCKSTEP_API Lock {
   const std::string& row_name(int k) const { return row(k).name; }                   ///< "x", "e1", "phi"
   const SlotList& slots() const { return slots_; }                                   ///< moving slots that it touches
   const LinkPattern& pattern() const { return pattern_; }                            ///< what its group is found by
-  RowLayout layout() const { return layout_; }  ///< how its jacobian in space is stored
+  RowLayout layout() const { return layout_; }  ///< how its Jacobian in space is stored
   /// Shape of its rows in space.
   RowShape shape() const { return {row_count(), slots_.n, layout_, sign_, {}}; }
   int number() const { return number_; }  ///< in the system: index in State::modes; -1 before setup
   int n_own_states() const { return stateful() ? stateful()->n_states() : 0; }        ///< numbers in State::s
   int n_own_memory() const { return remembering() ? remembering()->n_memory() : 0; }  ///< numbers in State::z
-  int first_state() const { return first_state_; }    ///< where its states begin in State::s
-  int first_memory() const { return first_memory_; }  ///< where its memory begins in State::z
-  /// Of a unilateral link: index in State::z of the energy lost in its impacts, J, which the simulation counts.
+  int first_state() const { return first_state_; }    ///< index of its states in State::s
+  int first_memory() const { return first_memory_; }  ///< index of its memory in State::z
+  /// Of a unilateral joint: index in State::z of the energy lost in its impacts, J, which the simulation counts.
   int impact_memory() const { return first_memory_ + n_own_memory(); }
 
  private:
-  // What the fewest links have is held by pointers: mechanisms have hundreds of thousands of links.
+  // What the fewest joints have is held by pointers: mechanisms have hundreds of thousands of joints.
   std::string name_;
   std::unique_ptr<const std::string> origin_;  // null: ""
   std::unique_ptr<const Unilateral> unilateral_;
@@ -163,10 +163,10 @@ class LOCKSTEP_API Lock {
   int number_ = -1, first_state_ = 0, first_memory_ = 0;
 };
 
-/// Adds the geometric stiffness of a link, by its formula or, where it has none, by differences.
+/// Adds the geometric stiffness of a joint, by its formula or, if it has none, by differences.
 LOCKSTEP_API void add_tangent(const Lock&, const Inputs&, std::span<const double> lambda, TangentSum& out);
-/// Adds the geometric stiffness of a link by central differences of its gather(), to some 1e-9 of K: moves of 6e-6 of
-/// the distance between its bodies, turns of 6e-6 rad.
+/// Adds the geometric stiffness of a joint by central differences of its gather(), to some 1e-9 of K: moves of 6e-6 of
+/// the distance between its bodies, rotations of 6e-6 rad.
 LOCKSTEP_API void difference_tangent(const Lock&, const Inputs&, std::span<const double> lambda, TangentSum& out);
 
 /// Whether L overrides the accessor of each of these five facets that it derives from: without it the facet would never
@@ -182,12 +182,12 @@ constexpr bool facets_are_found() {
          found(&L::observable, std::type_identity<Observable>{});
 }
 
-/// Does not compile for a link whose facets would not be found.
+/// Does not compile for a joint whose facets would not be found.
 template <class L>
 void check_facets() {
   if constexpr (std::derived_from<L, Lock>)
     static_assert(facets_are_found<L>(),
-                  "a link that derives from a facet (Driven, Stateful, Remembering, "
+                  "a joint that derives from a facet (Driven, Stateful, Remembering, "
                   "TangentFormula, Observable) overrides its accessor to return this");
 }
 
@@ -253,23 +253,23 @@ class LOCKSTEP_API MarkerLock : public Lock,
   void engage(const Inputs&, std::span<double> s) const override;
 
   bool setup_plane(Plane) override;
-  /// By what its laws and those of its markers say of themselves; drives are in the plane. A derived class with rows of
-  /// its own answers for them.
+  /// As declared by its laws and those of its markers; drives are in the plane. A derived class with additional rows
+  /// answers for them.
   bool stays_in_plane(Plane plane) const override { return row_count() == n_rows_ && laws_stay_in_plane(plane); }
   RowLayout planar_layout() const override { return flat_ && flat_->pair ? RowLayout::pair : RowLayout::planar; }
   void gather_plane(Group, const Inputs&, RowSpan out) const override;
   void tangent(const Inputs&, std::span<const double> lambda, TangentSum& out) const override;
 
  protected:
-  /// Whether the laws of the lock and of its markers keep a mechanism in this plane, as they say; drives are in it.
+  /// Whether the laws of the lock and of its markers declare that they keep a mechanism in this plane.
   bool laws_stay_in_plane(Plane) const;
   /// Rows of the mask and of the drives; a derived class adds its own. Throws ModelError: neither body can move, or a
-  /// turn of a particle is held.
+  /// rotation of a particle is held.
   RowPlan plan_rows() override;
 
  private:
   void add_drive(Drive drive);
-  double coordinate(const Drive&, Pose rel, double t) const;               // of P against S, where q_D has turned it
+  double coordinate(const Drive&, Pose rel, double t) const;               // of P against S as rotated by q_D
   void take_states(const Pose& rel, double t, std::span<double> s) const;  // those of P at this pose against S
   void refuse_when_set_up(const std::string& what) const;
   std::span<const double> own_states(const Inputs& in) const {
@@ -305,11 +305,11 @@ class LOCKSTEP_API MarkerLock : public Lock,
     int turn_axis = 0;                         ///< the axis of S and P along the normal
     bool pair = false;                         ///< both translations in the plane are held
     int n_translations = 0, axes[2] = {0, 0};  ///< how many are held, and along which axes of S
-    bool turn = false;                         ///< the turn is held
+    bool turn = false;                         ///< the rotation is held
     double uP[2] = {0, 0}, uS[2] = {0, 0};     ///< origins
     double S[2][2] = {};                       ///< axes[k] of S in its slot
-    double sign = 1;                           ///< of the turn axis along the normal
-    double q[2] = {1, 0};                      ///< q_S' q_P: scalar part, and along the turn axis
+    double sign = 1;                           ///< of the rotation axis along the normal
+    double q[2] = {1, 0};                      ///< q_S' q_P: scalar part, and along the rotation axis
   };
 
   Marker* p_;
@@ -320,14 +320,14 @@ class LOCKSTEP_API MarkerLock : public Lock,
   // made by setup()
   signed char side1_ = -1, side2_ = -1;  // positions of O1 and O2 in slots(); -1: the ground
   signed char n_rows_ = 0;
-  std::array<signed char, 6> row_{};       // row k of the link is row row_[k] of the lock
+  std::array<signed char, 6> row_{};       // row k of the joint is row row_[k] of the lock
   unsigned laws_ = 0;                      // with::Bits of the laws present
   int slot1_ = kGround, slot2_ = kGround;  // of P and S
   MarkerAtRest P_, S_;                     // without the laws of the markers
   std::unique_ptr<const Flat> flat_;       // null: in space
 };
 
-// Reactions: the multipliers of the links in force, as forces that depend on them read them.
+// Reactions: the multipliers of the active joints, for forces that depend on them.
 
 /// A force and a moment about a point.
 struct LinkWrench {
@@ -335,7 +335,7 @@ struct LinkWrench {
       moment = Vec3::Zero();  ///< world axes, N m
 };
 
-/// A view of multipliers as reactions of links.
+/// A view of multipliers as reactions of joints.
 class LOCKSTEP_API Reactions {
  public:
   /// One multiplier per row of the table; both must outlive this.
@@ -344,10 +344,10 @@ class LOCKSTEP_API Reactions {
   explicit Reactions(const Evaluated& v)
       : Reactions(v.rows, {v.lambda.data(), static_cast<std::size_t>(v.lambda.size())}) {}
 
-  /// Whether the link has rows in the table.
+  /// Whether the joint has rows in the table.
   bool in_force(const Lock& link) const { return entry(link) >= 0; }
-  /// Multipliers of the link, in the order of its rows in space; zero for rows that a planar mechanism leaves out, and
-  /// while the link is not in force. The generalised force on the bodies is -Jh^T lambda (2.1).
+  /// Multipliers of the joint, in the order of its rows in space; zero for rows that a planar mechanism leaves out, and
+  /// while the joint is inactive. The generalised force on the bodies is -Jh^T lambda (2.1).
   std::array<double, kMaxRows> of(const Lock& link) const {
     std::array<double, kMaxRows> lambda{};
     if (entry(link) < 0) return lambda;
@@ -358,7 +358,7 @@ class LOCKSTEP_API Reactions {
     return lambda;
   }
 
-  /// A part of a link's rows. 0, 1, ... is the drive of that number.
+  /// A part of a joint's rows. 0, 1, ... is the drive of that number.
   enum Part : int {
     kJoint = -2,  ///< rows of the joint itself
     kDrives = -1  ///< rows of all drives
@@ -367,8 +367,8 @@ class LOCKSTEP_API Reactions {
   static bool belongs(const LinkRow& row, int part) {
     return part == kJoint ? row.drive < 0 : part == kDrives ? row.drive >= 0 : row.drive == part;
   }
-  /// Force and moment of a part of the link on the body of one of its markers, about the origin of that marker. Zero
-  /// while the link is not in force. The rows must be those gathered at `in`.
+  /// Force and moment of a part of the joint on the body of one of its markers, about the origin of that marker. Zero
+  /// while the joint is inactive. The rows must be those gathered at `in`.
   LinkWrench on_body_of(const MarkerFrame& at, const Lock& link, const Inputs& in, int part = kJoint) const;
 
  private:

@@ -13,7 +13,7 @@ namespace lockstep {
 // Mask: which of the six coordinates a lock holds. All 64 masks are valid joints (theory, (4.23)).
 
 /// A set of rows of a lock: x y z, translations of P in S axes, m; e1 e2 e3, the vector part of the error quaternion,
-/// which is half the rotation vector for small turns.
+/// which is half the rotation vector for small rotations.
 enum class Mask : std::uint8_t {
   none = 0,   ///< no row
   x = 1,      ///< along x of S
@@ -23,7 +23,7 @@ enum class Mask : std::uint8_t {
   e2 = 16,    ///< about y
   e3 = 32,    ///< about z
   xyz = 7,    ///< all translations
-  e123 = 56,  ///< all turns
+  e123 = 56,  ///< all rotations
   all = 63    ///< all six
 };
 /// Rows of a or of b.
@@ -43,11 +43,11 @@ constexpr int count_rows(Mask a) {
   return n;
 }
 
-/// The six coordinates of P seen from S: translations along the axes of S, m, and turns about them, rad.
+/// The six coordinates of P relative to S: translations along the axes of S, m, and rotations about them, rad.
 enum class Axis : std::uint8_t { x, y, z, rx, ry, rz };
 /// 0..5 for x y z rx ry rz.
 constexpr int axis_index(Axis a) { return static_cast<int>(a); }
-/// Whether the coordinate is a turn.
+/// Whether the coordinate is a rotation.
 constexpr bool is_rotation(Axis a) { return axis_index(a) >= 3; }
 /// The row that a drive on this axis adds.
 constexpr Mask row_of(Axis a) { return row_bit(axis_index(a)); }

@@ -72,7 +72,7 @@ class LOCKSTEP_API SnapshotReader {
   /// From the first number on. Wherever one is read, a snapshot may be given.
   SnapshotReader(const Snapshot& of) : left_(of.numbers()) {}  // NOLINT
   SnapshotReader(Snapshot&&) = delete;                         ///< the numbers would be gone
-  /// The next number. Throws ModelError where there is none: more is read than was saved.
+  /// The next number. Throws ModelError if there is none: more is read than was saved.
   double get() {
     if (left_.empty()) ran_out();
     const double x = left_.front();

@@ -20,7 +20,7 @@ namespace lockstep {
 
 // Orientation from named angle sequences, and back.
 
-/// Unit quaternion of three turns by `angles`, rad, about the frame's own (moving) axes, one after another: "xyz"
+/// Unit quaternion of three rotations by `angles`, rad, about the frame's own (moving) axes, one after another: "xyz"
 /// (Cardan), "zxz" (Euler), "zxy" (HPB: heading about z, pitch about x, bank about y), or any three letters of x y z
 /// without two equal neighbours, or a name that angle_sequence() knows. Throws ModelError for any other sequence.
 LOCKSTEP_API Quat from_angles(const std::string& sequence, const Vec3& angles);
@@ -28,7 +28,7 @@ LOCKSTEP_API Quat from_angles(const std::string& sequence, const Vec3& angles);
 /// Three angles about the axes of a sequence, and whether they are unique.
 struct Angles {
   Vec3 value = Vec3::Zero();  ///< the three angles, rad
-  /// The middle turn makes the outer axes parallel (within 1e-7 rad): the third angle is set to 0.
+  /// The middle rotation makes the outer axes parallel (within 1e-7 rad): the third angle is set to 0.
   bool gimbal = false;
 };
 /// The angles of an orientation q, of any length but zero: the inverse of from_angles(). The outer angles are in (-pi,
@@ -39,10 +39,10 @@ LOCKSTEP_API Angles to_angles(const std::string& sequence, const Quat& q);
 /// "xyz" for "cardan", "zxz" for "euler", "zxy" for "hpb"; any other text is returned as it is.
 LOCKSTEP_API std::string angle_sequence(const std::string& name);
 
-// A piece of a description as data: from a scene file, or from C++ in its place. Every piece knows where it was
-// written.
+// A piece of a description as data: from a scene file, or from C++ in its place. Every piece has its place in the
+// file.
 
-/// Where a value was written.
+/// The place at which a value was written.
 struct SourceLocation {
   std::shared_ptr<const std::string> file;  ///< path of the file; null: given in C++, or as a text without a file
   int line = 0,                             ///< from 1; 0: given in C++
@@ -107,7 +107,7 @@ class Value {
   /// "a number", "a text", "a list of 3", ...; for messages.
   LOCKSTEP_API std::string kind() const;
 
-  SourceLocation where;  ///< where it was written
+  SourceLocation where;  ///< its place
 
  private:
   std::variant<std::monostate, bool, double, std::string, List, Object> data_;
@@ -117,7 +117,7 @@ class Value {
 struct Value::Member {
   std::string key;       ///< name of the key, without quotes
   Value value;           ///< its value
-  SourceLocation where;  ///< where the key was written
+  SourceLocation where;  ///< place of the key
 };
 
 // MethodSpec: an integrator or a solver by name, with the keys of its type.
@@ -174,7 +174,7 @@ enum class Unit {
   any  ///< the unit of what uses it (the amplitude of a law); every unit is accepted and converted to SI
 };
 
-/// What a key of a law is to its value y: the units that it may have where the law is used.
+/// Relation of a key of a law to its value y: its units follow from the use of the law.
 enum class LawQuantity {
   other,         ///< of any dimension: not checked
   value,         ///< of the dimension of y; a law under such a key has that of y too
@@ -199,7 +199,7 @@ struct Key {
   Form form = Form::number;                 ///< what it holds
   Unit unit = Unit::none;                   ///< dimension of its numbers
   Default fallback{};                       ///< 0.5, "words", Value::List{0, 0, 1}, kRequired or kOptional
-  std::string help;                         ///< one line; names the frame where there is one
+  std::string help;                         ///< one line; names the frame if there is one
   std::vector<std::string> choices{};       ///< the texts that are accepted, for Form::choice
   LawQuantity of_law = LawQuantity::other;  ///< in the table of a law, of keys without a unit of their own
   bool of_time = true;                      ///< of a key that holds a law: whether its argument is the time, s
@@ -220,8 +220,8 @@ struct TypeInfo {
 
 /// The laws of a list, shared: a copy takes no memory.
 using LawList = std::shared_ptr<const std::vector<LawPtr<MotionLaw>>>;
-/// A law that was made from the value of a key, or the laws of a list. No copy throws: where one does, std::variant of
-/// libstdc++ 12 destroys what it has not made.
+/// A law that was made from the value of a key, or the laws of a list. No copy throws: if one did, std::variant of
+/// libstdc++ 12 would destroy a value that it has not made.
 using MadeLaw = std::variant<LawPtr<MotionLaw>, LawPtr<TranslationLaw>, LawPtr<RotationLaw>, LawList>;
 
 /// The members of one object, checked against a table of keys. Checking throws SceneError with place, owner, key, value
@@ -235,7 +235,7 @@ class LOCKSTEP_API Params {
   /// An object from a scene, not checked yet.
   static Params unchecked(Value object);
   /// The members of `object` (null: none) checked against the keys of `info`. `owner` names the thing in messages:
-  /// "link 'A'", "link 'A', drive.law". Laws are not made: checked_params() of registry.h does that.
+  /// "joint 'A'", "joint 'A', drive.law". Laws are not made: checked_params() of registry.h does that.
   Params(Value object, const TypeInfo& info, std::string owner);
 
   /// These parameters checked against the keys of `info`; laws are not made. Throws SceneError.
@@ -249,7 +249,7 @@ class LOCKSTEP_API Params {
   double number(std::string_view key) const;  ///< in SI units
   int integer(std::string_view key) const;    ///< a whole number
   bool boolean(std::string_view key) const;   ///< true or false
-  /// Of Form::text and Form::choice. Of a key named "file": a path, from the folder of the file in which it stands on.
+  /// Of Form::text and Form::choice. Of a key named "file": a path, relative to the folder of its file.
   std::string text(std::string_view key) const;
   Vec3 vector3(std::string_view key) const;      ///< of Form::vector3, in SI units, and of Form::axis, length 1
   Quat orientation(std::string_view key) const;  ///< unit quaternion
@@ -266,14 +266,14 @@ class LOCKSTEP_API Params {
   Value given_or_default(const Key&) const;
 
   const std::string& owner() const { return owner_; }             ///< the name of the thing in messages
-  const SourceLocation& where() const { return object_->where; }  ///< where the object was written
+  const SourceLocation& where() const { return object_->where; }  ///< place of the object
   /// Throws SceneError with the place of `key`, owner, key and `problem` (value, limit, advice).
   [[noreturn]] void refuse(std::string_view key, const std::string& problem) const;
 
  private:
   const Key& key_of(std::string_view key) const;
-  const Value& needed(const Key&) const;             // given or default; missing is refused
-  std::string place_of(std::string_view key) const;  // "link 'A', law.slope"
+  const Value& needed(const Key&) const;             // given or default; an error if missing
+  std::string place_of(std::string_view key) const;  // "joint 'A', law.slope"
   template <class L>
   L made(std::string_view key) const;
   std::shared_ptr<const Value> object_;
@@ -282,8 +282,8 @@ class LOCKSTEP_API Params {
   std::map<std::string, MadeLaw> laws_;
 };
 
-/// The place of a part in its owner, for messages: part_of("link 'A'", "law") is "link 'A', law"; part_of("link 'A',
-/// law", "slope") is "link 'A', law.slope".
+/// The place of a part in its owner, for messages: part_of("joint 'A'", "law") is "joint 'A', law"; part_of("joint 'A',
+/// law", "slope") is "joint 'A', law.slope".
 LOCKSTEP_API std::string part_of(const std::string& owner, std::string_view part);
 
 /// Whether a key of this form holds a law or a list of laws.
@@ -296,24 +296,24 @@ LOCKSTEP_API std::string name_of(Form);
 /// of UTF-8, a default that is not of the key's form, a choice without choices.
 LOCKSTEP_API void check_type_info(const TypeInfo&);
 
-// Attachment: the markers and the link on which a link or force acts; its maker gets it together with the parameters.
+// Attachment: the markers and the joint on which a joint or force acts; its maker gets it together with the parameters.
 
 class Lock;
 
-/// The name of a new link or force and the markers it is given, P before S in each pair.
+/// The name of a new joint or force and the markers it is given, P before S in each pair.
 struct LOCKSTEP_API Attachment {  // exported, because the registries are templates of it
-  std::string name;               ///< name of the link or force
+  std::string name;               ///< name of the joint or force
   /// One for a lock; forces may have none, or a pair without S (nullptr).
   std::vector<std::pair<Marker*, Marker*>> pairs;
-  Lock* link = nullptr;  ///< the link that a force acts in (friction); most forces have none
+  Lock* link = nullptr;  ///< the joint that a force acts in (friction); most forces have none
 
   /// Marker P of pair k; throws ModelError when it is not given.
   Marker& p(std::size_t k = 0) const { return given(name, k < pairs.size() ? pairs[k].first : nullptr, "p", k); }
   /// Marker S of pair k; throws ModelError when it is not given.
   Marker& s(std::size_t k = 0) const { return given(name, k < pairs.size() ? pairs[k].second : nullptr, "s", k); }
-  /// The link that the force acts in; throws ModelError when none is given.
+  /// The joint that the force acts in; throws ModelError when none is given.
   Lock& carrier() const {
-    if (link == nullptr) throw ModelError("'" + name + "': its type acts in a link; name that as \"link\"");
+    if (link == nullptr) throw ModelError("'" + name + "': its type acts in a joint; name that as \"link\"");
     return *link;
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Joints from functions of relative coordinates: what the function is given and what it defines.
+// Joints from functions of relative coordinates: arguments and declarations of the function.
 #pragma once
 
 #include <array>
@@ -16,18 +16,18 @@
 
 namespace lockstep {
 
-// phi: a function of the relative coordinates of pairs of markers: what it is given, and what it defines about itself
-// (theory, section 7).
+// phi: a function of the relative coordinates of pairs of markers, with its arguments and declarations (theory,
+// section 7).
 //
-//   struct ScrewThread {                                       // advance per turn along z
+//   struct ScrewThread {                                       // advance per revolution along z
 //     double lead;
-//     static constexpr PhiSpec spec{.counts_turns = true};     // angle_z() runs on past full turns
+//     static constexpr PhiSpec spec{.counts_turns = true};     // angle_z() runs on past full revolutions
 //     template <class T> T operator()(const LockCoords<T>& y) const { return y.z - lead / kTwoPi * y.angle_z(); }
 //   };
 //
 // A function of several pairs takes one LockCoords for each; several rows come as std::array<T, n>.
 
-/// (7.9) Turn of P about the z axis of S, rad: 2 atan2(e3, e0) on the branch nearest to `near`. T is a jet.
+/// (7.9) Rotation of P about the z axis of S, rad: 2 atan2(e3, e0) on the branch nearest to `near`. T is a jet.
 template <class T>
 T angle_about_z(const T& e0, const T& e3, double near) {
   using std::atan2;
@@ -36,7 +36,7 @@ T angle_about_z(const T& e0, const T& e3, double near) {
   return a;
 }
 
-/// What phi sees of a pair: the pose of P seen from S, to which no imposed law is applied, and the time.
+/// The arguments of phi for a pair: the pose of P relative to S, to which no imposed law is applied, and the time.
 template <class T>
 struct LockCoords {
   T x,                             ///< position of P along x of S, m
@@ -47,14 +47,14 @@ struct LockCoords {
       e2,                          ///< along y of S
       e3,                          ///< along z of S
       t;                           ///< time, s
-  double near_rest = 0;            ///< where rest_z() is expected, rad: as it was integrated (CountedAngle)
-  double turns = 0;                ///< whole turns of angle_z()
+  double near_rest = 0;            ///< expected rest_z(), rad: as integrated (CountedAngle)
+  double turns = 0;                ///< whole revolutions of angle_z()
   const double* memory = nullptr;  ///< the numbers of phi itself in State::z, PhiSpec::memory of them
 
-  /// Turn of P about the z axis of S, rad. With counts_turns = true it runs on past full turns, with false it is within
-  /// half a turn of zero. Singular where z_P = -z_S.
+  /// Rotation of P about the z axis of S, rad. With counts_turns = true it continues past full revolutions, with false
+  /// it is within half a revolution of zero. Singular at z_P = -z_S.
   T angle_z() const { return rest_z() + kTwoPi * turns; }
-  /// angle_z() less its whole turns, rad: a sum of many turns keeps its digits where these are added by themselves.
+  /// angle_z() less its whole revolutions, rad: a large sum keeps its digits if these are added separately.
   T rest_z() const { return angle_about_z(e0, e3, near_rest); }
 };
 
@@ -65,7 +65,7 @@ inline Jet<N> law_at(const MotionLaw& law, const Jet<N>& t) {
   return jet_detail::chain(t, l.y, l.yd, l.ydd);
 }
 
-/// f(a, b) by the chain rule, where f is known by numbers: its value, gradient and second derivatives at (a.v, b.v).
+/// f(a, b) by the chain rule, if f is known by numbers: its value, gradient and second derivatives at (a.v, b.v).
 template <int N>
 inline Jet<N> function_of(const Jet<N>& a, const Jet<N>& b, double f, double fa, double fb, double faa, double fab,
                           double fbb) {
@@ -83,14 +83,14 @@ struct PairReads {
   constexpr PairReads(Reads first, Reads second, Reads third = Reads::both) : of{first, second, third} {}
 };
 
-/// What a function says about itself, in its member `static constexpr PhiSpec spec`.
+/// The declarations of a function, in its member `static constexpr PhiSpec spec`.
 struct PhiSpec {
   int pairs = 1;  ///< pairs of markers that it takes, 1 to 3
   int rows = 1;   ///< functions that it returns, as std::array<T, rows> from 2 on
-  /// Coordinates that it reads of each pair. What is not read costs nothing; setup() refuses a function that reads it.
+  /// Coordinates that it reads of each pair. Others cost nothing; setup() rejects a function that reads them.
   PairReads reads = Reads::both;
-  /// Whether angle_z() runs on past full turns, as a CountedAngle of each pair. setup() refuses a function that calls
-  /// angle_z() and does not say it.
+  /// Whether angle_z() continues past full revolutions, as a CountedAngle of each pair. setup() rejects a function that
+  /// calls angle_z() without declaring it.
   std::optional<bool> counts_turns{};
   /// Whether a mechanism that moves in a plane stays there by it, at any time and in any position: see
   /// Lock::stays_in_plane. False: unknown, which keeps the mechanism in space.
@@ -107,14 +107,14 @@ struct PhiSpec {
   constexpr int first(int pair) const { return reads_of(pair, Reads::translation) ? 0 : 3; }
   /// One past the last of them.
   constexpr int end(int pair) const { return reads_of(pair, Reads::rotation) ? 7 : 3; }
-  /// Where the coordinates of a pair begin among its variables, those it reads of all pairs.
+  /// Index of the first coordinate of a pair among its variables, those it reads of all pairs.
   constexpr int start(int pair) const {
     int n = 0;
     for (int k = 0; k < pair; ++k) n += end(k) - first(k);
     return n;
   }
   constexpr int variables() const { return start(pairs); }  ///< number of coordinates that it reads
-  /// Whether the turns of a pair are counted.
+  /// Whether the revolutions of a pair are counted.
   constexpr bool counts(int pair) const { return counts_turns.value_or(false) && reads_of(pair, Reads::rotation); }
   /// Whether there is a name for each row, or none.
   constexpr bool names_fit() const {
@@ -133,7 +133,7 @@ struct LOCKSTEP_API PhiHooks {
   PhiHooks(const PhiHooks&) = default;             ///< has no data
   PhiHooks& operator=(const PhiHooks&) = default;  ///< has no data
   virtual ~PhiHooks();
-  /// Called by setup() with the coordinates of the start: phase angles, refusals that name the link.
+  /// Called by setup() with the coordinates of the start: phase angles, errors that name the joint.
   virtual void initialise(const std::string& link, PhiCoords y);
   /// Writes its memory at the start.
   virtual void reset(std::span<double> z, PhiCoords y) const;

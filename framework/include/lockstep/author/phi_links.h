@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Links of a function of your own: of one pair of markers, or between several joints.
+// Joints of a custom function: of one pair of markers, or between several joints.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@
 namespace lockstep {
 
 /// A joint whose rows are those of a mask and those of a function phi of one pair. A derived class adds type() and, for
-/// scenes, info() and make(). PhiSpec lists what phi says about itself.
+/// scenes, info() and make(). PhiSpec lists the declarations of phi.
 ///
 ///     struct ScrewThread { double lead; template <class T> T operator()(const LockCoords<T>& y) const; ... };  // phi.h
 ///     using Screw = PhiLock<ScrewThread>;
@@ -29,8 +29,8 @@ class PhiLock : public FunctionLock {
   const Phi& phi() const { return phi_of<Phi>(function()); }  ///< the function
 };
 
-/// A link whose rows are those of a function phi of two or three pairs of markers. A derived class adds type() and, for
-/// scenes, info() and make().
+/// A joint whose rows are those of a function phi of two or three pairs of markers. A derived class adds type() and,
+/// for scenes, info() and make().
 ///
 ///     struct Mesh {
 ///       double r1, r2;

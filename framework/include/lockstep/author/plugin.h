@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All that a plugin includes.
+// The header that a plugin includes.
 #pragma once
 
 /// @file plugin.h
-/// What a plugin includes; LOCKSTEP_PLUGIN makes a shared library a plugin.
+/// The header that a plugin includes; LOCKSTEP_PLUGIN makes a shared library a plugin.
 
 #include <Eigen/Geometry>
 #include <cstddef>
@@ -18,12 +18,12 @@
 #include <lockstep/text.h>
 #include <lockstep/version.h>
 
-// What a plugin was built with: a plain-C record that is data in the plugin's file and is read from there before the
-// plugin is opened, and so before any of its code can run.
+// The build record of a plugin: a plain-C record that is data in the plugin's file. It is read before the plugin is
+// opened, and so before any of its code can run.
 extern "C" {
 
-/// What a plugin or a host was built with. All texts end with a zero; the record holds no pointers, so the linker
-/// leaves it as it was compiled.
+/// The build record of a plugin or host: compiler, libraries, settings. All texts end with a zero; the record holds no
+/// pointers, so the linker leaves it as it was compiled.
 struct lockstep_abi_record {
   char magic[16];                    ///< "lockstep-abi"
   std::uint32_t size;                ///< of this record, bytes
@@ -116,7 +116,7 @@ constexpr lockstep_abi_record abi_of_this_build() {
 ///
 ///     LOCKSTEP_PLUGIN(registry) { registry.links.add<CamFollower>(); }
 ///
-/// The function may throw an Error; then nothing of the plugin is registered.
+/// The function may throw an Error; then no type of the plugin is registered.
 #define LOCKSTEP_PLUGIN(registry)                                                                       \
   extern "C" LOCKSTEP_API const lockstep_abi_record lockstep_abi;                                       \
   extern "C" LOCKSTEP_API constexpr lockstep_abi_record lockstep_abi = ::lockstep::abi_of_this_build(); \

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The registry: links, laws, forces, integrators and solvers by name.
+// The registry: joints, laws, forces, integrators and solvers by name.
 #pragma once
 
 #include <functional>
@@ -17,13 +17,13 @@
 
 namespace lockstep {
 
-// Registry: shelves of named makers. It is a value, passed to those who need it and filled at run time; two registries
+// Registry: shelves of named makers. It is a value that is passed to its users and filled at run time. Two registries
 // in one process are independent.
 
 class Registry;
 
 /// Checks parameters against a type's table of keys, and makes the laws among them by the registry `laws`. Throws
-/// SceneError, which begins with `owner`: what Params refuses, a law that cannot be made, a law where `laws` is null.
+/// SceneError, which begins with `owner`: errors of Params, a law that cannot be made, a law if `laws` is null.
 LOCKSTEP_API Params checked_params(const Params&, const TypeInfo&, const std::string& owner, const Registry* laws);
 
 /// Makers of one kind of thing by name. A maker takes Args, then checked parameters, and returns a Product.
@@ -45,27 +45,27 @@ class LOCKSTEP_API Shelf {
   }
   /// Adds a type. Throws PluginError for an empty or a taken name, a null maker, or a table of keys that is not sound.
   void add(TypeInfo info, Maker make);
-  /// Makes a thing of this type, which `owner` names in messages; `laws` makes the laws among its parameters. Throws
-  /// SceneError for an unknown name (with the closest) and for parameters that are refused; PluginError where the maker
-  /// returns null; and what the maker throws, with the type's name.
+  /// Makes an object of this type, which `owner` names in messages; `laws` makes the laws among its parameters. Throws
+  /// SceneError for an unknown name (with the closest) and for invalid parameters, PluginError if the maker returns
+  /// null, and the errors of the maker, with the type's name.
   Product make(const std::string& name, Args... args, const Params&, const Registry* laws,
                const std::string& owner) const;
-  /// The same from parameters that were checked against the entry's table already. The type must exist.
+  /// The same, from parameters that are already checked against the entry's table. The type must exist.
   Product make_checked(const std::string& name, Args... args, const Params& checked) const;
-  const Entry* find(const std::string& name) const;                         ///< null: there is no such type
+  const Entry* find(const std::string& name) const;                         ///< null if there is no such type
   const std::map<std::string, Entry>& entries() const { return entries_; }  ///< all types by name
   std::vector<std::string> names() const;                                   ///< of all types, sorted
   void set_origin(const std::string& origin);                               ///< of all entries that have none yet
-  /// Adds all entries of another shelf, or none: throws PluginError for a name that is taken.
+  /// Adds all entries of another shelf, or none. Throws PluginError for a name that is taken.
   void merge(const Shelf& other);
 
  private:
-  std::string kind_;  // "law", "link", ... for messages
+  std::string kind_;  // "law", "joint", ... for messages
   std::map<std::string, Entry> entries_;
   friend class Registry;
 };
 
-/// Links, laws, forces, integrators and solvers by name.
+/// Joints, laws, forces, integrators and solvers by name.
 class LOCKSTEP_API Registry {
  public:
   Registry();                                               ///< empty; see builtin_registry()
@@ -85,7 +85,7 @@ class LOCKSTEP_API Registry {
   /// The same for a rotation.
   LawPtr<RotationLaw> rotation_law(const Value&, const std::string& owner = "rotation law") const;
 
-  /// Adds all entries of another registry, or none: throws PluginError with the first name that is taken.
+  /// Adds all entries of another registry, or none. Throws PluginError with the first name that is taken.
   void merge(const Registry& other);
 };
 
@@ -99,7 +99,7 @@ extern template class Shelf<std::unique_ptr<LinearSolver>>;
 
 // The registry of everything that comes with lockstep.
 
-/// A new registry with all laws, links, forces, integrators and solvers of the library; their origin is "built in". A
+/// A new registry with all laws, joints, forces, integrators and solvers of the library; their origin is "built in". A
 /// library built with LOCKSTEP_BUILTINS=OFF loads laws and integrators from the plugins "motionlaws" and "integrators"
 /// in plugin_folders(), and throws PluginError if it cannot.
 LOCKSTEP_API Registry builtin_registry();
@@ -117,8 +117,8 @@ std::vector<TypeInfo> types_of(const S& shelf) {
 /// key, with the closest one.
 LOCKSTEP_API MethodSpec read_method_spec(const std::string& text, const std::vector<TypeInfo>& types);
 
-/// Makes an integrator. Throws SceneError for an unknown name and what is refused, with the place in the file; its
-/// message begins with `owner`.
+/// Makes an integrator. Throws SceneError for an unknown name or invalid keys, with the place in the file; its message
+/// begins with `owner`.
 LOCKSTEP_API std::unique_ptr<Integrator> make_integrator(const MethodSpec&, const Registry&, const std::string& owner);
 /// Makes a linear solver. Throws as make_integrator().
 LOCKSTEP_API std::unique_ptr<LinearSolver> make_solver(const MethodSpec&, const Registry&, const std::string& owner);

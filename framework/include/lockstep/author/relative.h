@@ -40,8 +40,8 @@ struct MarkerOn {
   /// Angular velocity of the slot, world axes, rad/s.
   Vec3T<T> slot_rate() const { return slot.A * slot.w; }
 };
-// Relative kinematics of a pair of markers: the seven coordinates of P seen from S, with everything that a function of
-// them needs (theory, (7.1)). The markers' own laws are included, imposed laws are not.
+// Relative kinematics of a pair of markers: the seven coordinates of P relative to S, with everything that a function
+// of them needs (theory, (7.1)). The markers' own laws are included, imposed laws are not.
 
 /// One number for each of the seven relative coordinates.
 template <class T>
@@ -50,13 +50,13 @@ using Vec7T = Eigen::Matrix<T, 7, 1>;
 template <class T>
 using Mat73T = Eigen::Matrix<T, 7, 3>;
 
-/// The relative coordinates of P seen from S, their rates and their rows.
+/// The coordinates of P relative to S, their rates and their rows.
 template <class T>
 struct RelativeKinematicsT {
   Vec7T<T> y = Vec7T<T>::Zero(),      ///< x y z, S axes, m; e0 e1 e2 e3, the relative quaternion r = q_S' q_2' q_1 q_P
       yd = Vec7T<T>::Zero(),          ///< d/dt of y
       Ct = Vec7T<T>::Zero(),          ///< partial derivative of y in time: the markers' own laws
-      Qhat = Vec7T<T>::Zero();        ///< right side of the acceleration rows: ydd = Jh acc - Qhat
+      Qhat = Vec7T<T>::Zero();        ///< right-hand side of the acceleration rows: ydd = Jh acc - Qhat
   Mat73T<T> Jv1 = Mat73T<T>::Zero(),  ///< on v1 (world); minus it on v2
       Jw1 = Mat73T<T>::Zero(),        ///< on w1 (slot axes)
       Jw2 = Mat73T<T>::Zero();        ///< on w2 (slot axes)
@@ -103,7 +103,7 @@ extern template LOCKSTEP_API RelativeKinematics relative_kinematics(const Motion
                                                                     const MarkerMotion&, unsigned, Reads);
 
 // RelativePair: the relative coordinates of a pair with their rates, and the row of a function with a given gradient on
-// them. The jacobians of the coordinates themselves are never formed (theory, (7.1), (7.2)).
+// them. The Jacobians of the coordinates themselves are never formed (theory, (7.1), (7.2)).
 
 /// What one pair of markers contributes to the row of a function.
 struct PulledRow {

@@ -62,21 +62,20 @@ struct EmbeddedScheme {
 //
 // In the stages quaternions follow their plain rates e' = e (0, w)/2; the end of the step is normalised.
 
-/// Where a stage's equations of motion are evaluated.
+/// The state at which a stage's equations of motion are evaluated.
 enum class StagesOn {
   plain,    ///< at the stage as it is
-  manifold  ///< at its projection onto the constraints: f(P(y)) equals f there and is smooth across singular positions;
-            ///< about twice the cost
+  manifold  ///< at its projection onto the constraints: f(P(y)) equals f there and is smooth across singular
+            ///< configurations; about twice the cost
 };
 
-/// Conditioning of one evaluation: near a singular position the accelerations come from what is left of vanishing
-/// pivots.
+/// Conditioning of one evaluation: near a singular configuration the accelerations follow from vanishing pivots.
 struct Conditioning {
   double detector = NAN;                                   ///< SolveReport::detector
   double pivot = std::numeric_limits<double>::infinity();  ///< SolveReport::smallest_pivot
   double residual = 0;                                     ///< SolveReport::residual
-  /// The detector, small near a singular position; of a solver without one the smallest pivot, which redundant rows make
-  /// small everywhere.
+  /// The detector, small near a singular configuration; for a solver without one the smallest pivot, which redundant
+  /// rows make small everywhere.
   double indicator() const { return std::isnan(detector) ? pivot : detector; }
 };
 
@@ -87,9 +86,9 @@ class LOCKSTEP_API Stages {
   /// solver time.
   void begin(const Tableau&, const State&, bool watch = false);
   /// Evaluates k_first ... k_(last - 1) of a step of h, s, from y; the others are kept. False: a stage could not be
-  /// brought onto the constraints. Throws what Dynamics::rate throws.
+  /// projected onto the constraints. Throws what Dynamics::rate throws.
   bool evaluate(Dynamics&, const State& y, double h, int first, int last, StagesOn on = StagesOn::plain);
-  /// out = y + h sum_i w_i k_i, at the time y.t + h; the memory and links of `out` stay as they are.
+  /// out = y + h sum_i w_i k_i, at the time y.t + h; the memory and joints of `out` stay as they are.
   void combine(const State& y, double h, const Weights& w, State& out) const;
   /// out = h sum_i w_i k_i.
   void sum(double h, const Weights& w, StateRate& out) const;
@@ -99,7 +98,7 @@ class LOCKSTEP_API Stages {
   /// Sets the rates of stage i to k, found by other means, with perfect conditioning. Throws ModelError for rates of
   /// another size.
   void put(int i, const StateRate& k);
-  /// Conditioning of stage i; perfect where it is not watched.
+  /// Conditioning of stage i; perfect if it is not watched.
   const Conditioning& conditioning(int i) const { return conditioning_[static_cast<std::size_t>(i)]; }
   const Tableau& tableau() const { return tableau_; }  ///< the coefficients
 
@@ -113,30 +112,30 @@ class LOCKSTEP_API Stages {
   std::array<Conditioning, Weights::kMost> conditioning_{};
 };
 
-/// Puts the end of a step on the constraints: unit quaternions, then the projection where the dynamics says so, to
-/// round-off when the stages are on the constraints too. Where it does not project, the report has |C| alone.
+/// Puts the end of a step on the constraints: unit quaternions, then the projection if the dynamics projects, to
+/// round-off if the stages are projected too. Without projection the report has |C| alone.
 LOCKSTEP_API ProjectReport project_end(Dynamics&, State&, StagesOn on = StagesOn::plain);
-/// The same for a method that cannot reject a step: throws StepError when the projection does not converge. `t`, `h`:
+/// The same for a method that cannot reject a step: throws StepError if the projection does not converge. `t`, `h`:
 /// beginning and length of the step, s.
 LOCKSTEP_API ProjectReport project_end_or_throw(Dynamics&, State&, const char* method, double t, double h,
                                                 StagesOn on = StagesOn::plain);
 /// The error of a step of h, s, from t, s, whose end could not be projected.
 LOCKSTEP_API StepError end_not_projected(const ProjectReport&, const std::string& method, double t, double h);
 /// One error from the estimates of two orders: e5^2 / sqrt(e5^2 + 0.01 e3^2), Hairer, Norsett & Wanner 1993, II.10.
-/// Infinite where one is not finite.
+/// Infinite if one is not finite.
 LOCKSTEP_API double combined_error(double e5, double e3);
 
-/// Copies t, q, v and s; memory and links, which do not change during a step, stay as they are in `out`.
+/// Copies t, q, v and s; memory and joints, which do not change during a step, stay as they are in `out`.
 LOCKSTEP_API void copy_motion(const State& in, State& out);
-/// Writes to `to` the counted angles of `from`, moved on by the mean of their rates at both: for methods that find positions
-/// before integrated states.
+/// Writes to `to` the counted angles of `from`, advanced by the mean of their rates at both: for methods that find
+/// positions before integrated states.
 LOCKSTEP_API void lead_angles(Dynamics&, const State& from, State& to);
 /// copy_motion() by exchange of the vectors: `in` is scratch afterwards.
 LOCKSTEP_API void take_motion(State& in, State& out);
 
 // Error norm and step size control (framework/docs/solvers.md, section 7), and the limits of every adaptive step.
 
-/// What errors of a body are held against.
+/// Reference values for the errors of a body.
 struct BodyWeights {
   double x = 1,  ///< of its position, m
       r = 1,     ///< of its orientation, rad
@@ -150,7 +149,7 @@ struct BodyWeights {
 ///     velocity  atol_x/(1 s) + rtol V,  angular velocity  atol_x/(1 s) + rtol W
 ///
 /// X, R, V, W are the largest changes of any body over the step, but not less than its rate at the beginning would
-/// give: h |v|, h |w|, h |a|, h |alpha| (a body that swings to and fro within one step has moved). They are increments,
+/// give: h |v|, h |w|, h |a|, h |alpha| (a body that swings back within one step has moved). They are increments,
 /// so that accuracy does not depend on the distance from the origin; in short steps they vanish and atol_x decides.
 /// Each integrated state that acts on the motion is weighted by its own change likewise; quadratures are ignored.
 class LOCKSTEP_API ErrorNorm {
@@ -163,14 +162,13 @@ class LOCKSTEP_API ErrorNorm {
   void scale(const State& y0, const StateRate& k0, double h, const State& y1);
   /// Sets the weights from one state, for the first step: X = `length`, m, R = 1 rad, V and W the present speeds.
   void scale(const State& y0, double length);
-  /// Largest error over bodies and states, 1 = just met; infinite where one is not finite. `error` is the difference of
-  /// two results at y1, the state that the weights were set for; in other coordinates than the slots' own it is carried
-  /// over to the slots' motions.
+  /// Largest error over bodies and states, 1 = just met; infinite if one is not finite. `error` is the difference of
+  /// two results at y1, the state that the weights were set for; in joint coordinates it is converted to the motions of
+  /// the bodies.
   double of(const StateRate& error, const State& y1);
 
  private:
-  // Motions of the slots at a state, the ground first; of states in other coordinates than the slots' own. s: what controls
-  // the step.
+  // Motions of the slots at a state in joint coordinates, the ground first. s: the states that control the step.
   struct Moving {
     double t = std::numeric_limits<double>::quiet_NaN();
     VecX q, v, s;
@@ -220,15 +218,15 @@ class LOCKSTEP_API PiControl final : public StepControl {
   double before_ = kFirst;  // error of the step before
 };
 
-/// Whether a step h, s, has shrunk to round-off at t, s. `asked`: the step that was asked for, s.
+/// Whether a step h, s, has shrunk to round-off at t, s. `asked`: the requested step, s.
 LOCKSTEP_API bool step_vanished(double t, double h, double asked);
-/// Whether steps only shrink towards an instant at which nothing can be evaluated: the failure there is then to be
-/// reported, not the small step.
+/// Whether steps only shrink towards a time at which nothing can be evaluated: then the failure there is reported, not
+/// the small step.
 LOCKSTEP_API bool step_stalled(double t, double h);
-/// Whether the end of a step was near enough to the constraints: its projection converged, and |C| before it,
-/// `violation`, was within 1e-3 of System::length. More is an error of the step that no estimate saw.
+/// Whether the end of a step is near enough to the constraints: its projection converged, and |C| before it,
+/// `violation`, is within 1e-3 of System::length. More is an error of the step that the estimate did not detect.
 LOCKSTEP_API bool end_is_near(bool converged, double violation, double length);
-/// The same of an end that project_end() treated; true where positions are not projected. `fixed`: converged is enough.
+/// The same after project_end(); true if positions are not projected. `fixed`: converged is enough.
 LOCKSTEP_API bool end_is_near(const Dynamics&, const ProjectReport&, bool fixed = false);
 
 /// First step, s, by Hairer, Norsett & Wanner 1993, II.4: as long as an Euler step and the change of the rates allow,
@@ -242,16 +240,16 @@ LOCKSTEP_API double guess_first_step(Dynamics&, const State& y0, int order, doub
 /// Outcome of one attempt at a step.
 struct Attempt {
   bool accepted = false;  ///< the end of the step was found and is accurate enough
-  double error = 0;       ///< estimate in tolerances, 1 = just met; 0 where there is none
+  double error = 0;       ///< estimate in tolerances, 1 = just met; 0 if there is none
   int iterations = 0;     ///< of Newton's method, for StepControl
-  double next = 0;        ///< step to attempt next should this one be rejected, s; 0: the control's choice, or half
+  double next = 0;        ///< step to attempt next if this one is rejected, s; 0: the control's choice, or half
 };
 
 /// Base of methods that write one attempt at a step. An attempt is rejected for its error, for an end that is far off
 /// the constraints before projection (end_is_near), or because its evaluation fails (NonFiniteError, SolveError); after
-/// eight failures of one step the error is rethrown. Where the step shrinks to round-off, step() throws StepError.
+/// eight failures of one step the error is rethrown. If the step shrinks to round-off, step() throws StepError.
 ///
-/// Without a step control it makes fixed steps: an evaluation's error is thrown at once, and an end that cannot be
+/// Without a step control it makes fixed steps: the error of an evaluation is thrown at once, and an end that cannot be
 /// projected is a StepError.
 class LOCKSTEP_API AdaptiveStepper : public Integrator {
  public:
@@ -269,16 +267,16 @@ class LOCKSTEP_API AdaptiveStepper : public Integrator {
   bool fixed() const { return !control_; }  ///< whether it makes fixed steps
 
   // What a method writes.
-  /// Does what is the same for all attempts at a step from start_. Returns the step to attempt first, s, at most h.
+  /// Prepares all attempts at a step from start_. Returns the step to attempt first, s, at most h.
   virtual double start_step(Dynamics&, double h) = 0;
   /// Makes one attempt at a step of h, s, from start_ and writes its end to end_.
   virtual Attempt attempt(Dynamics&, double h) = 0;
-  /// Called after acceptance: does what the next step and dense output need. end_ is the end before projection, landed_
-  /// after it.
+  /// Called after acceptance: prepares the next step and dense output. end_ is the end before projection, landed_ after
+  /// it.
   virtual void finish_step(Dynamics&, StepReport&) {}
   /// Puts the end of a step on the constraints. Default: lockstep::project_end.
   virtual ProjectReport project_end(Dynamics&, State&);
-  /// What to do about a step that shrank to round-off, for the error's message.
+  /// Advice about a step that shrank to round-off, for the message of the error.
   virtual std::string advice() const;
 
   /// Throws the StepError of an implicit method with fixed steps whose iteration did not converge.
@@ -297,12 +295,12 @@ class LOCKSTEP_API AdaptiveStepper : public Integrator {
   StateRate guess0_, guess1_;  // scratch of first_step()
 };
 
-/// When stages are evaluated on the constraints (see StagesOn).
+/// When stages are projected onto the constraints (see StagesOn).
 enum class StagesWhen {
   plain,     ///< never
   manifold,  ///< always
-  automatic  ///< near a singular position: from a Conditioning::indicator below 1e-2, or a tenth of that in regular
-             ///< positions if that is less, until it is three times as large
+  automatic  ///< near a singular configuration: from a Conditioning::indicator below 1e-2, or a tenth of the regular
+             ///< one if that is less, until it is three times as large
 };
 
 }  // namespace lockstep

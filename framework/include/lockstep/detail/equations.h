@@ -5,7 +5,7 @@
 #include <lockstep/detail/vec.h>
 
 // The equations of the lock, (3.8)-(3.12) and (4.1)-(4.14) of the theory, written once. All code that needs them calls
-// these functions: the rows of a link in space (kernel.h) and in a plane (marker_lock_plane.cpp), relative kinematics
+// these functions: the rows of a joint in space (kernel.h) and in a plane (marker_lock_plane.cpp), relative kinematics
 // (relative.h), geometric stiffness (lock/stiffness.h), and batches (tools/batch/lane_rows.h).
 //
 // Arguments are structs of lockstep::vec (vec.h). Their types show which laws are present: an absent rate is
@@ -240,7 +240,7 @@ LOCKSTEP_INLINE auto rotation_Ct(const E& e, const P& p, const S& m, const D& d)
 }
 
 /// (4.14) Qhat = -(1/2) (ed W_P - W_D ed) - (1/2) (e W_P0d - W_D0d e), which is (4.11) applied twice. It equals the
-/// form (1/4)(|W_P|^2 + |W_D|^2) e + (1/2) W_D e W_P - ..., without its cancellation where P turns with D.
+/// form (1/4)(|W_P|^2 + |W_D|^2) e + (1/2) W_D e W_P - ..., without its cancellation if P rotates with D.
 template <class E, class Ed, class W>
 LOCKSTEP_INLINE auto rotation_Qhat(const E& e, const Ed& ed, const W& w) {
   return -(turning(ed, w.less, w.sum) + turning(e, w.less_d, w.sum_d));

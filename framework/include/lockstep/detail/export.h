@@ -56,7 +56,7 @@ LOCKSTEP_API void glibcxx_debug();  // -D_GLIBCXX_DEBUG changes the size of cont
 
 }  // namespace lockstep::built_with
 
-// Whether the compiler puts the checks of a sanitizer in: loaders pick variants before these can run. GCC defines a macro
+// Whether the compiler adds the checks of a sanitizer: loaders pick variants before these can run. GCC defines a macro
 // for each, Clang has a feature.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define LOCKSTEP_SANITIZED 1

@@ -11,12 +11,12 @@
 
 namespace lockstep {
 
-// The rows of one pair of markers in space: C, Ct, Qhat and jacobian, by the equations (equations.h) on numbers of any kind
-// (double, jet, complex, counting number).
+// The rows of one pair of markers in space: C, Ct, Qhat and Jacobian, by the equations (equations.h) on numbers of any
+// kind (double, jet, complex, counting number).
 //
 // Translation and rotation are separate functions, so that a joint with rows of one kind does not pay for the other.
 // Both are templates on the laws that are present: an absent law costs nothing, and a row that is left out costs no
-// jacobian.
+// Jacobian.
 
 /// What an instance of the kernel is compiled for.
 namespace with {
@@ -24,38 +24,38 @@ namespace with {
 enum Bits : unsigned {
   nothing = 0,       ///< no law, no extra output
   uP = 1,            ///< P slides on its body
-  qP = 2,            ///< P turns on its body
+  qP = 2,            ///< P rotates on its body
   uS = 4,            ///< S slides on its body
-  qS = 8,            ///< S turns on its body
+  qS = 8,            ///< S rotates on its body
   p = 16,            ///< a translation is imposed
   qD = 32,           ///< a rotation is imposed
   all_laws = 63,     ///< all six laws
   parallel = 64,     ///< the markers are at rest on their slots, with parallel axes: A_P = A_S = 1
   rates = 128,       ///< computes yd as well, d/dt of the values of the rows
   scalar_row = 256,  ///< computes the scalar component of e as well (theory, section 7)
-  world_rows = 512   ///< w1 and w2 of a translational row k are those of axis k of the world, where they are simpler
+  world_rows = 512   ///< w1 and w2 of a translational row k are those of axis k of the world, which are simpler
 };
 }  // namespace with
 
-/// Translational rows k = 0..2 for x, y, z of S. Only the jacobian rows asked for are filled; columns on v2 are minus
+/// Translational rows k = 0..2 for x, y, z of S. Only the Jacobian rows asked for are filled; columns on v2 are minus
 /// those on v1.
 template <class T>
 struct TranslationRowsT {
   Vec3T<T> C,   ///< residual rho - p, S axes, m
       Ct,       ///< its partial derivative in time, m/s
-      Qhat,     ///< right side of the acceleration rows, m/s^2
+      Qhat,     ///< right-hand side of the acceleration rows, m/s^2
       yd;       ///< d/dt of C, m/s; with::rates
   Mat3T<T> Jv,  ///< row k on v1 (world)
       Jw1,      ///< row k on w1 (slot axes)
       Jw2;      ///< row k on w2 (slot axes)
 };
-/// Rotational rows k = 0..2 for e1, e2, e3, and the scalar row of e0. Only the jacobian rows asked for are filled.
+/// Rotational rows k = 0..2 for e1, e2, e3, and the scalar row of e0. Only the Jacobian rows asked for are filled.
 template <class T>
 struct RotationRowsT {
   QuatT<T> e;      ///< error quaternion q_D' r
   Vec3T<T> C,      ///< vec(e)
       Ct,          ///< its partial derivative in time, 1/s
-      Qhat,        ///< right side of the acceleration rows, 1/s^2
+      Qhat,        ///< right-hand side of the acceleration rows, 1/s^2
       yd;          ///< d/dt of C, 1/s; with::rates
   Mat3T<T> Jw1,    ///< row k on w1 (slot axes)
       Jw2;         ///< row k on w2 (slot axes)
@@ -73,7 +73,7 @@ template <class T>
 LOCKSTEP_INLINE auto body(const MotionT<T>& O) {
   return Body{vec::vector(O.x), vec::matrix(O.A), vec::quaternion(O.e), vec::vector(O.v), vec::vector(O.w)};
 }
-/// The vector a where it is present, otherwise vec::None.
+/// The vector a if it is present, otherwise vec::None.
 template <bool kPresent, class T>
 LOCKSTEP_INLINE auto present(const Vec3T<T>& a) {
   if constexpr (kPresent)
@@ -81,7 +81,7 @@ LOCKSTEP_INLINE auto present(const Vec3T<T>& a) {
   else
     return vec::None{};
 }
-/// A marker whose origin moves on its body if kSlides, and whose axes turn if kSpins.
+/// A marker whose origin moves on its body if kSlides, and whose axes rotate if kSpins.
 template <bool kSlides, bool kSpins, class T>
 LOCKSTEP_INLINE auto marker(const MarkerMotionT<T>& m) {
   return Marker{vec::vector(m.u),        vec::matrix(m.A),     vec::quaternion(m.q), present<kSlides>(m.ud),
@@ -103,7 +103,7 @@ LOCKSTEP_INLINE auto marker_for(const M& m) {
   else
     return marker<(kWith & kSlides) != 0, (kWith & kSpins) != 0>(m);
 }
-/// The imposed translation, or NoShift where kWith has none.
+/// The imposed translation, or NoShift if kWith has none.
 template <unsigned kWith, class T>
 LOCKSTEP_INLINE auto imposed(const ImposedTranslationT<T>& D) {
   if constexpr (kWith & with::p)
@@ -111,7 +111,7 @@ LOCKSTEP_INLINE auto imposed(const ImposedTranslationT<T>& D) {
   else
     return NoShift{};
 }
-/// The imposed rotation, or NoTurn where kWith has none.
+/// The imposed rotation, or NoTurn if kWith has none.
 template <unsigned kWith, class T>
 LOCKSTEP_INLINE auto imposed(const ImposedRotationT<T>& D) {
   if constexpr (kWith & with::qD)
@@ -129,9 +129,9 @@ LOCKSTEP_INLINE void for_rows(Mask rows, int first, F&& f) {
 
 }  // namespace kernel
 
-/// The translational rows, given to take(C, Ct, Qhat, row, rate): three vectors, row(vec::Unit<k>{}) the jacobian of
+/// The translational rows, given to take(C, Ct, Qhat, row, rate): three vectors, row(vec::Unit<k>{}) the Jacobian of
 /// row k, a kernel::Row, and rate() = d/dt C. What `take` does not use is not computed. M: MarkerMotionT, or
-/// MarkerAtRestT where kWith has no law of a marker.
+/// MarkerAtRestT if kWith has no law of a marker.
 template <unsigned kWith, class T, class M, class Take>
 LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, const M& P, const M& S,
                                  const ImposedTranslationT<T>& D, Take&& take) {
@@ -156,7 +156,7 @@ LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, con
       row, [&]() __attribute__((always_inline)) { return kernel::position_rate(s, at, moving) - d.pd; });
 }
 
-/// The translational rows, written into `out`; x, y, z of `rows` select the jacobian rows.
+/// The translational rows, written into `out`; x, y, z of `rows` select the Jacobian rows.
 template <unsigned kWith, class T>
 LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
                                  const MarkerMotionT<T>& S, const ImposedTranslationT<T>& D, Mask rows,
@@ -175,7 +175,7 @@ LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, con
   translation<kWith>(O1, O2, P, S, D, take);
 }
 
-/// The rotational rows, given to take(e, Ct, Qhat, row, rate): three quaternions, row(g) the jacobian of g.e for a
+/// The rotational rows, given to take(e, Ct, Qhat, row, rate): three quaternions, row(g) the Jacobian of g.e for a
 /// quaternion g, a kernel::Row, and rate() = d/dt e. Row k has the k-th imaginary unit for g, the scalar row 1. M: as
 /// for translation().
 template <unsigned kWith, class T, class M, class Take>
@@ -196,7 +196,7 @@ LOCKSTEP_INLINE void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const 
       [&]() __attribute__((always_inline)) { return ed; });
 }
 
-/// The rotational rows, written into `out`; e1, e2, e3 of `rows` select the jacobian rows.
+/// The rotational rows, written into `out`; e1, e2, e3 of `rows` select the Jacobian rows.
 template <unsigned kWith, class T>
 LOCKSTEP_INLINE void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
                               const MarkerMotionT<T>& S, const ImposedRotationT<T>& D, Mask rows,

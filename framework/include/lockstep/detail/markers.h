@@ -66,14 +66,14 @@ struct MarkerFrame {
   Mat3 A0 = Mat3::Identity();  ///< A(q0)
   LawPtr<TranslationLaw>
       translation_law;               ///< moves the origin along the axes of A0; null: none. Shared with the marker
-  LawPtr<RotationLaw> rotation_law;  ///< turns the axes; null: none. Shared with the marker
+  LawPtr<RotationLaw> rotation_law;  ///< rotates the axes; null: none. Shared with the marker
   MarkerMotion home;                 ///< at(t) of a marker without laws
 
   MarkerFrame() = default;
   /// Of a marker on a body that has its slot already (System::setup).
   LOCKSTEP_API explicit MarkerFrame(const Marker& m);
 
-  /// Whether its laws keep a mechanism that moves in this plane there, as they say of themselves.
+  /// Whether its laws declare that they keep a mechanism in this plane.
   LOCKSTEP_API bool stays_in_plane(Plane plane) const;
   /// Whether it is at rest with the axes of the slot and q0 = +1: q0 = -1 is the same rotation, but changes the sign of
   /// e.
@@ -81,7 +81,7 @@ struct MarkerFrame {
 
   /// Origin, axes and their rates at time t: u = u0 + A0 x(t), q = q0 q(t). Defined in relative.h, for inner loops.
   inline MarkerMotion at(double t) const;
-  /// Appends the instants in (t0, t1) where one of its laws jumps.
+  /// Appends the times in (t0, t1) when one of its laws jumps.
   LOCKSTEP_API void breakpoints(double t0, double t1, std::vector<double>& out) const;
 };
 

@@ -19,23 +19,23 @@ namespace lockstep {
 using VecXc = Eigen::VectorXcd;  ///< complex vector of any length
 
 /// The matrix of one Newton step of an implicit method, gathered, factored and solved. Vectors have 6 numbers per slot
-/// (force or translation in the world, moment or turn in slot axes; what a particle or a planar mechanism does not have
-/// is ignored and is 0 in results), or 1 per row of the evaluation's table. It can hold a real and a complex factor at
-/// once.
+/// (force or translation in the world, moment or rotation in slot axes; components that a particle or a planar
+/// mechanism lacks are ignored and are 0 in results), or 1 per row of the evaluation's table. It can hold a real and a
+/// complex factor at once.
 class LOCKSTEP_API NewtonMatrix {
  public:
   using Complex = std::complex<double>;  ///< scalar of the complex factor
   NewtonMatrix();                        ///< without numbers: call gather() first
   ~NewtonMatrix();
 
-  /// Gathers M, J, K(lambda) and D at this evaluation; lambda: 1 per row. The symbolic work is done anew when the
-  /// description, the links in force or the pairs of the tangents changed; otherwise nothing is allocated. Earlier
-  /// factors keep their numbers until factor() is called. Throws what the code of links and forces throws.
+  /// Gathers M, J, K(lambda) and D at this evaluation; lambda: 1 per row. The symbolic work is done again when the
+  /// description, the active joints or the pairs of the tangents changed; otherwise nothing is allocated. Earlier
+  /// factors keep their numbers until factor() is called. Throws what the code of joints and forces throws.
   void gather(const Evaluation&, const VecX& lambda);
 
-  /// Factors a M + b D + c K with the rows. Throws SolveError where the matrix is singular.
+  /// Factors a M + b D + c K with the rows. Throws SolveError if the matrix is singular.
   void factor(double a, double b, double c);
-  /// Factors the complex matrix; the real factor stays. Throws SolveError where the matrix is singular.
+  /// Factors the complex matrix; the real factor stays. Throws SolveError if the matrix is singular.
   void factor(Complex a, Complex b, Complex c);
   /// Solves by the last real factor; after a later gather() that is still the old matrix (simplified Newton). f, x: 6
   /// per slot; r, l: 1 per row.
@@ -47,11 +47,11 @@ class LOCKSTEP_API NewtonMatrix {
   /// digits of a correction. Default: 1e-12.
   void set_residual(double enough);
 
-  /// Number of factorisations in which a body's own block had no pivot, so that a dense one was made instead (which
-  /// allocates): statics and singular poses.
+  /// Number of factorisations in which the block of a body had no pivot, so that a dense one was made instead (which
+  /// allocates): statics and singular configurations.
   long n_dense() const;
 
-  // -- products with what was gathered last; x: 6 per slot, l: 1 per row
+  // -- products with the matrices gathered last; x: 6 per slot, l: 1 per row
   void add_M_times(const VecX& x, VecX& y) const;   ///< y += M x
   void add_D_times(const VecX& x, VecX& y) const;   ///< y += D x
   void add_K_times(const VecX& x, VecX& y) const;   ///< y += K x

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// PhiFunction: a function of relative coordinates with its derivatives, as rows of a link.
+// PhiFunction: a function of relative coordinates with its derivatives, as rows of a joint.
 #pragma once
 
 #include <algorithm>
@@ -29,13 +29,13 @@ template <class Phi>
 concept WritesMemory =
     std::derived_from<Phi, PhiHooks> && !std::same_as<decltype(&Phi::reset), decltype(&PhiHooks::reset)>;
 
-/// A function phi of the relative coordinates of its pairs. Gradients are jets; nobody writes a jacobian.
+/// A function phi of the relative coordinates of its pairs. Gradients are jets; no Jacobian is written by hand.
 template <class Phi>
 class PhiFunction final : public PhiRows {
  public:
-  static constexpr PhiSpec kSpec = Phi::spec;  ///< what phi says about itself
+  static constexpr PhiSpec kSpec = Phi::spec;  ///< the declarations of phi
   static_assert(kSpec.pairs >= 1 && kSpec.pairs <= 3, "a function takes one to three pairs");
-  static_assert(kSpec.rows >= 1 && kSpec.rows <= kMaxRows, "a link has at most kMaxRows rows");
+  static_assert(kSpec.rows >= 1 && kSpec.rows <= kMaxRows, "a joint has at most kMaxRows rows");
   static_assert(kSpec.names_fit(), "a function has one name for each of its rows, or none");
   static_assert(kSpec.memory == 0 || std::derived_from<Phi, PhiHooks>,
                 "a function with a memory derives from PhiHooks and writes it by reset() and accept_step()");
@@ -162,7 +162,7 @@ class PhiFunction final : public PhiRows {
   Phi phi_;
 };
 
-/// The rows of a function, for a link that takes them.
+/// The rows of a function, for a joint that takes them.
 template <class Phi>
 std::unique_ptr<PhiRows> rows_of(Phi phi) {
   return std::unique_ptr<PhiRows>(new PhiFunction<Phi>(std::move(phi)));  // shorter errors than by make_unique

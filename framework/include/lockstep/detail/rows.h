@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Constraint rows, wrench and tangent sums, as links and forces write them.
+// Constraint rows, wrench and tangent sums, as joints and forces write them.
 #pragma once
 
 #include <array>
@@ -18,10 +18,10 @@
 
 namespace lockstep {
 
-// Rows: links write here what they constrain, and solvers read it here. Neither depends on the other.
+// Rows: joints write their constraints here, and solvers read them here. Neither depends on the other.
 //
-// One block per link: C, Ct, Qhat (m numbers each, in the link's own axes), for a triple or a pair R, then the jacobian
-// on each moving slot that the link touches, column by column, each column padded to a pack. Links of one group (same
+// One block per joint: C, Ct, Qhat (m numbers each, in the joint's axes), for a triple or a pair R, then the Jacobian
+// on each moving slot that the joint touches, column by column, each column padded to a pack. Joints of one group (same
 // type, same pattern) are adjacent, so that a group is gathered by one call.
 
 /// What a row measures.
@@ -31,14 +31,14 @@ enum class RowKind : unsigned char {
   function   ///< the value of a function
 };
 
-inline constexpr int kMaxSlots = 4;  ///< moving slots that one link may touch
-inline constexpr int kMaxRows = 8;   ///< rows that one link may have
+inline constexpr int kMaxSlots = 4;  ///< moving slots that one joint may touch
+inline constexpr int kMaxRows = 8;   ///< rows that one joint may have
 
-/// How the jacobian of a link is stored.
+/// How the Jacobian of a joint is stored.
 enum class RowLayout : unsigned char {
   dense,   ///< any rows: 6 columns per slot, v (world) then w (slot axes)
   triple,  ///< the first three rows are the three translations: in world axes they are [+-1 | A], and only A is stored,
-           ///< with R, which takes the link's axes to the world's; the other rows have columns on w only
+           ///< with R, which takes the joint's axes to the world's; the other rows have columns on w only
   planar,  ///< any rows of a planar mechanism: 3 columns per slot, the velocities in the plane
   pair     ///< of a planar mechanism: the first two rows are both translations in the plane, stored as in a triple
 };
@@ -50,7 +50,7 @@ constexpr int n_columns(RowLayout layout) {
 /// Rows whose linear part is +-R^T: 3 of a triple, 2 of a pair, otherwise none.
 constexpr int n_turned(RowLayout layout) { return layout == RowLayout::triple ? 3 : layout == RowLayout::pair ? 2 : 0; }
 
-/// The moving slots that a link touches, each listed once.
+/// The moving slots that a joint touches, each listed once.
 struct SlotList {
   std::array<int, kMaxSlots> slot{};  ///< numbers of the slots, the first n of them
   int n = 0;                          ///< how many there are
@@ -75,13 +75,13 @@ struct SlotList {
 struct RowShape {
   int m = 0,                            ///< rows
       n = 0;                            ///< slots
-  RowLayout layout = RowLayout::dense;  ///< how the jacobian is stored
+  RowLayout layout = RowLayout::dense;  ///< how the Jacobian is stored
   double sign = 1;  ///< triple, pair: of the 1 in [+-1 | A] on the first slot, +1 for P's body, -1 if only S's moves
   Plane plane;      ///< planar, pair: the plane of the mechanism
 
   int ld() const { return pack_size(m); }  ///< numbers from one column to the next
-  std::size_t R() const { return at(3); }  ///< where R begins; triple, pair
-  /// Where the columns on the i-th slot begin.
+  std::size_t R() const { return at(3); }  ///< index at which R begins; triple, pair
+  /// Index at which the columns on the i-th slot begin.
   std::size_t J(int i) const { return at(3 + n_turned(layout) + n_columns(layout) * i); }
   std::size_t size() const { return J(n); }                     ///< numbers of the block
   double sign_of(int i) const { return i == 0 ? sign : -1.0; }  ///< the sign on the i-th slot; triple, pair
@@ -90,7 +90,7 @@ struct RowShape {
   std::size_t at(int column) const { return static_cast<std::size_t>(column * ld()); }
 };
 
-/// A view of the rows of one link: a RowBlock may be written, a RowView only read.
+/// A view of the rows of one joint: a RowBlock may be written, a RowView only read.
 template <class Number>
 class BasicRowBlock {
  public:
@@ -101,19 +101,19 @@ class BasicRowBlock {
 
   int rows() const { return shape_.m; }                  ///< number of rows
   int slots() const { return shape_.n; }                 ///< number of slots that they touch
-  RowLayout layout() const { return shape_.layout; }     ///< how the jacobian is stored
+  RowLayout layout() const { return shape_.layout; }     ///< how the Jacobian is stored
   Number& C(int k) const { return p_[k]; }               ///< residual of row k
   Number& Ct(int k) const { return p_[ld_ + k]; }        ///< its partial derivative in time
-  Number& Qhat(int k) const { return p_[2 * ld_ + k]; }  ///< right side of row k: Jh acc = Qhat
+  Number& Qhat(int k) const { return p_[2 * ld_ + k]; }  ///< right-hand side of row k: Jh acc = Qhat
 
-  /// Jacobian of row k on the link's i-th slot, in any layout: v (world), then w (slot axes).
+  /// Jacobian of row k on the joint's i-th slot, in any layout: v (world), then w (slot axes).
   std::array<double, 6> J(int i, int k) const {
     const double* a = p_ + shape_.J(i);
     if (shape_.layout == RowLayout::dense)
       return {a[k], a[ld_ + k], a[2 * ld_ + k], a[3 * ld_ + k], a[4 * ld_ + k], a[5 * ld_ + k]};
     if (shape_.layout == RowLayout::planar || shape_.layout == RowLayout::pair) return in_space(i, k);
     if (k >= 3) return {0, 0, 0, a[k], a[ld_ + k], a[2 * ld_ + k]};
-    const double* r = p_ + shape_.R() + k * ld_;  // column k of R: the link's axis k in the world
+    const double* r = p_ + shape_.R() + k * ld_;  // column k of R: the joint's axis k in the world
     const double s = shape_.sign_of(i);
     const auto turned = [&](int c) { return r[0] * a[c * ld_] + r[1] * a[c * ld_ + 1] + r[2] * a[c * ld_ + 2]; };
     return {s * r[0], s * r[1], s * r[2], turned(0), turned(1), turned(2)};
@@ -128,7 +128,7 @@ class BasicRowBlock {
     return {s * r[0], s * r[1], r[0] * a[0] + r[1] * a[1]};
   }
 
-  /// Sets the jacobian of row k on the link's i-th slot, v (world) and w (slot axes); i < 0, the ground, is ignored. A
+  /// Sets the Jacobian of row k on the joint's i-th slot, v (world) and w (slot axes); i < 0, the ground, is ignored. A
   /// triple or pair takes only rows after its translations, and ignores v. In a plane only its three velocities count.
   template <class V, class W>
   void set(int i, int k, const V& v, const W& w) const {
@@ -148,7 +148,7 @@ class BasicRowBlock {
     }
     r[0] = w[0], r[ld_] = w[1], r[2 * ld_] = w[2];
   }
-  /// Adds to that jacobian.
+  /// Adds to that Jacobian.
   template <class V, class W>
   void add(int i, int k, const V& v, const W& w) const {
     if (i < 0) return;
@@ -156,12 +156,12 @@ class BasicRowBlock {
     set(i, k, Vec3(r[0] + v[0], r[1] + v[1], r[2] + v[2]), Vec3(r[3] + w[0], r[4] + w[1], r[5] + w[2]));
   }
 
-  /// Triple, pair: sets R, link axes -> world; 3 x 3, in the plane 2 x 2.
+  /// Triple, pair: sets R, joint axes -> world; 3 x 3, in the plane 2 x 2.
   template <class M>
   void set_R(const M& R) const {
     put(p_ + shape_.R(), R);
   }
-  /// Triple, pair: sets A on the i-th slot; 3 x 3, in the plane 2 x 1. Row k is the jacobian on w (slot axes) of the
+  /// Triple, pair: sets A on the i-th slot; 3 x 3, in the plane 2 x 1. Row k is the Jacobian on w (slot axes) of the
   /// translation along axis k of the world. i < 0, the ground, is ignored.
   template <class M>
   void set_A(int i, const M& A) const {
@@ -191,19 +191,19 @@ class BasicRowBlock {
   RowShape shape_;
   int ld_;
 };
-/// The rows of one link, to be written and read.
+/// The rows of one joint, to be written and read.
 using RowBlock = BasicRowBlock<double>;
-/// The rows of one link, to be read.
+/// The rows of one joint, to be read.
 using RowView = BasicRowBlock<const double>;
 
-/// A view of the rows of a group, link after link.
+/// A view of the rows of a group, joint after joint.
 class RowSpan {
  public:
-  /// The rows of links of this shape, whose numbers begin at `base`.
+  /// The rows of joints of this shape, whose numbers begin at `base`.
   RowSpan(double* base, const RowShape& shape) : base_(base), shape_(shape), stride_(stride(shape)) {}
-  /// The rows of the k-th link of the group.
+  /// The rows of the k-th joint of the group.
   RowBlock lane(std::size_t k) const { return {base_ + k * stride_, shape_}; }
-  /// Numbers from one link to the next, so that every block is aligned.
+  /// Numbers from one joint to the next, so that every block is aligned.
   static std::size_t stride(const RowShape& shape) { return aligned_to(shape.size(), 8); }
 
  private:
@@ -212,39 +212,39 @@ class RowSpan {
   std::size_t stride_;
 };
 
-/// Where a table has the rows of one link in force.
+/// Place of the rows of one active joint in a table.
 struct RowEntry {
-  int link = 0;                          ///< number of the link in the system
+  int link = 0;                          ///< number of the joint in the system
   int first_row = 0;                     ///< its first row among all rows of the table
   int m = 0;                             ///< number of its rows
   SlotList slots;                        ///< the slots that it touches
-  RowLayout layout = RowLayout::dense;   ///< how its jacobian is stored
+  RowLayout layout = RowLayout::dense;   ///< how its Jacobian is stored
   double sign = 1;                       ///< as in RowShape
   Plane plane;                           ///< of a planar mechanism
   std::size_t offset = 0;                ///< of its block in the table
   std::array<RowKind, kMaxRows> kind{};  ///< what each row measures
-  /// The link's own number of each row; a planar mechanism leaves rows out.
+  /// The joint's own number of each row; a planar mechanism leaves rows out.
   std::array<int, kMaxRows> own{0, 1, 2, 3, 4, 5, 6, 7};
 
   /// Shape of its block.
   RowShape shape() const { return {m, slots.n, layout, sign, plane}; }
 };
 
-/// Adjacent links of the table that one call gathers.
+/// Adjacent joints of the table that one call gathers.
 struct RowRun {
   int first_entry = 0,    ///< number of the first in RowTable::entries
       n = 0;              ///< how many there are
-  int first_link = 0;     ///< position of the first in the system's order of links
+  int first_link = 0;     ///< position of the first in the system's order of joints
   bool in_plane = false;  ///< by Planar::gather_plane, not by Lock::gather
-  bool in_parts = false;  ///< rows of its links are left out, so that each is gathered by itself and copied
+  bool in_parts = false;  ///< rows of its joints are left out, so that each is gathered by itself and copied
 };
 
-/// The rows of all links in force.
+/// The rows of all active joints.
 class RowTable {
  public:
-  std::vector<RowEntry> entries;   ///< links in force, group after group
+  std::vector<RowEntry> entries;   ///< active joints, group after group
   std::vector<RowRun> runs;        ///< which of them are gathered together
-  std::vector<int> entry_of_link;  ///< by number of the link; -1: it has no rows in the table
+  std::vector<int> entry_of_link;  ///< by number of the joint; -1: it has no rows in the table
   int n_rows = 0;                  ///< rows of all entries
   double held = 0;                 ///< as System::hold_down_to()
 
@@ -272,7 +272,7 @@ class RowTable {
   long revision() const { return revision_; }
   /// Counts one revision; called before the rows are gathered.
   void renew() { ++revision_; }
-  /// Scratch for the rows in space of a single link, apart from the blocks of the table. One at a time.
+  /// Scratch for the rows in space of a single joint, apart from the blocks of the table. One at a time.
   RowBlock spatial(const RowShape& shape) {
     if (spatial_.size() < RowSpan::stride(shape)) spatial_.resize(RowSpan::stride(shape));
     return {spatial_.data(), shape};
@@ -319,7 +319,7 @@ class LOCKSTEP_API Auxiliary {
   /// Whether rates() reads accelerations or multipliers. In joint coordinates they are then computed at every evaluation.
   virtual bool reads_solution() const { return true; }
   /// Whether the multipliers that rates() reads count only with laws in time, as the power lambda . Ct does: it then gets
-  /// no other rows than those of links with laws, and no accelerations where there are none.
+  /// no other rows than those of joints with laws, and no accelerations if there are none.
   virtual bool vanishes_without_laws() const { return false; }
   /// Whether Evaluated::law_power is all that rates() reads of the solution: no row is gathered for it in joint coordinates.
   virtual bool reads_law_power_alone() const { return false; }
@@ -331,7 +331,7 @@ class LOCKSTEP_API Auxiliary {
   /// changes of velocity; `in` is before the impact. Default: nothing.
   virtual void impact(const Evaluated& impulses, std::span<double> s) const;
 
-  int first() const { return first_; }       ///< where its states begin in State::s
+  int first() const { return first_; }       ///< index of its states in State::s
   void place(int first) { first_ = first; }  ///< called by System::setup
 
  private:
@@ -359,7 +359,7 @@ class WrenchSum {
   void torque(int slot, const Vec3& tau) const {
     if (slot != kGround) add_moment(slot, tau);
   }
-  /// Adds a generalised force with the parts v (world) and w (slot axes), as in the row of a jacobian.
+  /// Adds a generalised force with the parts v (world) and w (slot axes), as in the row of a Jacobian.
   void along(int slot, const Vec3& v, const Vec3& w) const {
     if (slot == kGround) return;
     for (int i = 0; i < 3; ++i) f_[6 * slot + i] += v[i], f_[6 * slot + 3 + i] += w[i];
@@ -379,22 +379,22 @@ class WrenchSum {
 // TangentSum: derivatives of forces and constraint forces with respect to pose and velocity, summed by pairs of slots
 // (theory, section 9).
 //
-//   K = d( inertia + Jh^T lambda - f )/d(dx, dth)      dx: translation in the world, dth: turn in slot axes,
+//   K = d( inertia + Jh^T lambda - f )/d(dx, dth)      dx: translation in the world, dth: rotation, slot axes,
 //   D = d( inertia + Jh^T lambda - f )/d(v, w)         q <- q exp(dth/2); rows: force (world), moment (slot axes)
 //
 // So the tangent of an applied force enters with a minus sign, that of a constraint force Jh^T lambda with a plus sign
 // (9.4), (9.14). Neither is symmetrised.
 
-/// Where a half of a slot's six unknowns begins.
+/// Index at which a half of a slot's six unknowns begins.
 enum class Half {
   move = 0,  ///< translation (world); rows: force
-  turn = 3   ///< turn (slot axes); rows: moment
+  turn = 3   ///< rotation (slot axes); rows: moment
 };
 
 /// Scratch for tangents by central differences.
 struct LOCKSTEP_API Differences {
   static constexpr double kStep = 6e-6;  ///< cube root of the rounding unit: best for central differences
-  /// The motion, changed by h in unknown k: 0..2 x (world), 3..5 turn (slot axes), 6..8 v (world), 9..11 w (slot axes).
+  /// The motion, changed by h in unknown k: 0..2 x (world), 3..5 rotation (slot axes), 6..8 v (world), 9..11 w (slot).
   static Motion moved(const Motion&, int k, double h);
   /// Length with which translations of these slots are scaled, m: the sum of their distances from the first; if that is
   /// zero, the distance of the first from the world's origin; at least 1e-3. If both are zero, 1.
@@ -402,7 +402,7 @@ struct LOCKSTEP_API Differences {
 
   std::vector<Motion> motions;  ///< the ground first, then the slots; to be changed and restored
   VecX f;                       ///< wrench of one force, 6 numbers per slot
-  RowTable rows;                ///< scratch for the rows of one link
+  RowTable rows;                ///< scratch for the rows of one joint
   bool fresh = false;           ///< whether `motions` are those of the present inputs
 };
 
@@ -423,7 +423,7 @@ class LOCKSTEP_API TangentSum {
   void clear();
 
   // -- writing; blocks of the ground are ignored; with a new pair (row, column) comes (column, row)
-  /// Adds d(force and moment on slot `row`)/d(translation and turn of slot `column`).
+  /// Adds d(force and moment on slot `row`)/d(translation and rotation of slot `column`).
   void add_K(int row, int column, const Mat6& K);
   /// Adds d(force and moment on slot `row`)/d(v and w of slot `column`).
   void add_D(int row, int column, const Mat6& D);
@@ -437,7 +437,7 @@ class LOCKSTEP_API TangentSum {
   const std::vector<Pair>& pairs() const { return pairs_; }             ///< all pairs that have blocks
   const Mat6& K(std::size_t pair) const;                                ///< block of pairs()[pair]
   const Mat6& D(std::size_t pair) const;                                ///< block of pairs()[pair]
-  /// Changes whenever pairs() does: a plan made for the pairs has to be made anew.
+  /// Changes whenever pairs() does: a plan made for the pairs has to be made again.
   long revision() const { return revision_; }
 
   /// Scratch for differences, its motions equal to those of `in`: copied once per evaluation, at the first call.

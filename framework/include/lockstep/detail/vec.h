@@ -6,8 +6,8 @@
 
 #include <lockstep/math.h>
 
-/// Vectors, matrices and quaternions as plain structs whose components each have a type: a number (double, a pack of
-/// lanes, a jet), or Zero or One, which are numbers known at compile time. Adding and multiplying those costs nothing,
+/// Vectors, matrices and quaternions as plain structs whose components each have a type: a number (double, a SIMD
+/// pack, a jet), or Zero or One, which are numbers known at compile time. Adding and multiplying those costs nothing,
 /// so that one text of a formula serves planar mechanisms, absent laws and parallel axes alike.
 ///
 /// For the equations of the lock (equations.h). Everything else works with Eigen's types; vector(), matrix(), quaternion()

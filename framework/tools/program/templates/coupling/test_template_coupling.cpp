@@ -1,4 +1,4 @@
-// Holds the coupling against differences: jacobian, rates, right side, stiffness. Give it the file of the plugin.
+// Checks Jacobian, rates, right-hand side and stiffness of the coupling against differences. Argument: plugin file.
 #include <cstdio>
 
 #include <lockstep/author/check.h>

@@ -1,6 +1,6 @@
 // The force template_force: P and S attract each other with the inverse square of their distance.
 //
-// Change three things: the formula in act(), the keys in info(), and what make() refuses. Then build and run the test.
+// Change three things: the formula in act(), the keys in info(), and the checks in make(). Then build and run the test.
 #include <lockstep/author/force.h>
 #include <lockstep/author/plugin.h>
 
@@ -15,9 +15,9 @@ class TemplateForce final : public FormulaForce<TemplateForce> {
       : FormulaForce(std::move(name), p, &s), strength_(strength) {}
   std::string_view type() const override { return "template_force"; }
 
-  /// T is double, or a jet that brings the exact tangent along. at.P and at.S give x(), v(), w() (world) and the axes
-  /// A(); at.t is the time. A load takes force() and torque() between the bodies, and what the energy balance of a run
-  /// rests on: stores() J, dissipates() W of dampers, supplies() W of the force's own laws.
+  /// T is double, or a jet that carries the exact tangent. at.P and at.S give x(), v(), w() (world) and the axes A();
+  /// at.t is the time. A load takes force() and torque() between the bodies, and the terms of the energy balance:
+  /// stores() J, dissipates() W of dampers, supplies() W of the force's own laws.
   template <class T, class Load>
   void act(const Ends<T>& at, Load& load) const {
     const Vec3T<T> d = at.P.x() - at.S.x();
@@ -26,7 +26,7 @@ class TemplateForce final : public FormulaForce<TemplateForce> {
     load.stores(-strength_ / r);
   }
 
-  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default.
+  /// Name, one line of help, and the keys of a scene with unit and default.
   static TypeInfo info() {
     return {"template_force",
             "P and S attract each other with the inverse square of their distance",

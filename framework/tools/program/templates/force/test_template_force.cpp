@@ -1,5 +1,4 @@
-// Holds the force against its energies and, where it has a tangent, that against differences. Give it the file of the
-// plugin.
+// Checks the force against its energies and, if it has a tangent, that against differences. Argument: plugin file.
 #include <cstdio>
 
 #include <lockstep/author/check.h>

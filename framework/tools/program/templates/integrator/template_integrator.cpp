@@ -1,7 +1,6 @@
 // The integrator template_integrator: the midpoint rule, order 2, fixed step.
 //
-// Change two things: step(), and what info() and type_info() say. Then build and run the test, which measures the
-// order.
+// Change three things: step(), info() and type_info(). Then build and run the test, which measures the order.
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/author/plugin.h>
@@ -17,16 +16,16 @@ class TemplateIntegrator final : public Integrator {
   static TypeInfo type_info() { return {"template_integrator", "midpoint rule of order 2, fixed step", {}}; }
   static std::unique_ptr<Integrator> make(const Params&) { return std::make_unique<TemplateIntegrator>(); }
 
-  /// Name, order, implicit?, chooses its step?, evaluations a step.
+  /// Name, order, implicit?, chooses its step?, evaluations per step.
   IntegratorInfo info() const override { return {"template_integrator", 2, false, false, 2}; }
 
-  /// Sizes what a step needs, so that no step allocates; forgets what was.
+  /// Allocates what steps need and clears the history.
   void begin(Dynamics&, const State& state) override {
     middle_ = end_ = state;
     rate_ = {state.q, state.v, state.s};
   }
 
-  /// One step of at most h. What throws on the way leaves `state` as it was: it is written at the end alone.
+  /// One step of at most h. An exception leaves `state` unchanged: it is written at the end only.
   StepReport step(Dynamics& dynamics, State& state, double h) override {
     middle_ = end_ = state;
     dynamics.rate(state, rate_);
@@ -41,8 +40,8 @@ class TemplateIntegrator final : public Integrator {
     return report;
   }
 
-  // A method that keeps a history, or chooses its step, has more to write: save() and restore(), set_tolerance() and
-  // first_step(), and dense() for what lies inside a step.
+  // A method that keeps a history, or chooses its step, also needs save() and restore(), set_tolerance() and
+  // first_step(), and dense() for states inside a step.
 
  private:
   void move(State& y, double h) const {
@@ -50,7 +49,7 @@ class TemplateIntegrator final : public Integrator {
     y.q += h * rate_.q, y.v += h * rate_.v, y.s += h * rate_.s;
   }
 
-  /// Unit quaternions, then onto the constraints where the dynamics says so.
+  /// Normalises quaternions, then projects onto the constraints if the run does.
   void land(Dynamics& dynamics, double t, StepReport& report) {
     if (dynamics.options().stabilization.kind != Stabilization::Kind::project) {
       dynamics.normalize(end_);
@@ -61,8 +60,8 @@ class TemplateIntegrator final : public Integrator {
     report.violation = landed.before, report.violation_after = landed.after;
     if (!landed.converged)
       throw StepError(
-          fmt::format("template_integrator: the step of {:.3g} s from t = {:.9g} s could not be brought back "
-                      "onto the constraints; take a smaller step (--step)",
+          fmt::format("template_integrator: the step of {:.3g} s from t = {:.9g} s cannot be projected onto the "
+                      "constraints; use a smaller step (--step)",
                       report.h, t),
           t);
   }

@@ -1,4 +1,4 @@
-// Measures the order of the integrator and tries what a run relies on. Give it the file of the plugin.
+// Measures the order of the integrator and checks what a run requires. Argument: plugin file.
 #include <cstdio>
 
 #include <lockstep/author/check.h>

@@ -1,6 +1,6 @@
 // The motion law template_law: y goes to a new value and settles there, as a critically damped spring does.
 //
-// Change three things: the formulas in at(), the keys in info(), and what make() refuses. Then build and run the test.
+// Change three things: the formulas in at(), the keys in info(), and the checks in make(). Then build and run the test.
 #include <cmath>
 
 #include <lockstep/author/plugin.h>
@@ -22,18 +22,18 @@ class TemplateLaw final : public MotionLaw {
     return {rise_ * (1 - (1 + u) * e), rise_ * u * e / time_, rise_ * (1 - u) * e / (time_ * time_)};
   }
 
-  /// The instants where y, yd or ydd jumps (here ydd): integrators land on them.
+  /// The times at which y, yd or ydd jumps (here ydd): integrators step onto them.
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
     if (t0 < start_ && start_ < t1) out.push_back(start_);
   }
 
-  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default.
+  /// Name, one line of help, and the keys of a scene with unit and default.
   static TypeInfo info() {
     return {"template_law",
             "goes to a new value and settles there: rise (1 - (1 + u) exp(-u)), u = (t - start)/time > 0",
-            {{"rise", Form::number, Unit::any, kRequired, "value in the end", {}, LawQuantity::value},
+            {{"rise", Form::number, Unit::any, kRequired, "final value", {}, LawQuantity::value},
              {"time", Form::number, Unit::time, kRequired, "from start to the largest speed, above zero"},
-             {"start", Form::number, Unit::time, 0, "instant at which it begins"}}};
+             {"start", Form::number, Unit::time, 0, "time at which it begins"}}};
   }
 
   static LawPtr<MotionLaw> make(const Params& p) {

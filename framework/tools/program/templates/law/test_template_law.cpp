@@ -1,5 +1,4 @@
-// Holds the law's derivatives against differences and looks for jumps that it does not tell. Give it the file of the
-// plugin.
+// Checks the law's derivatives against differences, and that its breakpoints list all jumps. Argument: plugin file.
 #include <cstdio>
 
 #include <lockstep/author/check.h>

@@ -1,6 +1,6 @@
-// The joint template_link: the point P rides on a wavy rail that is fixed to S.
+// The joint template_link: the point P moves on a wavy rail that is fixed to S.
 //
-// Change three things: the function phi, the keys in info(), and what make() refuses. Then build and run the test.
+// Change three things: the function phi, the keys in info(), and the checks in make(). Then build and run the test.
 #include <lockstep/author/plugin.h>
 
 namespace {
@@ -8,13 +8,13 @@ namespace {
 using namespace lockstep;
 
 /// phi(y, t) = 0 is the joint. y.x y.y y.z: P seen from S in S's axes, m; y.e0 ... y.e3: the quaternion from S to P;
-/// y.angle_z(): the turn about z; y.t: the time. Write it as a formula; its derivatives are exact, and nobody writes
-/// them.
+/// y.angle_z(): the rotation about z, rad; y.t: the time, s. Write it as a formula; its derivatives are exact and
+/// automatic.
 ///
 ///   phi = z - height (1 - cos(2 pi x/length))/2
 struct TemplateLinkFunction {
   double height, length;
-  // x y z alone, Reads::both where e or angle_z() occur; phi is a length, RowKind::function for anything else.
+  // x y z alone, Reads::both if e or angle_z() occur; phi is a length, RowKind::function for anything else.
   static constexpr PhiSpec spec{.reads = Reads::translation, .kind = RowKind::translation};
 
   template <class T>
@@ -24,20 +24,20 @@ struct TemplateLinkFunction {
   }
 };
 
-/// Rows: y = 0 (the rail lies in the xz plane of S), and phi = 0.
+/// Constraints: y = 0 (the rail is in the xz plane of S), and phi = 0.
 class TemplateLink final : public PhiLock<TemplateLinkFunction> {
  public:
   TemplateLink(std::string name, Marker& p, Marker& s, TemplateLinkFunction phi)
       : PhiLock(std::move(name), p, s, Mask::y, phi) {}
   std::string_view type() const override { return "template_link"; }
 
-  /// Name, one line of help, and the keys: what scenes may say, in which unit, with which default.
+  /// Name, one line of help, and the keys of a scene with unit and default.
   static TypeInfo info() {
     return {
         "template_link",
-        "P rides on a wavy rail in the xz plane of S: z = height (1 - cos(2 pi x/length))/2; free: along it, all turns",
-        {{"height", Form::number, Unit::length, kRequired, "of the waves, from lowest to highest"},
-         {"length", Form::number, Unit::length, 1, "of one wave, above zero"}}};
+        "P moves on a wavy rail in the xz plane of S: z = height (1 - cos(2 pi x/length))/2; free: along it, rotation",
+        {{"height", Form::number, Unit::length, kRequired, "height of the waves"},
+         {"length", Form::number, Unit::length, 1, "length of one wave, above zero"}}};
   }
 
   static std::unique_ptr<Lock> make(const Attachment& attachment, const Params& p) {

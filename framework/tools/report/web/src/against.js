@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One column against another: a coupler curve, a phase portrait.
 import uPlot from 'uplot';
+import { button, make } from './dom.js';
 import { pngOf } from './export.js';
-import { axisStyle, button } from './plots.js';
+import { axisStyle, drawnBy, facets, titleOf } from './plots.js';
 import { isCubic, slopesOf, valueAt } from './slopes.js';
 import { theme } from './theme.js';
 
-const title = (column) => (column.unit ? `${column.name} [${column.unit}]` : column.name);
-
 export class Against {
   constructor(data, clock, holder) {
-    this.data = data;
-    this.clock = clock;
-    this.holder = holder;
+    Object.assign(this, { data, clock, holder });
     const n = data.table.columns.length;
     this.x = n > 1 ? 1 : 0;
     this.y = n > 2 ? 2 : 0;
@@ -22,13 +19,12 @@ export class Against {
   }
 
   addChoice() {
-    const head = document.createElement('header');
+    const head = make('header');
     const choose = (label, key) => {
-      const wrap = document.createElement('label'),
-        select = document.createElement('select');
-      wrap.textContent = `${label} `;
+      const wrap = make('label', `${label} `),
+        select = make('select');
       this.data.table.columns.forEach((column, i) =>
-        select.add(new Option(title(column).slice(0, 80), i, false, i === this[key])),
+        select.add(new Option(titleOf(column).slice(0, 80), i, false, i === this[key])),
       );
       select.addEventListener('change', () => {
         this[key] = Number(select.value);
@@ -37,13 +33,10 @@ export class Against {
       wrap.append(select);
       return wrap;
     };
-    head.append(
-      choose('y', 'y'),
-      choose('against x', 'x'),
-      button('PNG', 'Save this plot as a picture', () => this.plot && pngOf({ plot: this.plot }, 'against.png')),
-    );
-    this.body = document.createElement('div');
-    this.body.className = 'against';
+    const save = () => this.plot && pngOf(this.plot, 'against.png');
+    const png = button('PNG', save, { title: 'Save this plot as a picture' });
+    head.append(choose('y', 'y'), choose('against x', 'x'), png);
+    this.body = make('div', undefined, { className: 'against' });
     this.holder.append(head, this.body);
   }
 
@@ -53,8 +46,8 @@ export class Against {
     this.plot?.destroy();
     this.slopes = [this.x, this.y].map((i) => slopesOf(this.data, i));
     const [cx, cy] = [this.data.table.columns[this.x], this.data.table.columns[this.y]];
-    const facet = (scale) => ({ scale, auto: true });
-    const axis = (column, size) => ({ ...axisStyle(), label: title(column).slice(0, 60), labelSize: 16, size });
+    const paths = (u, k) => this.way(u, k);
+    const axis = (column, size) => ({ ...axisStyle(), label: titleOf(column).slice(0, 60), labelSize: 16, size });
     this.plot = new uPlot(
       {
         mode: 2,
@@ -67,56 +60,42 @@ export class Against {
         axes: [axis(cx, 30), axis(cy, 60)],
         series: [
           {},
-          {
-            label: cy.name.slice(0, 60),
-            stroke: theme.color(0),
-            width: 1.6,
-            facets: [facet('x'), facet('y')],
-            paths: (u, k) => this.way(u, k),
-          },
+          { label: cy.name.slice(0, 60), stroke: theme.color(0), width: 1.6, facets: facets(), paths },
         ],
       },
       [null, [cx.values, cy.values]],
       this.body,
     );
-    this.dot = document.createElement('div');
-    this.dot.className = 'dot';
+    this.dot = make('div', undefined, { className: 'dot' });
     this.plot.over.append(this.dot);
     this.showTime();
   }
 
   showTime() {
     if (!this.plot) return;
-    const at = (k) => valueAt(this.data, this.slopes[k], [this.x, this.y][k], this.clock.t);
-    const x = this.plot.valToPos(at(0), 'x'),
-      y = this.plot.valToPos(at(1), 'y');
+    const [x, y] = ['x', 'y'].map((key, k) =>
+      this.plot.valToPos(valueAt(this.data, this.slopes[k], this[key], this.clock.t), key),
+    );
     this.dot.style.transform = `translate(${x}px, ${y}px)`;
     this.dot.hidden = !(Number.isFinite(x) && Number.isFinite(y));
   }
 
   // The points joined in the order of time. Of very long columns every k-th is drawn.
   way(u, seriesIdx) {
-    uPlot.orient(u, seriesIdx, (series, dataX, dataY, scaleX, scaleY, toX, toY, left, top, wide, high) => {
+    return drawnBy(u, seriesIdx, (place, series) => {
       const [xs, ys] = u.data[seriesIdx],
         every = Math.max(1, Math.floor(xs.length / 20000)),
         points = [];
-      const place = (x, y) => [toX(x, scaleX, wide, left), toY(y, scaleY, high, top)];
       for (let i = 0; i < xs.length; i += every)
         points.push(Number.isFinite(xs[i]) && Number.isFinite(ys[i]) ? place(xs[i], ys[i]) : null);
       const smooth = xs.length < 1500;
-      const path =
-        smooth && this.slopes.every((s) => s) ? this.cubics(xs, ys, points, place) : curve(points, smooth);
-      u.ctx.save();
-      u.ctx.beginPath();
-      u.ctx.rect(left, top, wide, high);
-      u.ctx.clip();
+      const known = smooth && this.slopes.every((s) => s);
+      const path = known ? this.cubics(xs, ys, points, place) : curve(points, smooth);
       u.ctx.strokeStyle = series.stroke();
       u.ctx.lineWidth = series.width * devicePixelRatio;
       u.ctx.lineJoin = 'round';
       u.ctx.stroke(path);
-      u.ctx.restore();
     });
-    return null;
   }
 
   // By the rates of both columns.

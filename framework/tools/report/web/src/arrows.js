@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Arrows: what links and forces exert, with one scale for forces and one for moments.
-import { ConeGeometry, CylinderGeometry, Group, Mesh, Quaternion, TorusGeometry, Vector3 } from 'three';
-import { material } from './shapes.js';
-import { theme } from './theme.js';
+// Arrows: what joints and forces exert, with one scale for forces and one for moments.
+import { ConeGeometry, CylinderGeometry, Group, Mesh, TorusGeometry, Vector3 } from 'three';
+import { inked, unpicked } from './shapes.js';
 
 const Y = new Vector3(0, 1, 0);
 export const ROUND = 0.35; // radius of a moment's arrow, where a force's would be 1 long
@@ -38,16 +37,19 @@ function round(mat) {
   return group;
 }
 
-// The largest magnitude during the run of the loads that `chosen` takes.
-function largest(motion, loads, offset, chosen) {
-  let most = 0;
+// The largest magnitudes of all loads during the run.
+function largest(motion, loads) {
+  const most = { force: 0, reaction: 0, forceMoment: 0, reactionMoment: 0 };
   const first = 13 * motion.nBodies + 7 * motion.nMarkers;
+  const take = (kind, at) => {
+    const size = Math.hypot(motion.rows[at], motion.rows[at + 1], motion.rows[at + 2]);
+    if (size > most[kind] && Number.isFinite(size)) most[kind] = size;
+  };
   for (let k = 0; k < motion.times.length; ++k)
-    loads.forEach((load, i) => {
-      if (!chosen(load)) return;
-      const at = k * motion.width + first + 6 * i + offset;
-      const size = Math.hypot(motion.rows[at], motion.rows[at + 1], motion.rows[at + 2]);
-      if (size > most && Number.isFinite(size)) most = size;
+    loads.forEach(({ reaction }, i) => {
+      const at = k * motion.width + first + 6 * i;
+      take(reaction ? 'reaction' : 'force', at);
+      take(reaction ? 'reactionMoment' : 'forceMoment', at + 3);
     });
   return most;
 }
@@ -60,30 +62,21 @@ export class Arrows {
     this.world = world;
     this.factor = 1;
     this.shown = { force: true, reaction: false };
-    this.most = {
-      force: largest(motion, this.loads, 0, (l) => !l.reaction),
-      reaction: largest(motion, this.loads, 0, (l) => l.reaction),
-      forceMoment: largest(motion, this.loads, 3, (l) => !l.reaction),
-      reactionMoment: largest(motion, this.loads, 3, (l) => l.reaction),
-    };
+    this.most = largest(motion, this.loads);
     // What is only rounding is no moment.
     const rounding = 1e-9 * frame.size * Math.max(this.most.force, this.most.reaction);
     for (const kind of ['forceMoment', 'reactionMoment']) if (this.most[kind] < rounding) this.most[kind] = 0;
     // Bars do not hide what they bear.
-    const seen = (color) => material(color, { depthTest: false, transparent: true });
-    this.mats = { force: seen(theme.is.force), reaction: seen(theme.is.reaction), moment: seen(theme.is.moment) };
+    const seen = (name) => inked(name, { depthTest: false, transparent: true });
+    const [ofForces, ofReactions, ofMoments] = ['force', 'reaction', 'moment'].map(seen);
     this.items = this.loads.map((load) => {
-      const force = straight(load.reaction ? this.mats.reaction : this.mats.force, unit);
-      const moment = round(this.mats.moment);
+      const force = straight(load.reaction ? ofReactions : ofForces, unit);
+      const moment = round(ofMoments);
       for (const object of [force, moment])
-        object.traverse((part) => Object.assign(part, { raycast: () => {}, renderOrder: 5 }));
+        object.traverse((part) => Object.assign(unpicked(part), { renderOrder: 5 }));
       world.root.add(force, moment);
       return { load, force, moment };
     });
-  }
-
-  get any() {
-    return this.loads.length > 0;
   }
 
   // What a full arrow stands for: one scale for all that is shown, so that arrows compare.
@@ -111,13 +104,13 @@ export class Arrows {
 
   // Puts an arrow at its marker along its vector; returns its length.
   turn(object, marker, loads, at, scale, on) {
-    const v = new Vector3(loads[at], loads[at + 1], loads[at + 2]);
+    const v = new Vector3().fromArray(loads, at);
     const size = v.length(),
       length = scale === 0 ? 0 : (size / scale) * this.length * this.factor;
     object.visible = on && Number.isFinite(length) && length > 0.15 * this.unit;
     if (!object.visible) return 0;
     object.position.setFromMatrixPosition(marker.matrixWorld);
-    object.quaternion.copy(new Quaternion().setFromUnitVectors(Y, v.divideScalar(size)));
+    object.quaternion.setFromUnitVectors(Y, v.divideScalar(size));
     return length;
   }
 
@@ -126,9 +119,5 @@ export class Arrows {
     head.position.y = length;
     head.scale.setScalar(width);
     shaft.scale.set(width, Math.max(1e-9, length - 0.6 * this.unit * width), width);
-  }
-
-  recolor() {
-    for (const kind of ['force', 'reaction', 'moment']) this.mats[kind].color.set(theme.is[kind]);
   }
 }

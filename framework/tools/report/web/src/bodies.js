@@ -3,15 +3,26 @@
 import { Group, LineBasicMaterial, LineLoop, Object3D, Quaternion, Vector3 } from 'three';
 import { freedoms } from './freedoms.js';
 import { cornersOf, Meshes } from './meshes.js';
-import { bar, box, centerMark, cylinder, lineGeometry, material, plate, sphere } from './shapes.js';
+import { bar, box, centerMark, cylinder, geometryOf, material, plate, sphere, unpicked } from './shapes.js';
 import { theme } from './theme.js';
 
-const point = (p) => new Vector3(p[0], p[1], p[2]);
+const point = (p) => new Vector3().fromArray(p);
 
-function setPose(object, at) {
-  object.position.set(at[0], at[1], at[2]);
+// Of x y z and a quaternion, scalar first.
+export function setPose(object, at) {
+  object.position.fromArray(at);
   object.quaternion.set(at[4], at[5], at[6], at[3]);
+  return object;
 }
+
+// The k-th pose of x y z and a quaternion, scalar last.
+export function setPoseOf(object, poses, k) {
+  object.position.fromArray(poses, 7 * k);
+  object.quaternion.fromArray(poses, 7 * k + 3);
+}
+
+// The number of the marker on which a curve of a joint is drawn.
+export const markerOf = (link, curve) => link.pairs[curve.pair][curve.side === 'p' ? 0 : 1];
 
 // The points of a body at which others hold it, or which the scene names, each once; in its own frame.
 export function attachments(index, data, size) {
@@ -24,22 +35,12 @@ export function attachments(index, data, size) {
   return points;
 }
 
-function addSolids(group, body, mats, unit, meshes) {
-  for (const solid of body.solids) {
-    if (solid.kind === 'mesh') {
-      const object = meshes.object(solid.mesh, solid.size, mats.mesh, mats.edge);
-      setPose(object, solid.at);
-      group.add(object);
-      continue;
-    }
-    const [x, y, z] = solid.size.map((v) => Math.max(v, 1e-9));
-    let mesh;
-    if (solid.kind === 'box') mesh = box([x, y, z], mats.solid, mats.edge);
-    else if (solid.kind === 'sphere') mesh = sphere(x / 2, mats.solid);
-    else mesh = cylinder(Math.max(x / 2, z > 8 * x ? 0.45 * unit : 0), z, mats.solid, mats.edge);
-    setPose(mesh, solid.at);
-    group.add(mesh);
-  }
+function shapeOf(solid, mats, unit, meshes) {
+  if (solid.kind === 'mesh') return meshes.object(solid.mesh, solid.size, mats.mesh, mats.edge);
+  const [x, y, z] = solid.size.map((v) => Math.max(v, 1e-9));
+  if (solid.kind === 'box') return box([x, y, z], mats.solid, mats.edge);
+  if (solid.kind === 'sphere') return sphere(x / 2, mats.solid);
+  return cylinder(Math.max(x / 2, z > 8 * x ? 0.45 * unit : 0), z, mats.solid, mats.edge);
 }
 
 // Semi-axes of the solid ellipsoid with this mass and diagonal inertia, bounded to what a picture bears.
@@ -51,7 +52,7 @@ function semiAxes(body, size) {
   return [bound(b + c - a), bound(c + a - b), bound(a + b - c)];
 }
 
-// With its three great circles, which show that it turns.
+// With its three great circles, which show its rotation.
 function ellipsoid(body, mats, size) {
   const mesh = sphere(1, mats.solid, 40);
   for (const k of [0, 1, 2]) mesh.add(greatCircle(k, mats.edge));
@@ -69,9 +70,8 @@ function greatCircle(axis, color) {
     p[(axis + 2) % 3] = 1.003 * Math.sin(a);
     numbers.push(...p);
   }
-  const line = new LineLoop(lineGeometry(numbers), new LineBasicMaterial({ color, transparent: true, opacity: 0.4 }));
-  line.raycast = () => {};
-  return line;
+  const mat = new LineBasicMaterial({ color, transparent: true, opacity: 0.4 });
+  return unpicked(new LineLoop(geometryOf(numbers), mat));
 }
 
 // Corners of the convex hull of points in a plane, in order; `normal` is set.
@@ -131,14 +131,14 @@ function addSkeleton(group, center, points, mats, unit) {
   if (!corners) addSideways(group, points, center, mats, unit);
 }
 
-// Whether the mass centre lies on the line of the points, but further out: a weight on an arm.
+// Whether the centre of mass lies on the line of the points, but further out: a weight on an arm.
 function beyondEnds(points, center, unit) {
   const [a, b] = ends(points),
     all = [...points, center];
   return collinear(all) && Math.max(center.distanceTo(a), center.distanceTo(b)) > a.distanceTo(b) + 2 * unit;
 }
 
-// A mass centre beside the bar of its body: a sheet from the bar to it.
+// A centre of mass beside the bar of its body: a sheet from the bar to it.
 function addSideways(group, points, center, mats, unit) {
   const [a, b] = ends(points);
   const normal = new Vector3().crossVectors(new Vector3().subVectors(b, a), new Vector3().subVectors(center, a));
@@ -158,16 +158,10 @@ function collinear(points) {
 
 function addNeutral(group, body, points, mats, { unit, size, isWheel, shaft }) {
   const center = point(body.center);
-  if (body.particle) {
-    group.add(sphere(1.1 * unit, mats.solid));
-    return;
-  }
-  if (points.length > 1) {
-    addSkeleton(group, center, points, mats, unit);
-    return;
-  }
-  const arm = points.length === 1 ? points[0].distanceTo(center) : 0;
-  if (points.length === 0) group.add(ellipsoid(body, mats, 3 * size));
+  const arm = points.length === 1 && !body.particle ? points[0].distanceTo(center) : 0;
+  if (body.particle) group.add(sphere(1.1 * unit, mats.solid));
+  else if (points.length > 1) addSkeleton(group, center, points, mats, unit);
+  else if (points.length === 0) group.add(ellipsoid(body, mats, 3 * size));
   else if (arm > 0.05 * size) group.add(ellipsoid(body, mats, Math.min(size, 1.6 * arm)));
   else if (shaft) group.add(shaftAlong(shaft, center, mats, unit));
   else if (!isWheel) {
@@ -183,11 +177,11 @@ function wheelsOf({ mechanism }) {
   const wheels = new Set();
   for (const link of mechanism.links)
     for (const curve of link.curves ?? [])
-      if (curve.closed) wheels.add(mechanism.markers[link.pairs[curve.pair][curve.side === 'p' ? 0 : 1]].body);
+      if (curve.closed) wheels.add(mechanism.markers[markerOf(link, curve)].body);
   return wheels;
 }
 
-// The axis, in its own frame, about which a link lets a body turn as a shaft; null: none.
+// The axis, in its own frame, about which a joint lets a body turn as a shaft; null: none.
 function axisOf(index, { mechanism }) {
   for (const link of mechanism.links) {
     if (link.mask === undefined || link.pairs.length !== 1) continue;
@@ -200,7 +194,7 @@ function axisOf(index, { mechanism }) {
   return null;
 }
 
-// A shaft with a key, which shows that it turns.
+// A shaft with a key, which shows its rotation.
 function shaftAlong(axis, center, mats, unit) {
   const shaft = new Group();
   const key = box([0.35 * unit, 0.35 * unit, 9 * unit], mats.solid, mats.edge);
@@ -211,16 +205,25 @@ function shaftAlong(axis, center, mats, unit) {
   return shaft;
 }
 
+const CUBE = { low: [-0.5, -0.5, -0.5], size: [1, 1, 1] };
+
+function matrixOf(at) {
+  const holder = setPose(new Object3D(), at);
+  holder.updateMatrix();
+  return holder.matrix;
+}
+
+// Those of its materials that have the colour of the body.
+const colored = ({ mats }) => [mats.solid, mats.mesh, mats.sheet];
+
 // A group for every body of the mechanism, by number, with what it looks like. Fixed bodies stay at home.
 export class Bodies {
   constructor(data, root) {
     this.data = data;
     this.meshes = new Meshes(data.meshes ?? []);
     this.groups = data.mechanism.bodies.map((body, index) => {
-      const group = new Group();
-      group.name = body.name;
-      group.userData.body = index;
-      setPose(group, body.home);
+      const group = setPose(new Group(), body.home);
+      Object.assign(group, { name: body.name, userData: { body: index } });
       root.add(group);
       return group;
     });
@@ -229,15 +232,10 @@ export class Bodies {
   }
 
   seek(motion) {
-    this.moving.forEach((group, i) => {
-      const b = motion.bodies,
-        k = 7 * i;
-      group.position.set(b[k], b[k + 1], b[k + 2]);
-      group.quaternion.set(b[k + 3], b[k + 4], b[k + 5], b[k + 6]);
-    });
+    this.moving.forEach((group, i) => setPoseOf(group, motion.bodies, i));
   }
 
-  // Mass centres of bodies that move, in the world.
+  // centres of mass of bodies that move, in the world.
   centers() {
     return this.data.mechanism.moving.map((i) =>
       point(this.data.mechanism.bodies[i].center).applyMatrix4(this.groups[i].matrixWorld),
@@ -253,14 +251,13 @@ export class Bodies {
     return points.length === 1 ? 0.35 * points[0].distanceTo(point(body.center)) : 0;
   }
 
-  // Points that a picture should hold, in the world: of every body its corners and its mass centre.
+  // Points that a picture should hold, in the world: of every body its corners and its centre of mass.
   *keyPoints() {
     const { data } = this,
       { bodies, markers, links, forces } = data.mechanism;
     const p = new Vector3();
-    for (let i = 0; i < bodies.length; ++i) {
-      const group = this.groups[i],
-        body = bodies[i];
+    for (const [i, body] of bodies.entries()) {
+      const group = this.groups[i];
       group.updateMatrixWorld();
       if (!body.fixed) yield p.copy(point(body.center)).applyMatrix4(group.matrixWorld);
       const reach = this.reaches[i];
@@ -272,28 +269,18 @@ export class Bodies {
               .setComponent(k, body.center[k] + side * Math.min(a, reach))
               .applyMatrix4(group.matrixWorld);
       for (const solid of body.solids) {
-        const holder = new Object3D();
-        setPose(holder, solid.at);
-        holder.updateMatrix();
-        const box =
-          solid.kind === 'mesh'
-            ? cornersOf(data.meshes[solid.mesh], solid.size)
-            : cornersOf({ low: [-0.5, -0.5, -0.5], size: [1, 1, 1] }, solid.size);
-        for (const corner of box) yield p.set(...corner).applyMatrix4(holder.matrix).applyMatrix4(group.matrixWorld);
+        const place = matrixOf(solid.at);
+        for (const corner of cornersOf(solid.kind === 'mesh' ? data.meshes[solid.mesh] : CUBE, solid.size))
+          yield p.set(...corner).applyMatrix4(place).applyMatrix4(group.matrixWorld);
       }
     }
     for (const link of links)
       for (const curve of link.curves ?? []) {
         if (!curve.closed) continue;
-        const marker = markers[link.pairs[curve.pair][curve.side === 'p' ? 0 : 1]],
-          holder = new Object3D();
-        setPose(holder, marker.at);
-        holder.updateMatrix();
+        const marker = markers[markerOf(link, curve)],
+          place = matrixOf(marker.at);
         for (let i = 0; i < curve.points.length; i += 36)
-          yield p
-            .set(...curve.points.slice(i, i + 3))
-            .applyMatrix4(holder.matrix)
-            .applyMatrix4(this.groups[marker.body].matrixWorld);
+          yield p.fromArray(curve.points, i).applyMatrix4(place).applyMatrix4(this.groups[marker.body].matrixWorld);
       }
     const used = new Set([...links.flatMap((link) => link.pairs.flat()), ...forces.flatMap((force) => force.markers)]);
     for (let m = 0; m < markers.length; ++m)
@@ -310,8 +297,8 @@ export class Bodies {
       const color = body.fixed ? null : number++;
       const look = { color, own: body.look?.color ?? '', opacity: body.look?.opacity ?? 1, mats: null, center: null };
       look.mats = this.materials(look);
-      if (body.solids.length > 0) addSolids(group, body, look.mats, unit, this.meshes);
-      else if (!body.fixed)
+      for (const solid of body.solids) group.add(setPose(shapeOf(solid, look.mats, unit, this.meshes), solid.at));
+      if (body.solids.length === 0 && !body.fixed)
         addNeutral(group, body, attachments(index, this.data, frame.size), look.mats, {
           unit,
           size: frame.size,
@@ -344,17 +331,13 @@ export class Bodies {
   }
 
   recolor() {
-    for (const look of this.looks) {
-      look.mats.solid.color.set(this.tintOf(look));
-      look.mats.mesh.color.set(this.tintOf(look));
-      look.mats.sheet.color.set(this.tintOf(look));
-    }
+    for (const look of this.looks) for (const mat of colored(look)) mat.color.set(this.tintOf(look));
   }
 
   // Marks one body; -1: none.
   select(index) {
     this.looks.forEach((look, i) => {
-      for (const mat of [look.mats.solid, look.mats.mesh, look.mats.sheet]) {
+      for (const mat of colored(look)) {
         mat.emissive.set(i === index ? look.mats.solid.color : '#000000');
         mat.emissiveIntensity = i === index ? 0.35 : 0;
       }

@@ -2,8 +2,10 @@
 // Views: a camera with perspective and one without, standard views, fit, and following a body.
 import { OrthographicCamera, PerspectiveCamera, Vector3 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { extentOf } from './marks.js';
 
 const FIELD = 30; // degrees, vertically: little distortion
+const SLOPE = Math.tan((FIELD * Math.PI) / 360);
 
 export class Views {
   constructor(frame, canvas, onChange) {
@@ -33,11 +35,9 @@ export class Views {
     if (before && before !== this.camera) {
       this.camera.position.copy(before.position);
       const distance = before.position.distanceTo(target);
-      if (orthographic) this.halfHeight = distance * Math.tan((FIELD * Math.PI) / 360);
-      else {
-        const wanted = this.halfHeight / this.orthographic.zoom / Math.tan((FIELD * Math.PI) / 360);
-        this.camera.position.sub(target).setLength(wanted).add(target);
-      }
+      if (orthographic) this.halfHeight = distance * SLOPE;
+      else
+        this.camera.position.sub(target).setLength(this.halfHeight / this.orthographic.zoom / SLOPE).add(target);
       this.orthographic.zoom = 1;
     }
     this.controls?.dispose();
@@ -48,6 +48,11 @@ export class Views {
     this.controls.addEventListener('change', this.onChange);
     this.controls.addEventListener('start', () => (this.fitted = false));
     this.project();
+    this.update();
+  }
+
+  // After the camera was moved.
+  update() {
     this.controls.update();
     this.onChange();
   }
@@ -78,36 +83,29 @@ export class Views {
       top = new Vector3().crossVectors(direction, side);
     const target = this.middle(side, top, direction);
     const margin = 0.07 * frame.size,
-      slope = Math.tan((FIELD * Math.PI) / 360),
       v = new Vector3();
     let half = 0.25 * frame.size,
-      distance = half / slope;
+      distance = half / SLOPE;
     for (const p of frame.points) {
       v.subVectors(p, target);
       const across = Math.max(Math.abs(v.dot(top)) + margin, (Math.abs(v.dot(side)) + margin) / this.aspect) * 1.06;
       half = Math.max(half, across);
-      distance = Math.max(distance, across / slope + v.dot(direction));
+      distance = Math.max(distance, across / SLOPE + v.dot(direction));
     }
     this.halfHeight = half;
     this.orthographic.zoom = 1;
     this.controls.target.copy(target);
-    this.camera.position.copy(target).addScaledVector(direction, this.isOrthographic ? half / slope : distance);
+    this.camera.position.copy(target).addScaledVector(direction, this.isOrthographic ? half / SLOPE : distance);
     this.project();
-    this.controls.update();
-    this.onChange();
+    this.update();
   }
 
   // The middle of all that moves, as it is seen along three axes.
   middle(...axes) {
     const target = new Vector3();
     for (const axis of axes) {
-      let low = Infinity,
-        high = -Infinity;
-      for (const p of this.frame.points) {
-        const d = p.dot(axis);
-        low = Math.min(low, d);
-        high = Math.max(high, d);
-      }
+      const along = this.frame.points.map((p) => p.dot(axis));
+      const [low, high] = extentOf(along, along.keys());
       target.addScaledVector(axis, 0.5 * (low + high));
     }
     return target;
@@ -121,13 +119,10 @@ export class Views {
   project() {
     this.perspective.aspect = this.aspect;
     this.perspective.updateProjectionMatrix();
-    const h = this.halfHeight ?? this.frame.size,
-      o = this.orthographic;
-    o.left = -h * this.aspect;
-    o.right = h * this.aspect;
-    o.top = h;
-    o.bottom = -h;
-    o.updateProjectionMatrix();
+    const top = this.halfHeight ?? this.frame.size,
+      right = top * this.aspect;
+    Object.assign(this.orthographic, { left: -right, right, top, bottom: -top });
+    this.orthographic.updateProjectionMatrix();
   }
 
   // Turns the view about its target: angles to the right and upwards, rad.
@@ -144,20 +139,21 @@ export class Views {
       wanted = Math.min(Math.PI - least, Math.max(least, slope - up));
     if (side.length() > 0) arm.applyAxisAngle(side.normalize(), wanted - slope);
     camera.position.copy(controls.target).add(arm);
-    controls.update();
-    this.onChange();
+    this.update();
   }
 
   // Moves the view by parts of its height, to the right and upwards.
   pan(right, up) {
     this.fitted = false;
-    const { camera, controls } = this;
     const height = 2 * this.metresPerPixel(2);
-    const step = new Vector3(right * height, up * height, 0).applyQuaternion(camera.quaternion);
-    camera.position.add(step);
-    controls.target.add(step);
-    controls.update();
+    this.shift(new Vector3(right * height, up * height, 0).applyQuaternion(this.camera.quaternion));
     this.onChange();
+  }
+
+  shift(step) {
+    this.camera.position.add(step);
+    this.controls.target.add(step);
+    this.controls.update();
   }
 
   zoom(factor) {
@@ -167,8 +163,7 @@ export class Views {
       camera.zoom *= factor;
       camera.updateProjectionMatrix();
     } else camera.position.sub(controls.target).divideScalar(factor).add(controls.target);
-    controls.update();
-    this.onChange();
+    this.update();
   }
 
   // Keeps an object where it is in the picture; null: none.
@@ -181,10 +176,7 @@ export class Views {
   moveAlong() {
     if (!this.followed) return;
     const now = this.followed.getWorldPosition(new Vector3());
-    const step = now.clone().sub(this.at);
-    this.camera.position.add(step);
-    this.controls.target.add(step);
-    this.controls.update();
+    this.shift(now.clone().sub(this.at));
     this.at = now;
   }
 
@@ -192,7 +184,7 @@ export class Views {
   metresPerPixel(height) {
     const half = this.isOrthographic
       ? this.halfHeight / this.orthographic.zoom
-      : this.camera.position.distanceTo(this.controls.target) * Math.tan((FIELD * Math.PI) / 360);
+      : this.camera.position.distanceTo(this.controls.target) * SLOPE;
     return (2 * half) / height;
   }
 }

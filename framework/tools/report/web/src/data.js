@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The data of the page: a description as JSON, and numbers as base64.
+import { byId } from './dom.js';
 
 function bytesOf(text) {
   if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
@@ -10,51 +11,27 @@ function bytesOf(text) {
 }
 
 // An array of the block; a column with a base holds differences from it.
-function arrayAt(buffer, place) {
-  if (place.whole) {
-    const Kind = place.bits === 16 ? Uint16Array : Uint32Array;
-    return new Kind(buffer, place.at, place.n);
-  }
-  const values =
-    place.bits === 64 ? new Float64Array(buffer, place.at, place.n) : new Float32Array(buffer, place.at, place.n);
-  if (!place.base) return values;
-  return Float64Array.from(values, (v) => v + place.base);
+function arrayAt(buffer, { at, n, bits, whole, base }) {
+  const Kind = whole ? { 16: Uint16Array, 32: Uint32Array }[bits] : { 32: Float32Array, 64: Float64Array }[bits];
+  const values = new Kind(buffer, at, n);
+  return base ? Float64Array.from(values, (v) => v + base) : values;
 }
 
-function readFrames(buffer, frames) {
-  frames.times = arrayAt(buffer, frames.times);
-  frames.rows = arrayAt(buffer, frames.rows);
+// Puts the arrays in the places of their descriptions.
+function readArrays(buffer, object, ...keys) {
+  for (const key of keys) object[key] = arrayAt(buffer, object[key]);
 }
-
-function readTable(buffer, table) {
-  for (const column of table.columns) column.values = arrayAt(buffer, column.values);
-}
-
-function readMeshes(buffer, meshes) {
-  for (const mesh of meshes) {
-    mesh.points = arrayAt(buffer, mesh.points);
-    mesh.triangles = arrayAt(buffer, mesh.triangles);
-  }
-}
-
-const element = (id) => document.getElementById(id);
 
 export function readData() {
-  const data = JSON.parse(element('data').textContent);
-  const text = element('numbers').textContent.trim();
-  element('numbers').textContent = '';
-  const buffer = bytesOf(text).buffer;
-  if (data.kind === 'points') {
-    if (!data.histories) return data;
-    readMeshes(buffer, data.histories.meshes);
-    for (const run of data.histories.runs) {
-      readTable(buffer, run.table);
-      if (run.frames) readFrames(buffer, run.frames);
-    }
-    return data;
+  const data = JSON.parse(byId('data').textContent);
+  const { buffer } = bytesOf(byId('numbers').textContent.trim());
+  byId('numbers').textContent = '';
+  if (data.kind === 'points' && !data.histories) return data;
+  const { meshes, runs = [data] } = data.histories ?? data;
+  for (const mesh of meshes) readArrays(buffer, mesh, 'points', 'triangles');
+  for (const { table, frames } of runs) {
+    for (const column of table.columns) readArrays(buffer, column, 'values');
+    if (frames) readArrays(buffer, frames, 'times', 'rows');
   }
-  readFrames(buffer, data.frames);
-  readTable(buffer, data.table);
-  readMeshes(buffer, data.meshes);
   return data;
 }

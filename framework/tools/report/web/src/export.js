@@ -1,23 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Files that the reader saves.
+import { make } from './dom.js';
 import { theme } from './theme.js';
 
 export function download(name, blob) {
-  const link = document.createElement('a');
-  link.href = URL.createObjectURL(blob);
-  link.download = name;
+  const link = make('a', undefined, { href: URL.createObjectURL(blob), download: name });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
+export const saveCsv = (name, text) => download(name, new Blob([text], { type: 'text/csv' }));
+
 // A plot with its legend, on the page's ground.
-export function pngOf({ plot }, name) {
+export function pngOf(plot, name) {
   const from = plot.ctx.canvas,
     scale = devicePixelRatio,
     top = 26 * scale;
-  const canvas = document.createElement('canvas');
-  canvas.width = from.width;
-  canvas.height = from.height + top;
+  const canvas = make('canvas', undefined, { width: from.width, height: from.height + top });
   const ctx = canvas.getContext('2d');
   ctx.fillStyle = theme.is.dark ? '#1a2028' : '#ffffff';
   ctx.fillRect(0, 0, canvas.width, canvas.height);

@@ -4,10 +4,9 @@ import { Box3, Vector3 } from 'three';
 
 // Instants, evenly spread, at which the motion is looked at.
 export function instants(motion, most) {
-  const n = Math.min(most, motion.times.length);
-  const list = [];
-  for (let i = 0; i < n; ++i) list.push(motion.times[Math.round((i * (motion.times.length - 1)) / Math.max(1, n - 1))]);
-  return list;
+  const { times } = motion,
+    length = Math.min(most, times.length);
+  return Array.from({ length }, (_, i) => times[Math.round((i * (times.length - 1)) / Math.max(1, length - 1))]);
 }
 
 const AXES = [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)];
@@ -32,12 +31,8 @@ function planeOf(data, motion, size) {
       const x = motion.bodies.slice(7 * i, 7 * i + 3),
         axes = axesOf(motion.bodies.subarray(7 * i + 3, 7 * i + 7));
       first[i] ??= { x, axes };
-      for (const n of left)
-        if (
-          Math.abs(x[n] - first[i].x[n]) > 1e-5 * size ||
-          axes[n].some((c, k) => Math.abs(c - first[i].axes[n][k]) > 1e-4)
-        )
-          left.delete(n);
+      const turned = (n) => axes[n].some((c, k) => Math.abs(c - first[i].axes[n][k]) > 1e-4);
+      for (const n of left) if (Math.abs(x[n] - first[i].x[n]) > 1e-5 * size || turned(n)) left.delete(n);
     }
     if (left.size === 0) return -1;
   }
@@ -78,20 +73,16 @@ function extent(world, motion) {
   return { box, points, size: sizes[sizes.length >> 1] || 0 };
 }
 
-// Whether mass centres lie, or move, beside one another in the plane: what only turns about one axis is better seen in
+// Whether centres of mass lie, or move, beside one another in the plane: what only turns about one axis is better seen in
 // space.
 function spreads(world, plane, length) {
-  const low = [Infinity, Infinity, Infinity],
-    high = [-Infinity, -Infinity, -Infinity];
+  const box = new Box3();
   for (const t of instants(world.motion, 24)) {
     world.seek(t);
-    for (const x of world.bodies.centers())
-      for (let k = 0; k < 3; ++k) {
-        low[k] = Math.min(low[k], x.getComponent(k));
-        high[k] = Math.max(high[k], x.getComponent(k));
-      }
+    for (const x of world.bodies.centers()) box.expandByPoint(x);
   }
-  return [1, 2].some((k) => high[(plane + k) % 3] - low[(plane + k) % 3] > 0.02 * length);
+  const size = box.max.sub(box.min);
+  return [1, 2].some((k) => size.getComponent((plane + k) % 3) > 0.02 * length);
 }
 
 export function frameOf(data, motion, world) {
@@ -101,20 +92,10 @@ export function frameOf(data, motion, world) {
   let plane = planeOf(data, motion, length);
   if (plane >= 0 && !spreads(world, plane, length)) plane = -1;
   const up = upOf(data.mechanism.gravity, plane);
-  let front = plane >= 0 ? AXES[plane].clone() : null;
-  if (!front) front = Math.abs(up.z) > 0.5 ? new Vector3(0, -1, 0) : new Vector3(0, 0, 1);
-  if (plane === 1) front.negate();
+  const front = AXES[plane >= 0 ? plane : Math.abs(up.z) > 0.5 ? 1 : 2].clone();
+  if (front.y > 0) front.negate();
   if (Math.abs(up.x) > 0.5 && plane < 0) front.set(0, 0, 1);
   const right = new Vector3().crossVectors(up, front).normalize();
-  return {
-    box,
-    points,
-    size: length,
-    reach: Math.max(whole, length),
-    center: box.getCenter(new Vector3()),
-    plane,
-    up,
-    front,
-    right,
-  };
+  const center = box.getCenter(new Vector3());
+  return { box, points, size: length, reach: Math.max(whole, length), center, plane, up, front, right };
 }

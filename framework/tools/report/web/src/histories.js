@@ -13,22 +13,20 @@ export function keptRun(data, number) {
   return data.histories?.runs.find((run) => run.run === number);
 }
 
-const nothing = { bodies: [], markers: [], links: [], forces: [], loads: [], moving: [], moved_markers: [] };
+const nothing = {
+  ...{ bodies: [], markers: [], links: [], forces: [], loads: [], moving: [], moved_markers: [] },
+  ...{ gravity: [0, 0, 0], plane: -1, length: 1 },
+};
 
 // The data of a page that shows this run alone.
 function pageOf(data, run) {
   const { columns, rows } = readTable(data.csv);
   const own = rows.find((_, i) => columns[0].texts[i] === String(run.run)) ?? [];
   const facts = columns.map((c, k) => [c.title, own[k] ?? '']).filter(([, text]) => text !== '');
-  const text = { ...data.text, title: `${data.text.title}, run ${run.run}`, facts, warnings: [] };
-  const status = facts.find(([title]) => title === 'status');
-  if (status && status[1].startsWith('failed')) text.warnings = [status[1]];
+  const warnings = facts.filter(([title, status]) => title === 'status' && status.startsWith('failed'));
   return {
-    text,
-    mechanism:
-      run.mechanism === undefined
-        ? { ...nothing, gravity: [0, 0, 0], plane: -1, length: 1 }
-        : data.histories.mechanisms[run.mechanism],
+    text: { ...data.text, title: `${data.text.title}, run ${run.run}`, facts, warnings: warnings.map((fact) => fact[1]) },
+    mechanism: data.histories.mechanisms[run.mechanism] ?? nothing,
     meshes: data.histories.meshes,
     frames: run.frames ?? { n: 0, width: 0, times: run.table.columns[0].values, rows: new Float32Array(0), jumps: [] },
     table: run.table,
@@ -40,9 +38,7 @@ function pageOf(data, run) {
 export function showHistory(data, run) {
   const page = new RunPage(pageOf(data, run));
   page.elements.back_to_runs.hidden = false;
-  if (run.mechanism === undefined) {
-    page.elements.failure.hidden = false;
-    page.elements.failure.textContent = 'Of this run only its columns were kept.';
-  }
+  if (run.mechanism === undefined)
+    page.fail('The motion of this run was not kept; its columns are available.');
   globalThis.lockstepReport = page;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Joints: a symbol for each kind of mask, at the markers of the link, with its axis.
+// Joints: a symbol for each kind of mask, at the markers of the joint, with its axis.
 import {
   Group,
   LineBasicMaterial,
@@ -13,32 +13,26 @@ import {
   TorusGeometry,
   Vector3,
 } from 'three';
+import { markerOf } from './bodies.js';
 import { freedoms } from './freedoms.js';
-import { box, cylinder, lineGeometry, material, sphere, tube } from './shapes.js';
+import { extentOf } from './marks.js';
+import { box, cylinder, geometryOf, inked, sphere, tube, unpicked } from './shapes.js';
 import { theme } from './theme.js';
 
-export function kindOf(link) {
+// Kinds by the numbers of axes along which they slide and about which they turn.
+const KINDS = [
+  ['fixed', 'hinge', 'bent', 'ball'],
+  ['slide', 'cylindrical', 'other', 'line'],
+  ['sheet', 'sheet', 'other', 'plane'],
+];
+
+function kindOf(link) {
   if (link.mask === undefined || link.pairs.length !== 1) return 'coupling';
-  if (link.type === 'distance') return 'distance';
-  if (link.type === 'stop') return 'stop';
+  if (['distance', 'stop'].includes(link.type)) return link.type;
   if (link.curves) return 'curve';
-  if (link.type === 'universal') return 'universal';
-  if (link.type === 'screw') return 'screw';
+  if (['universal', 'screw'].includes(link.type)) return link.type;
   const { slides, turns } = freedoms(link.mask);
-  const key = `${slides.length}${turns.length}`;
-  const kinds = {
-    '00': 'fixed',
-    '01': 'hinge',
-    10: 'slide',
-    11: 'cylindrical',
-    '03': 'ball',
-    '02': 'bent',
-    13: 'line',
-    23: 'plane',
-    21: 'sheet',
-    20: 'sheet',
-  };
-  return kinds[key] ?? 'other';
+  return KINDS[slides.length]?.[turns.length] ?? 'other';
 }
 
 // Turns an object whose axis is z so that it is the axis k.
@@ -49,133 +43,99 @@ function along(object, k) {
 }
 
 function axisLine(length, mats) {
-  const line = new Line(lineGeometry([0, 0, -length, 0, 0, length]), mats.axis);
-  line.computeLineDistances();
-  line.raycast = () => {};
-  return line;
+  const line = new Line(geometryOf([0, 0, -length, 0, 0, length]), mats.axis);
+  return unpicked(line.computeLineDistances());
+}
+
+// Along z, past all places of what slides on it; `make` is given its length.
+function rail(u, [low, high], make) {
+  const object = make(high - low + 5 * u);
+  object.position.z = 0.5 * (low + high);
+  return object;
+}
+
+function thread(u, mats, travel) {
+  const low = travel[0] - 2.5 * u,
+    high = travel[1] + 2.5 * u,
+    points = [];
+  for (let i = 0; i <= 400; ++i) {
+    const a = (i / 400) * ((high - low) / (0.8 * u)) * 2 * Math.PI;
+    points.push(0.42 * u * Math.cos(a), 0.42 * u * Math.sin(a), low + ((high - low) * i) / 400);
+  }
+  return new Line(geometryOf(points), mats.line);
+}
+
+function ball(u, mats) {
+  const cup = new Mesh(new TorusGeometry(0.95 * u, 0.16 * u, 12, 36), mats.rail);
+  return { p: [sphere(0.8 * u, mats.solid)], s: [cup] };
+}
+
+function cylindrical(u, mats, travel) {
+  return {
+    s: [rail(u, travel, (length) => cylinder(0.3 * u, length, mats.rail))],
+    p: [cylinder(0.8 * u, 2.4 * u, mats.solid, mats.edge)],
+  };
+}
+
+function sheet(u, mats) {
+  const r = 3.5 * u;
+  const edge = new LineLoop(geometryOf([-r, -r, 0, r, -r, 0, r, r, 0, -r, r, 0]), mats.line);
+  return {
+    s: [new Mesh(new PlaneGeometry(2 * r, 2 * r), mats.sheet), edge],
+    p: [cylinder(0.9 * u, 0.4 * u, mats.solid)],
+  };
 }
 
 // Symbols: `p` belongs to the marker P, `s` to the marker S, both with z as their axis.
 const SYMBOLS = {
-  hinge(u, mats) {
-    const s = new Group(),
-      p = new Group();
-    s.add(cylinder(0.85 * u, 1.9 * u, mats.solid), axisLine(3 * u, mats));
-    p.add(cylinder(0.42 * u, 2.02 * u, mats.pin));
-    return { p, s };
-  },
-  slide(u, mats, travel) {
-    const s = new Group(),
-      p = new Group();
-    const rail = box([0.5 * u, 0.5 * u, travel[1] - travel[0] + 5 * u], mats.rail, mats.edge);
-    rail.position.z = 0.5 * (travel[0] + travel[1]);
-    s.add(rail);
-    p.add(box([1.5 * u, 1.5 * u, 2.4 * u], mats.solid, mats.edge));
-    return { p, s };
-  },
-  cylindrical(u, mats, travel) {
-    const s = new Group(),
-      p = new Group();
-    const rail = cylinder(0.3 * u, travel[1] - travel[0] + 5 * u, mats.rail);
-    rail.position.z = 0.5 * (travel[0] + travel[1]);
-    s.add(rail);
-    p.add(cylinder(0.8 * u, 2.4 * u, mats.solid, mats.edge));
-    return { p, s };
-  },
+  hinge: (u, mats) => ({
+    s: [cylinder(0.85 * u, 1.9 * u, mats.solid), axisLine(3 * u, mats)],
+    p: [cylinder(0.42 * u, 2.02 * u, mats.pin)],
+  }),
+  slide: (u, mats, travel) => ({
+    s: [rail(u, travel, (length) => box([0.5 * u, 0.5 * u, length], mats.rail, mats.edge))],
+    p: [box([1.5 * u, 1.5 * u, 2.4 * u], mats.solid, mats.edge)],
+  }),
+  cylindrical,
   screw(u, mats, travel) {
-    const { p, s } = SYMBOLS.cylindrical(u, mats, travel);
-    const low = travel[0] - 2.5 * u,
-      high = travel[1] + 2.5 * u,
-      points = [];
-    for (let i = 0; i <= 400; ++i) {
-      const a = (i / 400) * ((high - low) / (0.8 * u)) * 2 * Math.PI;
-      points.push(0.42 * u * Math.cos(a), 0.42 * u * Math.sin(a), low + ((high - low) * i) / 400);
-    }
-    s.add(new Line(lineGeometry(points), mats.line));
-    return { p, s };
+    const { p, s } = cylindrical(u, mats, travel);
+    return { p, s: [...s, thread(u, mats, travel)] };
   },
-  ball(u, mats) {
-    const s = new Group(),
-      p = new Group();
-    p.add(sphere(0.8 * u, mats.solid));
-    const cup = new Mesh(new TorusGeometry(0.95 * u, 0.16 * u, 12, 36), mats.rail);
-    s.add(cup);
-    return { p, s };
-  },
+  ball,
   bent(u, mats) {
-    const { p, s } = SYMBOLS.ball(u, mats);
-    s.add(axisLine(3 * u, mats));
-    return { p, s };
+    const { p, s } = ball(u, mats);
+    return { p, s: [...s, axisLine(3 * u, mats)] };
   },
-  universal(u, mats) {
-    const s = new Group(),
-      p = new Group();
-    s.add(along(cylinder(0.28 * u, 2.6 * u, mats.rail), 0));
-    p.add(along(cylinder(0.28 * u, 2.6 * u, mats.pin2), 1), sphere(0.55 * u, mats.solid));
-    return { p, s };
-  },
-  line(u, mats, travel) {
-    const s = new Group(),
-      p = new Group();
-    const rail = cylinder(0.2 * u, travel[1] - travel[0] + 5 * u, mats.rail);
-    rail.position.z = 0.5 * (travel[0] + travel[1]);
-    s.add(rail);
-    p.add(sphere(0.7 * u, mats.solid));
-    return { p, s };
-  },
-  plane(u, mats) {
-    const { p, s } = SYMBOLS.sheet(u, mats);
-    p.clear();
-    p.add(sphere(0.6 * u, mats.solid));
-    return { p, s };
-  },
-  sheet(u, mats) {
-    const s = new Group(),
-      p = new Group();
-    s.add(new Mesh(new PlaneGeometry(7 * u, 7 * u), mats.sheet));
-    const r = 3.5 * u;
-    s.add(new LineLoop(lineGeometry([-r, -r, 0, r, -r, 0, r, r, 0, -r, r, 0]), mats.line));
-    p.add(cylinder(0.9 * u, 0.4 * u, mats.solid));
-    return { p, s };
-  },
-  fixed(u, mats) {
-    const s = new Group(),
-      p = new Group();
-    p.add(box([1.1 * u, 1.1 * u, 1.1 * u], mats.solid, mats.edge));
-    return { p, s };
-  },
-  curve(u, mats) {
-    const s = new Group(),
-      p = new Group();
-    p.add(sphere(0.4 * u, mats.solid));
-    return { p, s };
-  },
-  other(u, mats) {
-    const s = new Group(),
-      p = new Group();
-    p.add(new Mesh(new OctahedronGeometry(0.8 * u), mats.solid));
-    return { p, s };
-  },
-  none: () => ({ p: new Group(), s: new Group() }),
+  universal: (u, mats) => ({
+    s: [along(cylinder(0.28 * u, 2.6 * u, mats.rail), 0)],
+    p: [along(cylinder(0.28 * u, 2.6 * u, mats.rail), 1), sphere(0.55 * u, mats.solid)],
+  }),
+  line: (u, mats, travel) => ({
+    s: [rail(u, travel, (length) => cylinder(0.2 * u, length, mats.rail))],
+    p: [sphere(0.7 * u, mats.solid)],
+  }),
+  plane: (u, mats) => ({ ...sheet(u, mats), p: [sphere(0.6 * u, mats.solid)] }),
+  sheet,
+  fixed: (u, mats) => ({ p: [box([1.1 * u, 1.1 * u, 1.1 * u], mats.solid, mats.edge)] }),
+  curve: (u, mats) => ({ p: [sphere(0.4 * u, mats.solid)] }),
+  other: (u, mats) => ({ p: [new Mesh(new OctahedronGeometry(0.8 * u), mats.solid)] }),
 };
-for (const kind of ['coupling', 'distance', 'stop']) SYMBOLS[kind] = SYMBOLS.none;
 
-// Curves of a link, in the axes of a marker; of a wheel a spoke as well, which shows that it turns.
+// Curves of a joint, in the axes of a marker; of a wheel a spoke as well, which shows its rotation.
 function addCurves(link, markers, unit, mats) {
   const added = [];
   for (const curve of link.curves ?? []) {
-    const marker = markers[link.pairs[curve.pair][curve.side === 'p' ? 0 : 1]];
     if (curve.points.length < 6) continue;
     const group = new Group();
     group.add(tube(curve.points, curve.closed, (curve.closed ? 0.14 : 0.2) * unit, mats.rail));
     if (curve.closed) {
       const [x, y, z] = curve.points;
       group.add(
-        new LineLoop(lineGeometry(curve.points), mats.wheel),
-        new Line(lineGeometry([0, 0, 0, x, y, z]), mats.wheel),
+        new LineLoop(geometryOf(curve.points), mats.wheel),
+        new Line(geometryOf([0, 0, 0, x, y, z]), mats.wheel),
       );
     }
-    marker.add(group);
+    markers[markerOf(link, curve)].add(group);
     added.push(group);
   }
   return added;
@@ -184,17 +144,12 @@ function addCurves(link, markers, unit, mats) {
 // How far P moves along the free axis of S during the run.
 function travelOf(link, k, world, times) {
   const [p, s] = link.pairs[0].map((m) => world.markers[m]);
-  const range = [Infinity, -Infinity];
-  const x = new Vector3();
-  for (const t of times) {
+  const places = times.map((t) => {
     world.seek(t);
-    s.updateWorldMatrix(true, false);
-    p.updateWorldMatrix(true, false);
-    s.worldToLocal(x.setFromMatrixPosition(p.matrixWorld));
-    range[0] = Math.min(range[0], x.getComponent(k));
-    range[1] = Math.max(range[1], x.getComponent(k));
-  }
-  return range[0] <= range[1] ? range : [0, 0];
+    return s.worldToLocal(p.getWorldPosition(new Vector3())).getComponent(k);
+  });
+  const [low, high] = extentOf(places, places.keys());
+  return low <= high ? [low, high] : [0, 0];
 }
 
 // The base of a hinge on the ground of a planar mechanism: a triangle on a hatched line.
@@ -204,59 +159,56 @@ function groundMark(u, frame, mats) {
   const numbers = [];
   for (let i = 0; i < points.length; i += 2) {
     const p = new Vector3().addScaledVector(frame.right, points[i] * u).addScaledVector(frame.up, points[i + 1] * u);
-    numbers.push(p.x, p.y, p.z);
+    numbers.push(...p);
   }
-  const mark = new LineSegments(lineGeometry(numbers), mats.line);
-  mark.raycast = () => {};
-  return mark;
+  return unpicked(new LineSegments(geometryOf(numbers), mats.line));
+}
+
+function materials(name, unit) {
+  const wheel = new LineBasicMaterial({ depthTest: false, transparent: true, opacity: 0.6 });
+  return {
+    solid: inked(name),
+    rail: inked('ground'),
+    pin: inked('pin'),
+    sheet: inked('ground', { transparent: true, opacity: 0.18, side: 2, depthWrite: false }),
+    line: theme.tinted('soft', new LineBasicMaterial()),
+    edge: theme.is.dark ? '#000000' : '#1c2530',
+    wheel: theme.tinted('ink', wheel),
+    axis: theme.tinted('soft', new LineDashedMaterial({ dashSize: 0.8 * unit, gapSize: 0.4 * unit })),
+  };
+}
+
+// The axis of a symbol: about which alone it turns, along which alone it slides, or across which it slides.
+function axisOf({ slides, turns }) {
+  if (turns.length === 1) return turns[0];
+  if (slides.length === 1) return slides[0];
+  return slides.length === 2 ? [0, 1, 2].find((k) => !slides.includes(k)) : 2;
 }
 
 export class Joints {
   constructor(data, world, frame, unit, times) {
     this.data = data;
-    this.mats = { ink: this.materials(theme.is.joint), drive: this.materials(theme.is.drive) };
+    this.mats = { ink: materials('joint', unit), drive: materials('drive', unit) };
     this.symbols = data.mechanism.links.map((link) => this.symbol(link, world, frame, unit, times));
-  }
-
-  materials(color) {
-    return {
-      solid: material(color),
-      rail: material(theme.is.ground),
-      pin: material(theme.is.pin),
-      pin2: material(theme.is.ground),
-      sheet: material(theme.is.ground, { transparent: true, opacity: 0.18, side: 2, depthWrite: false }),
-      line: new LineBasicMaterial({ color: theme.is.soft }),
-      edge: theme.is.dark ? '#000000' : '#1c2530',
-      wheel: new LineBasicMaterial({ color: theme.is.ink, depthTest: false, transparent: true, opacity: 0.6 }),
-      axis: new LineDashedMaterial({ color: theme.is.soft, dashSize: 1, gapSize: 0.5 }),
-    };
   }
 
   symbol(link, world, frame, unit, times) {
     const kind = kindOf(link);
     const mats = link.drives?.length ? this.mats.drive : this.mats.ink;
-    mats.axis.dashSize = 0.8 * unit;
-    mats.axis.gapSize = 0.4 * unit;
     const free = link.mask === undefined ? { slides: [], turns: [] } : freedoms(link.mask);
-    const axis =
-      free.turns.length === 1
-        ? free.turns[0]
-        : free.slides.length === 1
-          ? free.slides[0]
-          : free.slides.length === 2
-            ? [0, 1, 2].find((k) => !free.slides.includes(k))
-            : 2;
     const slides = ['slide', 'cylindrical', 'line', 'screw'].includes(kind);
     const travel = slides ? travelOf(link, kind === 'screw' ? 2 : free.slides[0], world, times) : [0, 0];
-    const parts = SYMBOLS[kind](unit, mats, travel);
+    const { p = [], s = [] } = SYMBOLS[kind]?.(unit, mats, travel) ?? {};
     const added = addCurves(link, world.markers, unit, mats);
     if (link.rack) added.push(this.rack(link, world, unit, mats, times));
     if (link.pairs.length > 0) {
-      const [p, s] = link.pairs[0];
-      const turned = [parts.p, parts.s].map((part) => new Group().add(along(part, axis)));
-      world.markers[p].add(turned[0]);
-      world.markers[s].add(turned[1]);
-      added.push(...turned);
+      for (const [k, parts] of [p, s].entries()) {
+        const group = new Group();
+        for (const part of parts) group.add(part);
+        const turned = new Group().add(along(group, axisOf(free)));
+        world.markers[link.pairs[0][k]].add(turned);
+        added.push(turned);
+      }
       this.addGroundMark(link, kind, world, frame, unit, mats, added);
     }
     return added;
@@ -288,20 +240,5 @@ export class Joints {
   // Links that are not in force are not shown.
   show(link, shown) {
     for (const part of this.symbols[link]) part.visible = shown;
-  }
-
-  recolor() {
-    const tint = (mats, color) => {
-      mats.solid.color.set(color);
-      mats.rail.color.set(theme.is.ground);
-      mats.pin2.color.set(theme.is.ground);
-      mats.sheet.color.set(theme.is.ground);
-      mats.pin.color.set(theme.is.pin);
-      mats.line.color.set(theme.is.soft);
-      mats.axis.color.set(theme.is.soft);
-      mats.wheel.color.set(theme.is.ink);
-    };
-    tint(this.mats.ink, theme.is.joint);
-    tint(this.mats.drive, theme.is.drive);
   }
 }

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Keys of the page, beside those of its buttons.
+// Keys of the page, besides those of its buttons.
 
 export function addKeys(page) {
   addEventListener('keydown', (e) => {
     if (e.ctrlKey || e.altKey || e.metaKey || e.target.closest?.('select, textarea, input:not(#slider)')) return;
     const onButton = e.target.closest('button, summary') !== null;
     const act = {
-      ' ': () => !onButton && page.toggle(),
+      ' ': () => !onButton && page.clock.toggle(),
       ArrowLeft: () => page.step(e.shiftKey ? -10 : -1),
       ArrowRight: () => page.step(e.shiftKey ? 10 : 1),
-      Home: () => page.first(),
-      End: () => page.last(),
+      Home: () => page.clock.seek(page.clock.start),
+      End: () => page.clock.seek(page.clock.end),
       f: () => page.fit(),
       1: () => page.look('iso'),
       2: () => page.look('front'),
@@ -28,7 +28,7 @@ export function addKeys(page) {
       '-': () => page.zoom(1 / 1.2),
       o: () => page.orthographic(),
       n: () => page.names(),
-      l: () => page.loop(),
+      l: () => page.clock.switchLoop(),
       Escape: () => page.select(-1),
     }[e.key];
     if (!act || (e.target.getAttribute?.('role') === 'tab' && e.key.startsWith('Arrow'))) return;

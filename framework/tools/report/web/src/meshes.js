@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Meshes: surfaces of triangles, whose points are whole numbers of their extent.
-import { BufferAttribute, BufferGeometry, EdgesGeometry, LineBasicMaterial, LineSegments, Mesh } from 'three';
+import { BufferAttribute, Mesh } from 'three';
+import { edges, geometryOf } from './shapes.js';
 
 const WHOLE = 65535;
 const MOST_EDGES = 20000; // triangles, beyond which edges are not looked for
 
 // The points of a mesh, with a factor along each axis.
-export function pointsOf(mesh, factors) {
+function pointsOf(mesh, factors) {
   return Float32Array.from(mesh.points, (v, i) => {
     const k = i % 3;
     return factors[k] * (mesh.low[k] + (mesh.size[k] * v) / WHOLE);
@@ -29,23 +30,16 @@ export class Meshes {
     const key = `${number} ${factors}`;
     if (!this.made.has(key)) {
       const mesh = this.list[number];
-      const geometry = new BufferGeometry();
-      geometry.setAttribute('position', new BufferAttribute(pointsOf(mesh, factors), 3));
-      geometry.setIndex(new BufferAttribute(mesh.triangles, 1));
-      const edges = mesh.triangles.length < 3 * MOST_EDGES ? new EdgesGeometry(geometry, 40) : null;
-      this.made.set(key, { geometry, edges });
+      const geometry = geometryOf(pointsOf(mesh, factors));
+      this.made.set(key, geometry.setIndex(new BufferAttribute(mesh.triangles, 1)));
     }
     return this.made.get(key);
   }
 
   object(number, factors, mat, edgeColor) {
-    const { geometry, edges } = this.geometry(number, factors);
+    const geometry = this.geometry(number, factors);
     const object = new Mesh(geometry, mat);
-    if (edges) {
-      const lines = new LineSegments(edges, new LineBasicMaterial({ color: edgeColor, transparent: true, opacity: 0.35 }));
-      lines.raycast = () => {};
-      object.add(lines);
-    }
+    if (this.list[number].triangles.length < 3 * MOST_EDGES) object.add(edges(geometry, edgeColor));
     return object;
   }
 }

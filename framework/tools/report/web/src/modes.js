@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Modes: the mechanism swings about its rest in the shape that is chosen; it takes two seconds, whatever the frequency.
 import { Quaternion, Vector3 } from 'three';
+import { button, make, press, titledTable } from './dom.js';
 import { number } from './plots.js';
 import { RunPage } from './run.js';
 
@@ -17,26 +18,17 @@ function runOf(data) {
     rest,
     table: { rows: 0, stride: 1, columns: [{ name: 't', unit: 's', values: times }] },
     mechanism: { ...data.mechanism, loads: [] },
-    frames: {
-      ...data.frames,
-      n: FRAMES + 1,
-      times,
-      rows: new Float32Array((FRAMES + 1) * width),
-      jumps: [],
-    },
+    frames: { ...data.frames, n: FRAMES + 1, times, rows: new Float32Array((FRAMES + 1) * width), jumps: [] },
   };
 }
 
 // Fills the frames with a mode: displacements of the origin of each slot and rotations about it, as
 //   amplitude Re((a + i b) exp(i phase)),
 // which is exact to first order; between them the body is moved as a rigid one.
-export function fillFrames(run, mode, amplitude) {
+function fillFrames(run, mode, amplitude) {
   const { rest, frames, pivots } = run,
     { width } = frames;
   const omega = (2 * Math.PI) / PERIOD;
-  const x0 = new Vector3(),
-    q0 = new Quaternion(),
-    pivot = new Vector3();
   for (let k = 0; k <= FRAMES; ++k) {
     const phase = (2 * Math.PI * k) / FRAMES,
       [cosine, sine] = [Math.cos(phase), Math.sin(phase)];
@@ -47,17 +39,17 @@ export function fillFrames(run, mode, amplitude) {
       const move = new Vector3(now(0), now(1), now(2)),
         turn = new Vector3(now(3), now(4), now(5)),
         w = new Vector3(rate(3), rate(4), rate(5));
-      const at = 13 * i;
-      x0.set(rest[at], rest[at + 1], rest[at + 2]);
-      q0.set(rest[at + 4], rest[at + 5], rest[at + 6], rest[at + 3]);
-      pivot.set(...pivots[i]);
+      const at = 13 * i,
+        x0 = new Vector3().fromArray(rest, at),
+        q0 = new Quaternion(rest[at + 4], rest[at + 5], rest[at + 6], rest[at + 3]),
+        pivot = new Vector3(...pivots[i]);
       const angle = turn.length(),
         q = new Quaternion().setFromAxisAngle(angle > 0 ? turn.clone().divideScalar(angle) : turn.set(1, 0, 0), angle);
-      const arm = x0.clone().sub(pivot).applyQuaternion(q);
+      const arm = x0.sub(pivot).applyQuaternion(q);
       const x = arm.clone().add(pivot).add(move);
       const v = new Vector3(rate(0), rate(1), rate(2)).add(w.clone().cross(arm));
       q.multiply(q0);
-      frames.rows.set([x.x, x.y, x.z, q.w, q.x, q.y, q.z, v.x, v.y, v.z, w.x, w.y, w.z], k * width + at);
+      frames.rows.set([...x, q.w, q.x, q.y, q.z, ...v, ...w], k * width + at);
     });
   }
 }
@@ -72,6 +64,7 @@ class ModesPage extends RunPage {
     this.mode = 0;
     this.amplitude = 0.2;
     const { elements } = this;
+    elements['mode-words'].textContent = 'The mechanism has no degree of freedom and no modes.';
     elements['modes-bar'].hidden = false;
     elements['plots-tab'].textContent = 'Modes';
     for (const part of elements['plots-panel'].children) part.hidden = part !== elements['modes-list'];
@@ -87,39 +80,27 @@ class ModesPage extends RunPage {
   }
 
   addTable() {
-    const table = document.createElement('table');
-    table.className = 'modes-table';
-    const head = table.createTHead().insertRow();
-    for (const title of ['mode', 'frequency', 'damping', ''])
-      head.append(Object.assign(document.createElement('th'), { textContent: title, scope: 'col' }));
+    const table = titledTable(['mode', 'frequency', 'damping', ''], { className: 'modes-table' });
     const body = table.createTBody();
     this.rows = this.data.modes.map((mode, k) => {
-      const row = body.insertRow();
-      const button = Object.assign(document.createElement('button'), { type: 'button', textContent: mode.name });
-      button.addEventListener('click', () => this.choose(k));
-      row.insertCell().append(button);
-      for (const words of [
-        mode.frequency > 0 ? `${number(mode.frequency)} Hz` : '\u2013',
-        mode.frequency > 0 ? number(mode.damping) : '\u2013',
-        mode.words,
-      ])
-        row.insertCell().textContent = words;
-      return { row, button };
+      const row = body.insertRow(),
+        chooser = button(mode.name, () => this.choose(k));
+      row.insertCell().append(chooser);
+      const facts = mode.frequency > 0 ? [`${number(mode.frequency)} Hz`, number(mode.damping)] : ['\u2013', '\u2013'];
+      row.append(...[...facts, mode.words].map((words) => make('td', words)));
+      return { row, chooser };
     });
     this.elements['modes-list'].append(table);
   }
 
   choose(k) {
     const mode = this.data.modes[k];
-    if (!mode) {
-      this.elements['mode-words'].textContent = 'Nothing is free to move: there are no modes.';
-      return;
-    }
+    if (!mode) return;
     this.mode = k;
     this.elements.mode.value = k;
-    this.rows.forEach(({ row, button }, i) => {
+    this.rows.forEach(({ row, chooser }, i) => {
       row.className = i === k ? 'picked' : '';
-      button.setAttribute('aria-pressed', String(i === k));
+      press(chooser, i === k);
     });
     this.swing();
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Motion: poses and loads at any instant, between the frames by cubic polynomials through poses and velocities.
+// Motion: poses and loads at any time, between the frames by cubic polynomials through poses and velocities.
 
 const BODY = 13,
   MARKER = 7,
@@ -21,6 +21,12 @@ export function indexAt(times, t) {
 function weights(u, h) {
   const v = 1 - u;
   return [v * v * (1 + 2 * u), u * u * (3 - 2 * u), u * v * v * h, -u * u * v * h];
+}
+
+// Puts a quaternion, scalar first, at a place: scalar last, of length 1.
+function putTurn(to, at, e) {
+  const n = Math.hypot(...e) || 1;
+  for (let c = 0; c < 4; ++c) to[at + c] = e[(c + 1) & 3] / n;
 }
 
 export class Motion {
@@ -89,9 +95,7 @@ export class Motion {
   // The quaternion, scalar first in the frames: its rate is half the angular velocity times itself.
   turn(a, b, [p, q, r, s], secant, out) {
     const { rows, bodies } = this;
-    const q0 = [0, 1, 2, 3].map((c) => rows[a + 3 + c]);
-    let q1 = [0, 1, 2, 3].map((c) => rows[b + 3 + c]);
-    if (q0.reduce((sum, c, i) => sum + c * q1[i], 0) < 0) q1 = q1.map((c) => -c);
+    const [q0, q1] = this.turnsOf(a, b);
     const rate = (at, e) => {
       const x = rows[at + 10],
         y = rows[at + 11],
@@ -103,9 +107,14 @@ export class Motion {
     };
     const d0 = rate(a, q0),
       d1 = secant ? q1.map((c, i) => (c - q0[i]) / secant) : rate(b, q1);
-    const e = q0.map((c, i) => p * c + q * q1[i] + r * d0[i] + s * d1[i]);
-    const n = Math.hypot(...e) || 1;
-    for (let c = 0; c < 4; ++c) bodies[out + c] = e[(c + 1) & 3] / n;
+    const between = q0.map((c, i) => p * c + q * q1[i] + r * d0[i] + s * d1[i]);
+    putTurn(bodies, out, between);
+  }
+
+  // The quaternions of two poses, scalar first, on the same side.
+  turnsOf(a, b) {
+    const [q0, q1] = [a, b].map((at) => Array.from(this.rows.subarray(at + 3, at + 7)));
+    return [q0, q0.reduce((sum, c, i) => sum + c * q1[i], 0) < 0 ? q1.map((c) => -c) : q1];
   }
 
   seekMarker(i, k, next, u) {
@@ -114,16 +123,9 @@ export class Motion {
     const a = k * this.width + first,
       b = next * this.width + first,
       out = 7 * i;
-    let dot = 0;
-    for (let c = 3; c < 7; ++c) dot += rows[a + c] * rows[b + c];
-    const sign = dot < 0 ? -1 : 1;
     for (let c = 0; c < 3; ++c) markers[out + c] = (1 - u) * rows[a + c] + u * rows[b + c];
-    let norm = 0;
-    for (let c = 0; c < 4; ++c) {
-      const e = (1 - u) * rows[a + 3 + ((c + 1) & 3)] + u * sign * rows[b + 3 + ((c + 1) & 3)];
-      markers[out + 3 + c] = e;
-      norm += e * e;
-    }
-    for (let c = 3; c < 7; ++c) markers[out + c] /= Math.sqrt(norm) || 1;
+    const [q0, q1] = this.turnsOf(a, b);
+    const between = q0.map((c, j) => (1 - u) * c + u * q1[j]);
+    putTurn(markers, out + 3, between);
   }
 }

@@ -2,6 +2,7 @@
 // What lies over the picture as text and lines: names, axes with gravity, the scales of lengths and of arrows.
 import { Vector3 } from 'three';
 import { ROUND, roundDown } from './arrows.js';
+import { make } from './dom.js';
 
 const SVG = 'http://www.w3.org/2000/svg';
 
@@ -12,10 +13,10 @@ function draw(parent, kind, attributes, text) {
   parent.append(element);
 }
 
-export const short = (value) => Number(value.toPrecision(3)).toString();
+const short = (value) => Number(value.toPrecision(3)).toString();
 
-// Lengths as people say them.
-export function lengthText(metres) {
+// Lengths in common units.
+function lengthText(metres) {
   if (metres >= 1) return `${short(metres)} m`;
   if (metres >= 1e-3) return `${short(metres * 1e3)} mm`;
   return `${short(metres * 1e6)} \u00b5m`;
@@ -29,9 +30,7 @@ const AXES = [
 
 export class Overlay {
   constructor(data, world, elements) {
-    this.data = data;
-    this.world = world;
-    this.elements = elements;
+    Object.assign(this, { data, world, elements });
     this.names = { bodies: data.mechanism.moving.length <= 14, links: false };
     this.labels = [];
     for (const index of data.mechanism.moving)
@@ -49,9 +48,8 @@ export class Overlay {
   }
 
   addLabel(kind, name, place, body = -1) {
-    const element = document.createElement('span');
-    element.className = `label ${kind}`;
-    element.textContent = name.length > 40 ? `${name.slice(0, 39)}\u2026` : name;
+    const text = name.length > 40 ? `${name.slice(0, 39)}\u2026` : name;
+    const element = make('span', text, { className: `label ${kind}` });
     this.elements.labels.append(element);
     this.labels.push({ kind, element, place, body, width: 0 });
   }
@@ -85,14 +83,12 @@ export class Overlay {
     const svg = this.elements.axes,
       size = 30;
     svg.replaceChildren();
-    const back = camera.quaternion.clone().invert(),
-      v = new Vector3();
-    const arms = AXES.map(([name, axis]) => ({ name, v: v.copy(axis).applyQuaternion(back).clone() })).sort(
-      (a, b) => a.v.z - b.v.z,
-    );
+    const back = camera.quaternion.clone().invert();
+    const arms = AXES.map(([name, axis]) => [name, axis.clone().applyQuaternion(back)]);
+    arms.sort(([, a], [, b]) => a.z - b.z);
     const g = new Vector3(...this.data.mechanism.gravity);
-    if (g.length() > 0) arms.push({ name: 'g', v: g.normalize().applyQuaternion(back).clone() });
-    for (const { name, v: arm } of arms) {
+    if (g.length() > 0) arms.push(['g', g.normalize().applyQuaternion(back)]);
+    for (const [name, arm] of arms) {
       if (Math.hypot(arm.x, arm.y) < 0.08) continue;
       const gravity = name === 'g',
         long = gravity ? 0.62 : 1;
@@ -118,26 +114,18 @@ export class Overlay {
     this.elements.scaleText.textContent = lengthText(length);
     const { arrows } = this.world;
     const { force, moment } = arrows.scales();
-    const full = 100 * metresPerPixel,
-      reference = (most) => roundDown((most * full) / (arrows.length * arrows.factor));
+    const full = 100 * metresPerPixel;
     this.elements.arrowScale.replaceChildren();
     const forces = arrows.shown.force && arrows.most.force > 0 ? 'force' : 'reaction';
-    const rows = [
-      [forces, force, 'N'],
-      ['moment', moment, 'N m'],
-    ];
     if (!arrows.shown.force && !arrows.shown.reaction) return;
-    for (const [kind, most, unit] of rows) {
+    for (const [kind, most, unit] of [[forces, force, 'N'], ['moment', moment, 'N m']]) {
       if (!(most > 0)) continue;
-      const value = reference(most),
-        row = document.createElement('div');
-      const line = document.createElement('i'),
-        text = document.createElement('span');
-      row.className = `arrow ${kind}`;
+      const value = roundDown((most * full) / (arrows.length * arrows.factor));
+      const row = make('div', undefined, { className: `arrow ${kind}` }),
+        line = make('i');
       const pixels = ((value / most) * arrows.length * arrows.factor) / metresPerPixel;
       line.style.width = `${kind === 'moment' ? 2 * ROUND * pixels : pixels}px`;
-      text.textContent = `${short(value)} ${unit}`;
-      row.append(line, text);
+      row.append(line, make('span', `${short(value)} ${unit}`));
       this.elements.arrowScale.append(row);
     }
   }

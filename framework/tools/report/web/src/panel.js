@@ -1,24 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The panel beside the picture: the picked body, the list of bodies, the run, the scene.
+// The panel next to the picture: the selected body, the list of bodies, the run, the scene.
+import { button, factsTable, make, press } from './dom.js';
 import { number } from './plots.js';
-
-function element(kind, text, className) {
-  const e = document.createElement(kind);
-  if (text !== undefined) e.textContent = text;
-  if (className) e.className = className;
-  return e;
-}
-
-function table(rows) {
-  const t = element('table');
-  for (const [name, value] of rows) {
-    const row = t.insertRow();
-    const head = element('th', name);
-    head.scope = 'row';
-    row.append(head, element('td', value));
-  }
-  return t;
-}
 
 const vector = (v, unit) => `${Array.from(v, number).join(', ')} ${unit}`;
 
@@ -36,11 +19,9 @@ export class Panel {
     this.buttons = new Map();
     bodies.forEach((body, index) => {
       if (body.fixed && body.solids.length === 0) return;
-      const b = element('button', body.name.slice(0, 80));
-      b.type = 'button';
-      b.setAttribute('aria-pressed', 'false');
+      const b = button(body.name.slice(0, 80), () => this.page.select(this.selected === index ? -1 : index));
+      press(b, false);
       b.style.setProperty('--tint', body.fixed ? 'gray' : this.world.colorOf(index));
-      b.addEventListener('click', () => this.page.select(this.selected === index ? -1 : index));
       this.elements.bodies.append(b);
       this.buttons.set(index, b);
     });
@@ -54,31 +35,31 @@ export class Panel {
 
   showBody(index) {
     this.selected = index;
-    for (const [i, b] of this.buttons) b.setAttribute('aria-pressed', String(i === index));
+    for (const [i, b] of this.buttons) press(b, i === index);
     const holder = this.elements.body;
     holder.replaceChildren();
     this.live = null;
     if (index < 0) {
-      holder.append(element('p', 'Pick a body in the picture or in this list.', 'note'));
+      holder.append(make('p', 'Select a body in the picture or in this list.', { className: 'note' }));
       return;
     }
     const body = this.data.mechanism.bodies[index];
-    holder.append(element('h3', body.name));
-    this.live = element('div');
+    holder.append(make('h3', body.name));
+    this.live = make('div');
     holder.append(this.live, this.fixedFacts(body), ...this.links(index), ...this.channels(body.name));
     this.showTime();
   }
 
   fixedFacts(body) {
-    if (body.fixed) return table([['fixed', 'it never moves']]);
+    if (body.fixed) return factsTable([['fixed', 'does not move']]);
     const [a, b, c, d, e, f] = body.inertia;
     const rows = [
       ['mass', `${number(body.mass)} kg`],
-      ['mass centre', vector(body.center, 'm')],
+      ['centre of mass', vector(body.center, 'm')],
     ];
     if (!body.particle) rows.push(['inertia xx, yy, zz', vector([a, b, c], 'kg m\u00b2')]);
     if (!body.particle && (d || e || f)) rows.push(['inertia xy, yz, zx', vector([d, e, f], 'kg m\u00b2')]);
-    return table(rows);
+    return factsTable(rows);
   }
 
   links(index) {
@@ -98,7 +79,7 @@ export class Panel {
         .filter((f) => f.markers.some(on))
         .map((f) => [f.name, `${f.type}${names(f.markers) ? ` with ${names(f.markers)}` : ''}`]),
     ];
-    return rows.length ? [element('h4', 'Links and forces'), table(rows)] : [];
+    return rows.length ? [make('h4', 'Joints and forces'), factsTable(rows)] : [];
   }
 
   channels(name) {
@@ -106,7 +87,7 @@ export class Panel {
     const rows = this.data.table.columns
       .filter((c) => (channel.get(c.name) ?? c.name).startsWith(`${name}.`))
       .map((c) => [c.name, channel.get(c.name) ?? '']);
-    return rows.length ? [element('h4', 'Recorded'), table(rows)] : [];
+    return rows.length ? [make('h4', 'Recorded'), factsTable(rows)] : [];
   }
 
   showTime() {
@@ -125,10 +106,10 @@ export class Panel {
         ['angular velocity', vector(velocities.subarray(6 * i + 3, 6 * i + 6), 'rad/s')],
       );
     rows.push(...this.idleLinks());
-    this.live.replaceChildren(table(rows));
+    this.live.replaceChildren(factsTable(rows));
   }
 
-  // Links of the picked body that were switched off, or do not hold yet.
+  // Joints of the selected body that were deactivated, or are not active yet.
   idleLinks() {
     const { links, markers } = this.data.mechanism,
       { t } = this.world.motion;
@@ -136,18 +117,18 @@ export class Panel {
     const rows = [];
     links.forEach((link, k) => {
       if (states[k] === 'holds' || !link.pairs.flat().some((m) => markers[m].body === this.selected)) return;
-      rows.push([link.name, this.offWords(k, t) || 'not in force yet']);
+      rows.push([link.name, this.offWords(k, t) || 'not active yet']);
     });
     return rows;
   }
 
-  // "switched off at 0.33 s, by event 'cut'"; "": it was not until t.
+  // "deactivated at 0.33 s, by event 'cut'"; "": it was not until t.
   offWords(link, t) {
     const off = this.world.switches.offAt(link, t);
-    return off ? `switched off at ${number(off.t)} s${off.what ? `, by ${off.what}` : ''}` : '';
+    return off ? `deactivated at ${number(off.t)} s${off.what ? `, by ${off.what}` : ''}` : '';
   }
 
-  // What stands out of the links during the whole run.
+  // Remarks on joints, for the whole run.
   remarks() {
     const { links } = this.data.mechanism;
     const rows = [...(this.data.text.marked ?? [])];
@@ -157,53 +138,43 @@ export class Panel {
       for (const s of off.slice(0, 5)) rows.push([link.name, this.offWords(k, s.t)]);
     });
     if (rows.length === 0) return [];
-    const t = table(rows.slice(0, 200));
-    t.className = 'remarks';
-    return [element('h3', 'Links that are marked'), t];
+    return [make('h3', 'Remarks on joints'), Object.assign(factsTable(rows.slice(0, 200)), { className: 'remarks' })];
   }
 
   addRun() {
     const { text, mechanism, frames, table: columns } = this.data,
       holder = this.elements.run;
-    for (const warning of text.warnings) holder.append(element('p', warning, 'warning'));
-    if (text.description) holder.append(element('p', text.description));
-    const count = (n, one, many) => `${n} ${n === 1 ? one : many}`;
+    for (const warning of text.warnings) holder.append(make('p', warning, { className: 'warning' }));
+    if (text.description) holder.append(make('p', text.description));
+    const count = (n, one) => `${n} ${one}${n === 1 ? '' : 's'}`;
+    const recorded = `${count(columns.columns.length - 1, 'column')} in ${count(columns.rows, 'row')}`;
+    const thinned = (stride) => (stride > 1 ? `; every ${stride}th is in this file` : '');
     holder.append(
-      element('h3', 'Run'),
+      make('h3', 'Run'),
       this.facts(text.facts),
       ...this.remarks(),
-      element('h3', 'Mechanism'),
-      table([
-        ['bodies', `${mechanism.moving.length} that move`],
-        ['links', String(mechanism.links.length)],
+      make('h3', 'Mechanism'),
+      factsTable([
+        ['moving bodies', String(mechanism.moving.length)],
+        ['joints', String(mechanism.links.length)],
         ['forces', String(mechanism.forces.length)],
         ['gravity', vector(mechanism.gravity, 'm/s\u00b2')],
-        [
-          'recorded',
-          `${count(columns.columns.length - 1, 'column', 'columns')} in ${count(columns.rows, 'row', 'rows')}${columns.stride > 1 ? `; every ${columns.stride}th is in this file` : ''}`,
-        ],
-        ['instants drawn', `${frames.n}${frames.stride > 1 ? `; every ${frames.stride}th is in this file` : ''}`],
+        ['recorded', `${recorded}${thinned(columns.stride)}`],
+        ['frames', `${frames.n}${thinned(frames.stride)}`],
       ]),
-      element('h3', 'Made by'),
-      table([
-        ['lockstep', text.version],
-        ['on', text.machine],
-      ]),
+      make('h3', 'Created by'),
+      factsTable([['lockstep', text.version], ['on', text.machine]]),
     );
-    if (text.command) holder.append(element('pre', text.command));
+    if (text.command) holder.append(make('pre', text.command));
   }
 
-  // "NOT CONSERVED" and its like stand out.
+  // The verdict on the energy is coloured.
   facts(facts) {
-    const t = element('table');
-    for (const [name, value] of facts) {
-      const row = t.insertRow();
-      const head = element('th', name);
-      head.scope = 'row';
-      row.append(head, element('td', value));
-      if (/^[A-Z ]+$/.test(name) && name !== '') row.className = 'bad';
-      if (name === 'conserved') row.className = 'good';
-    }
-    return t;
+    const table = factsTable(facts);
+    facts.forEach(([, value], i) => {
+      if (/\bnot conserved/.test(value)) table.rows[i].className = 'bad';
+      else if (/\bconserved/.test(value)) table.rows[i].className = 'good';
+    });
+    return table;
   }
 }

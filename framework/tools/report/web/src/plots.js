@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Plots: the recorded columns over time, one panel per unit or as the scene asks; their cursor is the page's time.
 import uPlot from 'uplot';
+import { button, make, press } from './dom.js';
 import { envelope } from './envelope.js';
-import { download, pngOf } from './export.js';
+import { pngOf, saveCsv } from './export.js';
 import { indexAt } from './motion.js';
 import { hermite, slopesOf } from './slopes.js';
 import { theme } from './theme.js';
@@ -43,14 +44,14 @@ function drawable(values) {
 }
 
 export function number(value) {
-  if (value === null || value === undefined || !Number.isFinite(value)) return '\u2013';
+  if (!Number.isFinite(value)) return '\u2013';
   const size = Math.abs(value);
   if (size !== 0 && (size < 1e-3 || size >= 1e6)) return Number(value.toPrecision(4)).toExponential();
   return Number(value.toPrecision(5)).toString();
 }
 
 // Numbers of an axis, with as many digits as tell neighbours apart; on logarithmic axes some ticks have none.
-export function tickTexts(u, ticks, axis, space, step) {
+function tickTexts(u, ticks, axis, space, step) {
   const largest = Math.max(...ticks.map((v) => Math.abs(v ?? 0)));
   const logarithmic = u.scales[u.axes[axis].scale].distr === 3;
   if (logarithmic) return ticks.map((v) => (v === null ? '' : number(v)));
@@ -61,22 +62,33 @@ export function tickTexts(u, ticks, axis, space, step) {
   return ticks.map((v) => (v === 0 ? '0' : v.toExponential(Math.max(0, significant - 1))));
 }
 
+const FONT = '11px system-ui, sans-serif';
+
+export const titleOf = (column) => (column.unit ? `${column.name} [${column.unit}]` : column.name);
+
 export const axisStyle = () => ({
   values: tickTexts,
   stroke: theme.is.soft,
-  font: '11px system-ui, sans-serif',
-  labelFont: '11px system-ui, sans-serif',
+  font: FONT,
+  labelFont: FONT,
   grid: { stroke: theme.is.plotGrid, width: 1 },
   ticks: { stroke: theme.is.plotGrid, width: 1, size: 4 },
 });
 
-export function button(text, title, act) {
-  const element = document.createElement('button');
-  element.type = 'button';
-  element.textContent = text;
-  element.title = title;
-  element.addEventListener('click', act);
-  return element;
+// Of a series that has both coordinates; uPlot keeps its extent in them.
+export const facets = () => ['x', 'y'].map((scale) => ({ scale, auto: true }));
+
+// A series as `paint` draws it within the axes, which is given a function for the place of a point.
+export function drawnBy(u, seriesIdx, paint) {
+  uPlot.orient(u, seriesIdx, (series, xs, ys, scaleX, scaleY, toX, toY, left, top, wide, high) => {
+    u.ctx.save();
+    u.ctx.beginPath();
+    u.ctx.rect(left, top, wide, high);
+    u.ctx.clip();
+    paint((x, y) => [toX(x, scaleX, wide, left), toY(y, scaleY, high, top)], series);
+    u.ctx.restore();
+  });
+  return null;
 }
 
 export class Plots {
@@ -109,11 +121,8 @@ export class Plots {
     this.plots = [];
     this.range = this.full;
     if (this.groups.length === 0 || this.x.length < 2) {
-      const note = document.createElement('p');
-      note.className = 'note';
-      note.textContent =
-        this.groups.length === 0 ? 'No column beside the time was recorded.' : 'A curve needs two rows.';
-      this.holder.append(note);
+      const words = this.groups.length === 0 ? 'Only the time was recorded.' : 'A curve needs at least two rows.';
+      this.holder.append(make('p', words, { className: 'note' }));
       return;
     }
     for (const group of this.groups) this.addPanel(group);
@@ -121,26 +130,20 @@ export class Plots {
   }
 
   addPanel(group) {
-    const panel = document.createElement('section');
-    panel.className = 'plot';
-    const head = document.createElement('header');
-    const title = document.createElement('h3');
-    title.textContent = group.unit === '' ? 'without unit' : group.unit;
-    const log = button('log', 'Logarithmic axis', () => {
+    const panel = make('section', undefined, { className: 'plot' }),
+      head = make('header'),
+      body = make('div', undefined, { group });
+    const change = () => {
       group.log = !group.log;
       this.build();
-    });
-    log.setAttribute('aria-pressed', String(group.log));
-    const save = button('PNG', 'Save this plot as a picture', () =>
-      pngOf(
-        this.plots.find((p) => p.group === group),
-        `${this.fileName()}_${group.unit || 'plot'}.png`,
-      ),
-    );
-    head.append(title, log, save);
-    const body = document.createElement('div');
+    };
+    const log = button('log', change, { title: 'Logarithmic axis' });
+    press(log, group.log);
+    const picture = () =>
+      pngOf(this.plots.find((p) => p.group === group).plot, `${this.fileName()}_${group.unit || 'plot'}.png`);
+    const save = button('PNG', picture, { title: 'Save this plot as a picture' });
+    head.append(make('h3', group.unit === '' ? 'without unit' : group.unit), log, save);
     body.style.minHeight = `${HEIGHT + 28}px`;
-    body.group = group;
     panel.append(head, body);
     this.holder.append(panel);
     this.views.observe(body);
@@ -149,8 +152,7 @@ export class Plots {
   fill(body) {
     this.views.unobserve(body);
     const plot = this.makePlot(body.group, body);
-    const mark = document.createElement('div');
-    mark.className = 'time-mark';
+    const mark = make('div', undefined, { className: 'time-mark' });
     plot.over.append(mark);
     this.plots.push({ plot, group: body.group, mark, body });
     plot.setScale('x', { min: this.range[0], max: this.range[1] });
@@ -221,9 +223,7 @@ export class Plots {
     group.data = (range) => positive(this.dataOf(group, range));
     const plot = new uPlot(options, group.data(this.range), body);
     let down = NaN;
-    plot.over.addEventListener('mousedown', (e) => {
-      down = e.clientX;
-    });
+    plot.over.addEventListener('mousedown', (e) => (down = e.clientX));
     plot.over.addEventListener('click', (e) => {
       if (Math.abs(e.clientX - down) > 3) return;
       this.clock.pause();
@@ -244,11 +244,7 @@ export class Plots {
     ctx.setLineDash([4 * devicePixelRatio, 3 * devicePixelRatio]);
     for (const { t } of this.data.marks) {
       const x = u.valToPos(t, 'x', true);
-      if (!(x >= left && x <= left + width)) continue;
-      ctx.beginPath();
-      ctx.moveTo(x, top);
-      ctx.lineTo(x, top + height);
-      ctx.stroke();
+      if (x >= left && x <= left + width) ctx.stroke(new Path2D(`M${x} ${top} v${height}`));
     }
     ctx.restore();
   }
@@ -256,15 +252,8 @@ export class Plots {
   // One panel was zoomed: the others follow.
   zoomed(u) {
     const { min, max } = u.scales.x;
-    if (
-      this.zooming ||
-      min === undefined ||
-      min === null ||
-      this.plots.length === 0 ||
-      (min === this.range[0] && max === this.range[1])
-    )
-      return;
-    this.zoom([min, max]);
+    if (this.zooming || (min ?? null) === null || this.plots.length === 0) return;
+    if (min !== this.range[0] || max !== this.range[1]) this.zoom([min, max]);
   }
 
   zoom(range) {
@@ -306,11 +295,11 @@ export class Plots {
   saveCsv() {
     const { columns } = this.data.table;
     const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-    const lines = [columns.map((c) => quoted(c.unit ? `${c.name} [${c.unit}]` : c.name)).join()];
+    const lines = [columns.map((c) => quoted(titleOf(c))).join()];
     // Columns in single precision have 7 digits, and those with a base more.
     const digits = (c) => (c.values instanceof Float32Array ? (v) => Number(v.toPrecision(8)) : (v) => v);
     const forms = columns.map(digits);
     for (let i = 0; i < this.x.length; ++i) lines.push(columns.map((c, k) => forms[k](c.values[i])).join());
-    download(`${this.fileName()}.csv`, new Blob([`${lines.join('\n')}\n`], { type: 'text/csv' }));
+    saveCsv(`${this.fileName()}.csv`, `${lines.join('\n')}\n`);
   }
 }

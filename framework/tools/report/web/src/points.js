@@ -1,26 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page of many runs: each is a point of a plot whose axes and colour are columns of their table.
 import { readTable } from './csv.js';
-import { download, pngOf } from './export.js';
+import { button, byId as $, factsTable, make, press, titledTable } from './dom.js';
+import { pngOf, saveCsv } from './export.js';
 import { keptRun } from './histories.js';
 import { extentOf, shade, varies } from './marks.js';
 import { number } from './plots.js';
 import { Scatter } from './scatter.js';
 import { theme } from './theme.js';
 
-const REASONS = ['failure', 'status']; // columns that say why a run failed
+const REASONS = ['failure', 'status']; // columns with the reason of a failure
 const MOST_ROWS = 1000; // shown as a table
 const MOST_GROUPS = 12; // with a button each
 
-const $ = (id) => document.getElementById(id);
-
-function make(kind, words) {
-  const e = document.createElement(kind);
-  e.textContent = words;
-  return e;
-}
-
-// The columns of words that tell runs apart.
+// The columns of texts that distinguish runs.
 function wordsOf({ columns }) {
   return columns.filter((c) => !c.numbers && !REASONS.includes(c.title) && new Set(c.texts).size > 1);
 }
@@ -54,11 +47,7 @@ class Points {
     this.log = { x: data.log, y: data.log };
     this.joined = data.joined;
     this.picked = -1;
-    this.scatter = new Scatter(
-      $('points-plot'),
-      (i) => this.pick(i),
-      (i) => this.open(i),
-    );
+    this.scatter = new Scatter($('points-plot'), this.pick.bind(this), this.open.bind(this));
     this.restore();
     this.addChoices();
     this.addToggles();
@@ -89,10 +78,8 @@ class Points {
   }
 
   addChoices() {
-    const ways = [
-      ...this.words.map((c, k) => [`by ${c.title}`, k]),
-      [this.groups.length > 1 ? 'by all words' : 'one', -1],
-    ];
+    const ways = this.words.map((c, k) => [`by ${c.title}`, k]);
+    ways.push([this.groups.length > 1 ? 'by all texts' : 'one', -1]);
     for (const key of ['x', 'y', 'color']) {
       const select = $(`points-${key}`);
       if (key === 'color') for (const [name, k] of ways) select.add(new Option(name.slice(0, 80), `by ${k}`));
@@ -152,15 +139,15 @@ class Points {
   }
 
   linkTo(i, words) {
-    return Object.assign(make('a', words), { href: `#run=${this.runOf(i)}` });
+    return make('a', words, { href: `#run=${this.runOf(i)}` });
   }
 
   addToggles() {
     const toggle = (id, object, key) => {
-      $(id).setAttribute('aria-pressed', String(object[key]));
+      press($(id), object[key]);
       $(id).addEventListener('click', () => {
         object[key] = !object[key];
-        $(id).setAttribute('aria-pressed', String(object[key]));
+        press($(id), object[key]);
         this.keep();
         this.draw();
       });
@@ -168,10 +155,8 @@ class Points {
     toggle('points-log-x', this.log, 'x');
     toggle('points-log-y', this.log, 'y');
     toggle('points-join', this, 'joined');
-    $('points-png').addEventListener('click', () => this.scatter.plot && pngOf(this.scatter, 'runs.png'));
-    $('points-csv').addEventListener('click', () =>
-      download('runs.csv', new Blob([this.data.csv], { type: 'text/csv' })),
-    );
+    $('points-png').addEventListener('click', () => this.scatter.plot && pngOf(this.scatter.plot, 'runs.png'));
+    $('points-csv').addEventListener('click', () => saveCsv('runs.csv', this.data.csv));
   }
 
   // What a group is called among those that have one colour.
@@ -184,23 +169,19 @@ class Points {
     $('points-groups').replaceChildren();
     if (this.names.length < 2) return;
     this.names.forEach((name, i) => {
-      const button = make('button', name.slice(0, 80) || 'none');
-      button.type = 'button';
-      button.style.setProperty('--tint', theme.color(i));
-      button.setAttribute('aria-pressed', 'true');
-      button.addEventListener('click', () => {
+      const b = button(name.slice(0, 80) || 'none', () => {
         this.hidden[this.hidden.has(name) ? 'delete' : 'add'](name);
-        button.setAttribute('aria-pressed', String(!this.hidden.has(name)));
+        press(b, !this.hidden.has(name));
         this.draw();
       });
-      $('points-groups').append(button);
+      b.style.setProperty('--tint', theme.color(i));
+      press(b, true);
+      $('points-groups').append(b);
     });
   }
 
   addTable() {
-    const t = document.createElement('table');
-    const head = t.createTHead().insertRow();
-    for (const c of this.table.columns) head.append(Object.assign(make('th', c.title), { scope: 'col' }));
+    const t = titledTable(this.table.columns.map((c) => c.title));
     const body = t.createTBody();
     this.table.rows.slice(0, MOST_ROWS).forEach((cells, i) => {
       const row = body.insertRow();
@@ -239,7 +220,7 @@ class Points {
   showMissing(shown) {
     const n = shown.reduce((sum, g) => sum + g.members.length, 0) - this.scatter.seen.length;
     const runs = n === 1 ? '1 run has' : `${n} runs have`;
-    const words = `${runs} no point here: they failed, have no such number, or lie far beyond the others; the table has them.`;
+    const words = `${runs} no point here: failed, without this number, or far outside the plot; the table lists them.`;
     $('points-note').textContent = n > 0 ? words : '';
   }
 
@@ -249,30 +230,25 @@ class Points {
     holder.hidden = this.color < 0;
     if (this.color < 0) return;
     const [low, high] = this.scatter.extent;
-    const bar = document.createElement('i');
+    const bar = make('i');
     bar.style.background = `linear-gradient(to right, ${[0, 0.25, 0.5, 0.75, 1].map(shade).join()})`;
     const title = this.table.columns[this.color].title.slice(0, 80);
     holder.replaceChildren(`${title}: ${number(low)} `, bar, ` ${number(high)}`);
   }
 
-  // All cells of one run beside the plot.
+  // All cells of one run, next to the plot.
   pick(i) {
     this.picked = i;
     this.scatter.mark(i);
     const holder = $('points-row');
     if (i < 0) {
       holder.textContent = this.data.histories
-        ? 'Move over a point to see its numbers; click it to see its curves and its motion.'
-        : 'Move over a point, or click a row of the table, to see its run.';
+        ? 'Point at a run to see its numbers; click it to see its curves and its motion.'
+        : 'Point at a run, or click a row of the table, to see its numbers.';
       return;
     }
-    const t = document.createElement('table');
-    for (const c of this.table.columns) {
-      if (c.texts[i] === '') continue;
-      const row = t.insertRow();
-      row.append(Object.assign(make('th', c.title), { scope: 'row' }), make('td', c.texts[i]));
-    }
-    holder.replaceChildren(t);
+    const given = this.table.columns.filter((c) => c.texts[i] !== '');
+    holder.replaceChildren(factsTable(given.map((c) => [c.title, c.texts[i]])));
     const run = this.runOf(i);
     if (run >= 0) holder.prepend(this.linkTo(i, `Show run ${run}: its curves and its motion`));
   }

@@ -41,10 +41,13 @@ export class RunPage {
     try {
       return new Stage(this.data, this.world, this.elements);
     } catch (error) {
-      this.elements.failure.hidden = false;
-      this.elements.failure.textContent = `This browser cannot draw in space: ${error.message}. Plots and numbers are there all the same.`;
+      this.fail(`This browser cannot draw in 3-D: ${error.message}. Plots and numbers are still available.`);
       return null;
     }
+  }
+
+  fail(words) {
+    Object.assign(this.elements.failure, { hidden: false, textContent: words });
   }
 
   listen() {
@@ -61,9 +64,7 @@ export class RunPage {
     // A click picks a body; a drag turns the view.
     const { canvas } = this.elements;
     let down = null;
-    canvas.addEventListener('pointerdown', (e) => {
-      down = [e.clientX, e.clientY];
-    });
+    canvas.addEventListener('pointerdown', (e) => (down = [e.clientX, e.clientY]));
     canvas.addEventListener('pointerup', (e) => {
       if (!this.stage || !down || Math.hypot(e.clientX - down[0], e.clientY - down[1]) > 4) return;
       const box = canvas.getBoundingClientRect();
@@ -72,7 +73,7 @@ export class RunPage {
     });
   }
 
-  // "#t=0.5" opens at an instant; otherwise the run is played, unless the reader wants no motion.
+  // "#t=0.5" opens at a time; otherwise the run is played, unless the reader wants no motion.
   begin() {
     const asked = /(?:^#|&)t=([-+.e\d]+)$/i.exec(location.hash);
     if (asked && Number.isFinite(Number(asked[1]))) this.clock.seek(Number(asked[1]));
@@ -80,17 +81,8 @@ export class RunPage {
   }
 
   // -- what keys and buttons do
-  toggle() {
-    this.clock.toggle();
-  }
   step(n) {
     this.clock.step(n);
-  }
-  first() {
-    this.clock.seek(this.clock.start);
-  }
-  last() {
-    this.clock.seek(this.clock.end);
   }
   fit() {
     this.stage?.views.fit();
@@ -108,11 +100,6 @@ export class RunPage {
   }
   zoom(factor) {
     this.stage?.views.zoom(factor);
-  }
-
-  loop() {
-    this.clock.loop = !this.clock.loop;
-    this.clock.tell('state');
   }
 
   orthographic() {

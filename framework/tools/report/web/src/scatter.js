@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A scatter plot: points by two columns, coloured by group or by a third column.
 import uPlot from 'uplot';
+import { make } from './dom.js';
 import { cellOf, colorFor, drawLine, drawMarks, extentOf, varies } from './marks.js';
-import { axisStyle } from './plots.js';
+import { axisStyle, drawnBy, facets } from './plots.js';
 
 const NEAR = 14; // pixels
 
@@ -17,7 +18,6 @@ function range(log) {
 
 const scale = (log) => ({ time: false, distr: log ? 3 : 1, range: range(log) });
 const axis = (title, size) => ({ ...axisStyle(), label: title.slice(0, 80), labelSize: 18, size });
-const facet = (key) => ({ scale: key, auto: true });
 
 // On a logarithmic axis, runs that blew up to numbers without meaning would press all others together.
 function limitOf({ numbers, log }) {
@@ -28,9 +28,7 @@ function limitOf({ numbers, log }) {
 export class Scatter {
   // `onPoint` is told the number of the point under the mouse, `onClick` that of one that is clicked.
   constructor(holder, onPoint, onClick) {
-    this.holder = holder;
-    this.onPoint = onPoint;
-    this.onClick = onClick;
+    Object.assign(this, { holder, onPoint, onClick });
     this.seen = [];
   }
 
@@ -44,10 +42,8 @@ export class Scatter {
       const { numbers, log } = what[key];
       return Number.isFinite(numbers[i]) && (!log || (numbers[i] > 0 && numbers[i] <= limits[key]));
     };
-    this.groups = what.groups.map((g) => ({
-      ...g,
-      members: g.members.filter((i) => fits('x', i) && fits('y', i)),
-    }));
+    const fitting = (members) => members.filter((i) => fits('x', i) && fits('y', i));
+    this.groups = what.groups.map((g) => ({ ...g, members: fitting(g.members) }));
     this.seen = this.groups.flatMap((g) => g.members);
     this.extent = what.colors ? extentOf(what.colors.numbers, this.seen) : null;
     if (this.seen.length > 0) this.plot = this.make();
@@ -55,6 +51,7 @@ export class Scatter {
 
   make() {
     const { x, y } = this.what;
+    const series = (g) => ({ label: g.name, stroke: g.color, facets: facets(), paths: (u, k) => this.paint(u, k, g) });
     const plot = new uPlot(
       {
         mode: 2,
@@ -65,31 +62,19 @@ export class Scatter {
         cursor: { drag: { x: true, y: true }, points: { show: false }, x: false, y: false },
         scales: { x: scale(x.log), y: scale(y.log) },
         axes: [axis(x.title, 34), axis(y.title, 66)],
-        series: [
-          {},
-          ...this.groups.map((g) => ({
-            label: g.name,
-            stroke: g.color,
-            facets: [facet('x'), facet('y')],
-            paths: (u, k) => this.paint(u, k, g),
-          })),
-        ],
+        series: [{}, ...this.groups.map(series)],
       },
       [null, ...this.groups.map((g) => [g.members.map((i) => x.numbers[i]), g.members.map((i) => y.numbers[i])])],
       this.holder,
     );
-    this.ring = document.createElement('div');
-    this.ring.className = 'ring';
-    this.ring.hidden = true;
+    this.ring = make('div', undefined, { className: 'ring', hidden: true });
     plot.over.append(this.ring);
     plot.over.addEventListener('mousemove', (e) => {
       const i = this.nearest(e);
       if (i >= 0) this.onPoint(i);
     });
     let down = null;
-    plot.over.addEventListener('mousedown', (e) => {
-      down = [e.clientX, e.clientY];
-    });
+    plot.over.addEventListener('mousedown', (e) => (down = [e.clientX, e.clientY]));
     plot.over.addEventListener('click', (e) => {
       const i = this.nearest(e);
       if (i >= 0 && down && Math.hypot(e.clientX - down[0], e.clientY - down[1]) < 4) this.onClick(i);
@@ -98,19 +83,13 @@ export class Scatter {
   }
 
   paint(u, seriesIdx, { members, color }) {
-    uPlot.orient(u, seriesIdx, (series, dataX, dataY, scaleX, scaleY, toX, toY, left, top, wide, high) => {
+    return drawnBy(u, seriesIdx, (place) => {
       const { x, y, colors, joined } = this.what;
-      const points = members.map((i) => [toX(x.numbers[i], scaleX, wide, left), toY(y.numbers[i], scaleY, high, top)]);
-      u.ctx.save();
-      u.ctx.beginPath();
-      u.ctx.rect(left, top, wide, high);
-      u.ctx.clip();
+      const points = members.map((i) => place(x.numbers[i], y.numbers[i]));
       if (joined) drawLine(u.ctx, points, color);
       const tint = colors ? (k) => colorFor(colors.numbers[members[k]], this.extent) : () => color;
       drawMarks(u.ctx, points, tint, colors && !x.log && !y.log ? cellOf(points) : null);
-      u.ctx.restore();
     });
-    return null;
   }
 
   placeOf(i) {

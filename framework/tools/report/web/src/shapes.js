@@ -20,6 +20,7 @@ import {
   TubeGeometry,
   Vector3,
 } from 'three';
+import { theme } from './theme.js';
 
 const Y = new Vector3(0, 1, 0),
   Z = new Vector3(0, 0, 1);
@@ -41,11 +42,16 @@ export function material(color, options = {}) {
   return new MeshStandardMaterial({ color, roughness: 0.55, metalness: 0.05, ...options });
 }
 
-function edges(geometry, color, opacity = 0.35) {
+// In a colour of the theme, with which it changes.
+export const inked = (name, options) => theme.tinted(name, material(theme.is[name], options));
+
+// What a click passes through.
+export const unpicked = (object) => Object.assign(object, { raycast: () => {} });
+
+export function edges(geometry, color) {
   if (!edgesOf.has(geometry)) edgesOf.set(geometry, new EdgesGeometry(geometry, 40));
-  const lines = new LineSegments(edgesOf.get(geometry), new LineBasicMaterial({ color, transparent: true, opacity }));
-  lines.raycast = () => {};
-  return lines;
+  const mat = new LineBasicMaterial({ color, transparent: true, opacity: 0.35 });
+  return unpicked(new LineSegments(edgesOf.get(geometry), mat));
 }
 
 export function box(size, mat, edgeColor) {
@@ -91,15 +97,13 @@ export function bar(from, to, radius, mat) {
 export function plate(points, normal, mat) {
   const turn = new Quaternion().setFromUnitVectors(normal, Z);
   const flat = points.map((p) => p.clone().applyQuaternion(turn));
-  const shape = new Shape(flat);
-  const geometry = new ShapeGeometry(shape);
-  const mesh = new Mesh(geometry, mat);
+  const mesh = new Mesh(new ShapeGeometry(new Shape(flat)), mat);
   mesh.quaternion.copy(turn).invert();
   mesh.position.copy(new Vector3(0, 0, flat[0].z).applyQuaternion(mesh.quaternion));
   return mesh;
 }
 
-// The engineer's mark of a mass centre: a ball in quarters.
+// The engineer's mark of a centre of mass: a ball in quarters.
 export function centerMark(radius) {
   return new Mesh(shared(quarters, radius), new MeshStandardMaterial({ vertexColors: true, roughness: 0.7 }));
 }
@@ -125,7 +129,14 @@ export function tube(numbers, closed, radius, mat) {
   return new Mesh(new TubeGeometry(new CatmullRomCurve3(points, closed), 2 * points.length, radius, 8, closed), mat);
 }
 
-// Points x y z, x y z, ... as a geometry of lines.
-export function lineGeometry(numbers) {
+// Points x y z, x y z, ... as a geometry.
+export function geometryOf(numbers) {
   return new BufferGeometry().setAttribute('position', new BufferAttribute(Float32Array.from(numbers), 3));
+}
+
+// Other places for the points of a line.
+export function movePoints({ geometry }, numbers) {
+  const position = geometry.getAttribute('position');
+  position.array.set(numbers);
+  position.needsUpdate = true;
 }

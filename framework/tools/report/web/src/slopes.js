@@ -74,7 +74,7 @@ export function isCubic(slopes, marks, times, i) {
   return known && !marks.some(({ t }) => t > times[i - 1] && t < times[i]);
 }
 
-// A column at an instant: by the cubic, else straight from row to row.
+// A column at a time: by the cubic, else straight from row to row.
 export function valueAt(data, slopes, index, t) {
   const times = data.table.columns[0].values,
     { values } = data.table.columns[index];

@@ -8,6 +8,7 @@ import {
   Raycaster,
   Scene,
   Vector2,
+  Vector3,
   WebGLRenderer,
 } from 'three';
 import { Views } from './camera.js';
@@ -45,9 +46,9 @@ export class Stage {
     const { clientWidth, clientHeight } = this.elements.stage;
     if (clientWidth === 0 || clientHeight === 0) return;
     const first = this.width === undefined;
-    [this.width, this.height] = [clientWidth, clientHeight];
-    this.renderer.setSize(this.width, this.height, false);
-    this.views.resize(this.width / this.height);
+    Object.assign(this, { width: clientWidth, height: clientHeight });
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.views.resize(clientWidth / clientHeight);
     if (first) this.views.look('home');
     else if (this.views.fitted) this.views.fit();
     this.render();
@@ -65,16 +66,7 @@ export class Stage {
     const { camera, controls } = this.views;
     this.views.moveAlong();
     camera.updateMatrixWorld();
-    const e = camera.matrixWorld.elements;
-    this.key.position.copy(controls.target);
-    for (const [column, weight] of [
-      [0, -0.5],
-      [4, 0.9],
-      [8, 1],
-    ])
-      ((this.key.position.x += weight * e[column]),
-        (this.key.position.y += weight * e[column + 1]),
-        (this.key.position.z += weight * e[column + 2]));
+    this.key.position.copy(controls.target).add(new Vector3(-0.5, 0.9, 1).applyQuaternion(camera.quaternion));
     this.key.target.position.copy(controls.target);
     this.renderer.render(this.scene, camera);
     this.overlay.draw(camera, this.width, this.height, this.views.metresPerPixel(this.height));

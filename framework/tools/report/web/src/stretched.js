@@ -8,12 +8,11 @@ import {
   LineBasicMaterial,
   LineSegments,
   Mesh,
-  Quaternion,
   TubeGeometry,
   Vector3,
 } from 'three';
 
-import { lineGeometry, material, sphere } from './shapes.js';
+import { geometryOf, inked, movePoints, sphere, unpicked } from './shapes.js';
 import { theme } from './theme.js';
 
 const Z = new Vector3(0, 0, 1);
@@ -35,9 +34,9 @@ function coil(radius, wire) {
 export class Stretched {
   constructor(data, world, unit) {
     this.mats = {
-      spring: material(theme.is.spring, { metalness: 0.3 }),
-      rod: material(theme.is.joint),
-      rope: new LineBasicMaterial({ color: theme.is.ink }),
+      spring: inked('spring', { metalness: 0.3 }),
+      rod: inked('joint'),
+      rope: theme.tinted('ink', new LineBasicMaterial()),
     };
     this.items = [];
     this.belts = [];
@@ -48,44 +47,35 @@ export class Stretched {
     links.forEach((link, number) => {
       if (link.belt) this.addBelt(world, link);
       if (link.type !== 'distance') return;
-      const rod = new Mesh(
-        new CylinderGeometry(0.3 * unit, 0.3 * unit, 1, 16).rotateX(Math.PI / 2).translate(0, 0, 0.5),
-        this.mats.rod,
-      );
-      const rope = new Line(lineGeometry([0, 0, 0, 0, 0, 1]), this.mats.rope);
+      const shape = new CylinderGeometry(0.3 * unit, 0.3 * unit, 1, 16).rotateX(Math.PI / 2).translate(0, 0, 0.5);
+      const rod = new Mesh(shape, this.mats.rod);
+      const rope = new Line(geometryOf([0, 0, 0, 0, 0, 1]), this.mats.rope);
       this.add(world, link.pairs[0], link.one_sided ? rope : rod, number);
       for (const m of link.pairs[0]) world.markers[m].add(sphere(0.6 * unit, this.mats.rod, 20));
     });
   }
 
   addBelt(world, link) {
-    const lines = new LineSegments(lineGeometry(new Array(12).fill(0)), this.mats.rope);
-    lines.raycast = () => {};
+    const lines = unpicked(new LineSegments(geometryOf(new Array(12).fill(0)), this.mats.rope));
     lines.frustumCulled = false;
     world.root.add(lines);
     this.belts.push({ markers: link.pairs.map(([p]) => world.markers[p]), lines, ...link.belt });
   }
 
   add(world, markers, mesh, link = -1) {
-    const holder = new Group().add(mesh);
-    mesh.raycast = () => {};
+    const holder = new Group().add(unpicked(mesh));
     world.root.add(holder);
     this.items.push({ from: world.markers[markers[1]], to: world.markers[markers[0]], holder, link });
   }
 
   seek() {
     this.seekBelts();
-    const a = new Vector3(),
-      b = new Vector3(),
-      turn = new Quaternion();
+    const along = new Vector3();
     for (const { from, to, holder } of this.items) {
-      from.updateWorldMatrix(true, false);
-      to.updateWorldMatrix(true, false);
-      a.setFromMatrixPosition(from.matrixWorld);
-      b.setFromMatrixPosition(to.matrixWorld).sub(a);
-      const length = Math.max(b.length(), 1e-9);
-      holder.position.copy(a);
-      holder.quaternion.copy(turn.setFromUnitVectors(Z, b.divideScalar(length)));
+      from.getWorldPosition(holder.position);
+      to.getWorldPosition(along).sub(holder.position);
+      const length = Math.max(along.length(), 1e-9);
+      holder.quaternion.setFromUnitVectors(Z, along.divideScalar(length));
       holder.scale.set(1, 1, length);
     }
   }
@@ -99,32 +89,20 @@ export class Stretched {
         distance = along.length();
       along.divideScalar(distance || 1);
       const across = new Vector3().crossVectors(axis, along);
-      const cosine = (radii[0] + (crossed ? radii[1] : -radii[1])) / distance,
+      const second = crossed ? -radii[1] : radii[1],
+        cosine = (radii[0] - second) / distance,
         sine = Math.sqrt(Math.max(0, 1 - cosine * cosine));
       const ends = [];
       for (const side of [1, -1]) {
-        const normal = along
-          .clone()
-          .multiplyScalar(cosine)
-          .addScaledVector(across, side * sine);
-        ends.push(
-          a.clone().addScaledVector(normal, radii[0]),
-          b.clone().addScaledVector(normal, crossed ? -radii[1] : radii[1]),
-        );
+        const normal = along.clone().multiplyScalar(cosine);
+        normal.addScaledVector(across, side * sine);
+        ends.push(...a.clone().addScaledVector(normal, radii[0]), ...b.clone().addScaledVector(normal, second));
       }
-      const position = lines.geometry.getAttribute('position');
-      ends.forEach((p, i) => position.setXYZ(i, p.x, p.y, p.z));
-      position.needsUpdate = true;
+      movePoints(lines, ends);
     }
   }
 
   show(link, shown) {
     for (const item of this.items) if (item.link === link) item.holder.visible = shown;
-  }
-
-  recolor() {
-    this.mats.spring.color.set(theme.is.spring);
-    this.mats.rod.color.set(theme.is.joint);
-    this.mats.rope.color.set(theme.is.ink);
   }
 }

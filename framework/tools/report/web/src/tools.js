@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The buttons above the picture, and those for the picked body.
+// The buttons above the picture, and those for the selected body.
+import { press } from './dom.js';
 import { download } from './export.js';
 
 export class Tools {
@@ -8,9 +9,9 @@ export class Tools {
     this.centers = false;
     const { elements, world, stage, plots, data } = page;
     const on = (id, act) => elements[id].addEventListener('click', act);
-    const flip = (id, act) =>
+    const flip = (id, object, key) =>
       on(id, () => {
-        act();
+        object[key] = !object[key];
         this.show();
       });
     on('fit', () => page.fit());
@@ -20,19 +21,11 @@ export class Tools {
     on('trail', () => page.trail());
     on('csv', () => plots.saveCsv());
     on('picture', () => this.savePicture());
-    flip('joints', () => {
-      if (stage) stage.overlay.names.links = !stage.overlay.names.links;
-    });
-    flip('centers', () => {
-      this.centers = !this.centers;
-    });
-    flip('trails', () => world.trails.show(!world.trails.shown));
-    flip('forces', () => {
-      world.arrows.shown.force = !world.arrows.shown.force;
-    });
-    flip('reactions', () => {
-      world.arrows.shown.reaction = !world.arrows.shown.reaction;
-    });
+    flip('joints', stage?.overlay.names ?? {}, 'links');
+    flip('centers', this, 'centers');
+    flip('trails', world.trails, 'shown');
+    flip('forces', world.arrows.shown, 'force');
+    flip('reactions', world.arrows.shown, 'reaction');
     elements.forces.hidden = !data.mechanism.loads.some((load) => !load.reaction);
     elements.reactions.hidden = !data.mechanism.loads.some((load) => load.reaction);
     elements.arrows.parentElement.hidden = data.mechanism.loads.length === 0;
@@ -49,29 +42,25 @@ export class Tools {
   // Buttons as things are, and the picture with them.
   show() {
     const { elements, world, stage, selected, following, clock } = this.page;
-    const press = (id, on) => elements[id].setAttribute('aria-pressed', String(on));
     world.bodies.showCenters(this.centers, selected);
-    press('centers', this.centers);
-    press('forces', world.arrows.shown.force);
-    press('reactions', world.arrows.shown.reaction);
-    press('trails', world.trails.shown);
-    press('names', stage?.overlay.names.bodies ?? false);
-    press('joints', stage?.overlay.names.links ?? false);
-    press('parallel', stage?.views.isOrthographic ?? false);
-    press('follow', following);
-    press('trail', world.trails.lines.has(`body ${selected}`));
+    press(elements.centers, this.centers);
+    press(elements.forces, world.arrows.shown.force);
+    press(elements.reactions, world.arrows.shown.reaction);
+    press(elements.trails, world.trails.shown);
+    press(elements.names, stage?.overlay.names.bodies ?? false);
+    press(elements.joints, stage?.overlay.names.links ?? false);
+    press(elements.parallel, stage?.views.isOrthographic ?? false);
+    press(elements.follow, following);
+    press(elements.trail, world.trails.lines.has(`body ${selected}`));
     elements.follow.disabled = elements.trail.disabled = selected < 0;
     world.seek(clock.t);
     stage?.redraw();
   }
 
-  async savePicture() {
+  savePicture() {
     const { stage, plots } = this.page;
     if (!stage) return;
     stage.render();
-    const bytes = await new Promise((done) => {
-      stage.elements.canvas.toBlob(done);
-    });
-    download(`${plots.fileName()}.png`, bytes);
+    stage.elements.canvas.toBlob((bytes) => download(`${plots.fileName()}.png`, bytes));
   }
 }

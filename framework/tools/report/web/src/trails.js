@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Trails: the ways of points of bodies during the run; the part that lies behind is drawn stronger.
-import { Line, LineBasicMaterial, Vector3 } from 'three';
-
-import { lineGeometry, material, sphere } from './shapes.js';
+import { Line, LineBasicMaterial } from 'three';
+import { geometryOf, material, movePoints, sphere, unpicked } from './shapes.js';
 
 // Instants for a smooth way: every frame, and some between them where there are few.
 function trailTimes(motion, most = 3000) {
   const { times } = motion;
-  const between = Math.max(1, Math.floor(most / Math.max(1, times.length)));
+  const between = Math.min(8, Math.max(1, Math.floor(most / Math.max(1, times.length))));
   const every = Math.max(1, Math.ceil(times.length / most));
   const list = [];
   for (let k = 0; k + 1 < times.length; k += every)
-    for (let i = 0; i < Math.min(between, 8); ++i)
-      list.push(times[k] + ((times[Math.min(k + every, times.length - 1)] - times[k]) * i) / Math.min(between, 8));
-  list.push(times[times.length - 1]);
-  return list;
+    for (let i = 0; i < between; ++i)
+      list.push(times[k] + ((times[Math.min(k + every, times.length - 1)] - times[k]) * i) / between);
+  return [...list, motion.end];
 }
 
 export class Trails {
@@ -30,19 +28,14 @@ export class Trails {
   add(key, object, point, color) {
     if (this.lines.has(key)) return;
     const times = trailTimes(this.motion);
-    const geometry = lineGeometry(this.way(object, point, times));
+    const geometry = geometryOf(this.way(object, point, times));
     const whole = new Line(geometry, new LineBasicMaterial({ transparent: true, opacity: 0.28, depthWrite: false }));
     const past = new Line(geometry.clone(), new LineBasicMaterial({}));
-    for (const line of [whole, past]) {
-      line.raycast = () => {};
-      line.frustumCulled = false;
-      line.visible = this.shown;
-      this.world.root.add(line);
-    }
     const dot = sphere(0.4 * this.world.unit, material('#000000'), 16);
     dot.position.copy(point);
-    dot.raycast = () => {};
-    dot.visible = this.shown;
+    for (const part of [whole, past, dot]) unpicked(part);
+    whole.frustumCulled = past.frustumCulled = false;
+    this.world.root.add(whole, past);
     object.add(dot);
     this.lines.set(key, { times, whole, past, dot, color, object, point });
     this.recolor();
@@ -51,13 +44,10 @@ export class Trails {
   // Where the point is at each of the times.
   way(object, point, times) {
     const numbers = [];
-    const p = new Vector3(),
-      now = this.motion.t;
+    const now = this.motion.t;
     for (const t of times) {
       this.world.pose(t);
-      object.updateWorldMatrix(true, false);
-      p.copy(point).applyMatrix4(object.matrixWorld);
-      numbers.push(p.x, p.y, p.z);
+      numbers.push(...object.localToWorld(point.clone()));
     }
     if (Number.isFinite(now)) this.world.pose(now);
     return numbers;
@@ -67,11 +57,7 @@ export class Trails {
   redo() {
     for (const { times, whole, past, object, point } of this.lines.values()) {
       const numbers = this.way(object, point, times);
-      for (const line of [whole, past]) {
-        const position = line.geometry.getAttribute('position');
-        position.array.set(numbers);
-        position.needsUpdate = true;
-      }
+      for (const line of [whole, past]) movePoints(line, numbers);
     }
   }
 
@@ -83,13 +69,9 @@ export class Trails {
     this.lines.delete(key);
   }
 
-  show(shown) {
-    this.shown = shown;
-    for (const { whole, past, dot } of this.lines.values()) whole.visible = past.visible = dot.visible = shown;
-  }
-
   seek(t) {
-    for (const { times, past } of this.lines.values()) {
+    for (const { times, whole, past, dot } of this.lines.values()) {
+      whole.visible = past.visible = dot.visible = this.shown;
       let n = 0;
       while (n < times.length && times[n] <= t) ++n;
       past.geometry.setDrawRange(0, Math.max(n, 1));

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// World: everything that is drawn in space, at one instant.
+// World: everything that is drawn in space, at one time.
 import { Group, Vector3 } from 'three';
 import { Arrows } from './arrows.js';
 import { Badges } from './badges.js';
-import { Bodies, attachments } from './bodies.js';
+import { Bodies, attachments, setPose, setPoseOf } from './bodies.js';
 import { frameOf, instants } from './frame.js';
 import { Joints } from './joints.js';
 import { Stretched } from './stretched.js';
 import { Switches } from './switches.js';
 import { Trails } from './trails.js';
-
-function setPose(object, at) {
-  object.position.set(at[0], at[1], at[2]);
-  object.quaternion.set(at[4], at[5], at[6], at[3]);
-}
 
 // The size of symbols: a part of the mechanism, less where its parts are small.
 function unitOf(data, frame) {
@@ -34,8 +29,7 @@ export class World {
     this.root = new Group();
     this.bodies = new Bodies(data, this.root);
     this.markers = data.mechanism.markers.map((marker) => {
-      const object = new Group();
-      setPose(object, marker.at);
+      const object = setPose(new Group(), marker.at);
       this.bodies.groups[marker.body].add(object);
       return object;
     });
@@ -57,7 +51,7 @@ export class World {
     this.seek(motion.start);
   }
 
-  // Of the markers that the scene itself names on bodies that move; of few bodies also their mass centres.
+  // Of the markers that the scene itself names on bodies that move; of few bodies also their centres of mass.
   addTrails() {
     const { bodies, markers, links, forces } = this.data.mechanism;
     const used = new Set([...links.flatMap((l) => l.pairs.flat()), ...forces.flatMap((f) => f.markers)]);
@@ -88,12 +82,7 @@ export class World {
   pose(t) {
     this.motion.seek(t);
     this.bodies.seek(this.motion);
-    this.movedMarkers.forEach((object, i) => {
-      const m = this.motion.markers,
-        k = 7 * i;
-      object.position.set(m[k], m[k + 1], m[k + 2]);
-      object.quaternion.set(m[k + 3], m[k + 4], m[k + 5], m[k + 6]);
-    });
+    this.movedMarkers.forEach((object, i) => setPoseOf(object, this.motion.markers, i));
     this.root.updateMatrixWorld(true);
   }
 
@@ -106,7 +95,7 @@ export class World {
     this.showActive(t);
   }
 
-  // Links that are not in force are not shown; those that were switched off leave a cross.
+  // Links that are not in force are not shown; those that were deactivated leave a cross.
   showActive(t) {
     const states = this.switches.statesAt(t),
       key = states.join();
@@ -122,6 +111,7 @@ export class World {
   }
 
   recolor() {
-    for (const part of [this.bodies, this.joints, this.stretched, this.arrows, this.trails]) part.recolor();
+    this.bodies.recolor();
+    this.trails.recolor();
   }
 }

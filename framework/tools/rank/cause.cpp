@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "framework/tools/rank/cause.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <optional>
+
+#include <lockstep/analysis.h>
+#include <lockstep/author/lock.h>
+#include <lockstep/system.h>
+#include <lockstep/text.h>
+#include "framework/dynamics/evaluate/row_space.h"
+#include "framework/dynamics/simulate/start_rows.h"
+#include "framework/dynamics/solvers/graph.h"
+#include "framework/tools/rank/loop_rows.h"
+
+namespace lockstep {
+namespace {
+
+using Names = std::vector<std::string>;
+
+// -- loops that cannot close: one body is longer than all others together
+
+/// A joint that holds a point of one body at a point of another, without a law.
+struct PointJoint {
+  const Lock* link;
+  const Marker *p, *s;
+};
+
+std::vector<PointJoint> point_joints(const System& system, const State& state) {
+  std::vector<PointJoint> all;
+  for (const auto& link : system.links()) {
+    const Jointed* joint = link->jointed();
+    if (joint == nullptr || !state.modes[link->number()] || (joint->mask() & Mask::xyz) != Mask::xyz) continue;
+    const auto [p, s] = link->pairs().front();
+    if (joint->imposed().move || joint->imposed().hold || p->translation_law || s->translation_law) continue;
+    all.push_back({link.get(), p, s});
+  }
+  return all;
+}
+
+/// A body on a loop, between two of its joints.
+struct Span {
+  const Body* body;
+  std::string from, to;
+  double length;
+};
+
+const Marker& marker_on(const PointJoint& joint, int slot) { return joint.p->body->slot == slot ? *joint.p : *joint.s; }
+Vec3 place_in_slot(const Marker& m) {
+  return m.body->slot == kGround ? (m.body->home * m.local).x : (m.body->in_slot * m.local).x;
+}
+
+// The loop that each joint closes with those before it, which are a tree.
+std::vector<std::vector<Span>> loops(const std::vector<PointJoint>& joints, int n_slots) {
+  std::vector<std::vector<Span>> all;
+  std::vector<std::vector<std::size_t>> of_slot(n_slots + 1);  // joints of the tree, by slot + 1
+  Parts parts(n_slots + 1);
+  for (std::size_t last = 0; last < joints.size(); ++last) {
+    const int a = joints[last].p->body->slot, b = joints[last].s->body->slot;
+    if (a == b) continue;
+    if (parts.join(a + 1, b + 1)) {
+      of_slot[a + 1].push_back(last), of_slot[b + 1].push_back(last);
+      continue;
+    }
+    std::map<int, std::size_t> by{{a, last}};  // the joint by which a slot is reached from a
+    std::vector<int> queue{a};
+    for (std::size_t i = 0; i < queue.size(); ++i)
+      for (const std::size_t k : of_slot[queue[i] + 1]) {
+        const int p = joints[k].p->body->slot, next = p == queue[i] ? joints[k].s->body->slot : p;
+        if (by.emplace(next, k).second) queue.push_back(next);
+      }
+    std::vector<Span>& loop = all.emplace_back();
+    std::size_t out = last;
+    for (int slot = b;;) {
+      const std::size_t in = by.at(slot);
+      const Marker &from = marker_on(joints[out], slot), &to = marker_on(joints[in], slot);
+      loop.push_back({from.body, joints[out].link->name(), joints[in].link->name(),
+                      (place_in_slot(from) - place_in_slot(to)).norm()});
+      if (slot == a) break;
+      const int p = joints[in].p->body->slot;
+      slot = p == slot ? joints[in].s->body->slot : p, out = in;
+    }
+  }
+  return all;
+}
+
+std::optional<Cause> open_loop(const System& system, const State& state) {
+  for (const std::vector<Span>& loop : loops(point_joints(system, state), system.n_slots())) {
+    const auto longest = std::ranges::max_element(loop, {}, &Span::length);
+    double rest = 0;
+    Names others;
+    for (const Span& s : loop)
+      if (&s != &*longest) rest += s.length, others.push_back(s.body->name);
+    const double open = longest->length - rest;
+    if (!(open > kDependent * longest->length)) continue;
+    Cause cause;
+    cause.fact = fmt::format(
+        "the mechanism cannot be assembled: a loop is open by {:.3g} m. {} spans {:.3g} m from joint {} to joint {}, "
+        "{} "
+        "reach {:.3g} m together",
+        open, longest->body->name, longest->length, longest->from, longest->to, text::join(others), rest);
+    cause.hint = longest->length > 100 * rest  // a unit is wrong
+                     ? fmt::format("check the unit of a length of {}: \"200 mm\" is 0.2", longest->body->name)
+                     : fmt::format("place joint {} or {} elsewhere, or make one of the other bodies longer",
+                                   longest->from, longest->to);
+    return cause;
+  }
+  return {};
+}
+
+// -- rows that contradict, or lock
+
+std::string drive_name(const NamedRow& row) {
+  return row.link->name() + "." + row.link->driven()->drive(row.link->row(row.own).drive).name;
+}
+
+/// "1 rad/s": the rate that a drive prescribes.
+std::string asked_rate(const NamedRow& row, double t) {
+  const int d = row.link->row(row.own).drive;
+  const Jointed* joint = row.link->jointed();
+  if (joint == nullptr || d >= static_cast<int>(joint->imposed().drives.size())) return "";
+  const Drive& drive = joint->imposed().drives[d];
+  const LawValue law = drive.law->at(t);
+  return fmt::format("{:.4g} {}/s", drive.speed ? law.y : law.yd, row.link->driven()->drive(d).unit);
+}
+
+/// A combination of rows that is zero, although laws prescribe its change: the drives, stops and joints in it.
+struct Contradiction {
+  Names drives, rates, stops, joints;
+};
+
+std::optional<Contradiction> contradiction(const System& system, const Evaluation& e, const VecX& rates, double t) {
+  const RowTable& table = e.rows();
+  for (const std::vector<int>& entries : loops_of(system, table)) {
+    const LoopRows rows(system, table, entries);
+    const Dependencies found(rows.Jt, kNearlyDependent);
+    for (Eigen::Index c = 0; c < found.circuits.cols(); ++c) {
+      double sum = 0, size = 0;
+      const auto takes_part = [&](int k) { return std::abs(found.circuits(k, c)) > kNearlyDependent; };
+      for (int k = 0; k < rows.n(); ++k) {
+        const double part = takes_part(k) ? found.circuits(k, c) * rates[rows.numbers[k]] : 0;
+        sum += part, size += std::abs(part);
+      }
+      if (!(std::abs(sum) > kNearlyDependent * size)) continue;
+      Contradiction who;
+      for (int k = 0; k < rows.n(); ++k) {
+        if (!takes_part(k)) continue;
+        const NamedRow row(system, table, rows.numbers[k]);
+        if (row.link->row(row.own).drive >= 0) {
+          who.drives.push_back(drive_name(row)), who.rates.push_back(asked_rate(row, t));
+        } else {
+          add_name(row.link->name(), row.link->unilateral() != nullptr ? who.stops : who.joints);
+        }
+      }
+      return who;
+    }
+  }
+  return {};
+}
+
+/// The joint whose axis is not parallel to those of all others, which are; null if there is none. The angle, rad.
+std::pair<const Lock*, double> odd_axis(Dynamics& dynamics, const State& state) {
+  std::vector<std::pair<const Lock*, Vec3>> axes;
+  const Inputs& in = dynamics.inputs(state);
+  for (const auto& link : dynamics.system().links()) {
+    const Jointed* joint = link->jointed();
+    if (joint == nullptr || !state.modes[link->number()] || (joint->mask() & Mask::e123) != (Mask::e1 | Mask::e2))
+      continue;
+    const auto [p, s] = link->pairs().front();
+    axes.emplace_back(link.get(), in_world(MarkerFrame(*s), in).A.col(2));
+  }
+  if (axes.size() < 3) return {};
+  for (const auto& [link, axis] : axes) {
+    double odd = 0;
+    bool others_agree = true;
+    const Vec3* first = nullptr;
+    for (const auto& [other, of_other] : axes) {
+      if (other == link) continue;
+      if (first == nullptr) first = &of_other;
+      others_agree = others_agree && cross(*first, of_other).norm() < kNearlyDependent;
+      odd = std::atan2(cross(axis, of_other).norm(), std::abs(axis.dot(of_other)));
+    }
+    if (others_agree && odd > kNearlyDependent) return {link, odd};
+  }
+  return {};
+}
+
+std::optional<Cause> locked(Dynamics& dynamics, const State& state, const MobilityReport& mobile) {
+  if (mobile.freedoms + mobile.driven > 0 || mobile.drives.empty()) return {};
+  Cause cause;
+  cause.fact = fmt::format("the mechanism is locked: its joints leave no degree of freedom, so drive {} cannot move it",
+                           text::join(mobile.drives));
+  if (const auto [joint, angle] = odd_axis(dynamics, state); joint != nullptr)
+    cause.hint = fmt::format("correct the axis of joint {}: it is {:.3g} deg off the axes of all other joints",
+                             joint->name(), degrees(angle));
+  else if (!mobile.redundant_links.empty())
+    cause.hint =
+        fmt::format("release one constraint of joints {}, or correct their axes", text::join(mobile.redundant_links));
+  else
+    cause.hint = "release a constraint, or remove a joint (lockstep mobility)";
+  return cause;
+}
+
+std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
+  State still = at;
+  dynamics.to_slots(still);
+  still.v.setZero();
+  const Evaluation& e = dynamics.gather_rows(still);
+  VecX C, rates;
+  e.residuals(C, rates);
+  const System& system = dynamics.system();
+  const std::optional<Contradiction> who = contradiction(system, e, rates, at.t);
+  if (!who || who->drives.empty()) return {};
+  const std::string when = fmt::format("at t = {:.4g} s", at.t);
+  if (!who->stops.empty())
+    return Cause{fmt::format("drive {} runs into stop {} {}", who->drives.front(), who->stops.front(), when),
+                 "end the motion before the stop, or move the stop"};
+  if (who->drives.size() > 1)
+    return Cause{fmt::format("drives {} contradict: they prescribe {} of coordinates that depend on each other {}",
+                             text::join(who->drives, " and "), text::join(who->rates, " and "), when),
+                 "remove one of them, or let their motions agree"};
+  const MobilityReport mobile = mobility(dynamics, still);
+  if (std::optional<Cause> cause = locked(dynamics, still, mobile)) return cause;
+  return Cause{
+      fmt::format("drive {} has reached a limit position (dead centre) {}: joints {} allow no further motion that way",
+                  who->drives.front(), when, text::join(who->joints)),
+      "end the motion before it, or change the lengths"};
+}
+
+// -- steps that are too long
+
+/// Size of the largest eigenvalue of the equations of motion, 1/s: by powers of differences of their rates.
+double fastest_rate(Dynamics& dynamics, const State& at) {
+  constexpr double small =
+      kNearlyDependent * kNearlyDependent;  // of the length: a difference; of the rate: it converged
+  const double d = small * dynamics.system().length();
+  StateRate r0, r1;
+  dynamics.rates(at, r0);
+  VecX q = VecX::Zero(at.v.size()), v = VecX::LinSpaced(at.v.size(), 1, 2);
+  double rate = 1, before = 0;
+  for (int k = 0; k < at.v.size() + 20 && std::abs(rate - before) > small * rate; ++k) {
+    const double size = std::sqrt(q.squaredNorm() * rate * rate + v.squaredNorm());  // positions as velocities
+    if (!(size > 0) || !std::isfinite(size)) break;
+    q /= size, v /= size;
+    State off = at;
+    advance_state(off, d, q);
+    off.v += d * v;
+    dynamics.rates(off, r1);
+    const VecX of_v = (r1.v - r0.v) / d;
+    q = v, v = of_v, before = rate;
+    rate = std::max(1.0, std::sqrt(q.squaredNorm() * rate * rate + v.squaredNorm()));
+  }
+  return rate;
+}
+
+std::optional<Cause> long_step(Dynamics& dynamics, const State& at, double step) {
+  if (!(step > 0)) return {};
+  const double rate = fastest_rate(dynamics, at);
+  if (!(rate * step > 1)) return {};  // rad in a step: explicit methods are unstable beyond 1 to 3
+  return Cause{
+      fmt::format("the step of {:.3g} s is too long: the fastest motion of the mechanism has a rate of {:.3g} 1/s",
+                  step, rate),
+      fmt::format("take a step below {:.2g} s, or an implicit or adaptive method", 1 / rate)};
+}
+
+using CauseFinder = std::function<std::optional<Cause>()>;
+
+// The evaluation that a fact needs may be what fails: then there is no fact.
+Cause first_found(std::initializer_list<CauseFinder> finders) {
+  for (const CauseFinder& find : finders) try {
+      if (std::optional<Cause> cause = find()) return *cause;
+    } catch (const Error&) {
+    }
+  return {};
+}
+
+}  // namespace
+
+Cause cause_of_start(Dynamics& dynamics, const State& given) {
+  return first_found(
+      {[&] { return open_loop(dynamics.system(), given); }, [&] { return contradicting(dynamics, given); }});
+}
+
+Cause cause_of_lock(Dynamics& dynamics, const State& at) {
+  return first_found({[&] { return locked(dynamics, at, mobility(dynamics, at)); }});
+}
+
+Cause cause_of_stop(Dynamics& dynamics, const State& at, double step) {
+  return first_found({[&] { return contradicting(dynamics, at); }, [&] { return long_step(dynamics, at, step); }});
+}
+
+void rethrow_with(const Cause& cause, const Error& error, const std::string& lines) {
+  ErrorData about = error;
+  std::string sentence = error.what();
+  if (!cause.fact.empty()) {
+    about.problem = cause.fact, about.advice = cause.hint;
+    sentence = fmt::format("{}\n  hint: {}\n{}  solver: {}", cause.fact, cause.hint, lines, sentence);
+  } else if (!lines.empty()) {
+    sentence += "\n" + lines.substr(0, lines.size() - 1);
+  }
+  switch (error.kind()) {
+    case Error::Kind::assembly:
+      throw AssemblyError(sentence, about);
+    case Error::Kind::solve:
+      throw SolveError(sentence, about);
+    case Error::Kind::step:
+      throw StepError(sentence, about);
+    case Error::Kind::non_finite:
+      throw NonFiniteError(sentence, about);
+    default:
+      throw;
+  }
+}
+
+}  // namespace lockstep

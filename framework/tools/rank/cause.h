@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is wrong with a mechanism whose start or run fails, as facts about it: loops that cannot close, drives that
+// contradict, joints that lock, limit positions, steps that are too long.
+#pragma once
+
+#include <string>
+
+#include <lockstep/dynamics.h>
+#include <lockstep/error.h>
+
+namespace lockstep {
+
+/// A fact about a mechanism, and what to do about it; both empty if there is none.
+struct Cause {
+  std::string fact, hint;
+};
+
+/// What is wrong with a start that cannot be assembled. `given`: the start as it was given.
+LOCKSTEP_API Cause cause_of_start(Dynamics&, const State& given);
+/// Why a run cannot continue from a state on its constraints. `step`: of a method of fixed steps, s; 0: of any other.
+LOCKSTEP_API Cause cause_of_stop(Dynamics&, const State& at, double step);
+/// That its joints leave a driven mechanism no degree of freedom.
+LOCKSTEP_API Cause cause_of_lock(Dynamics&, const State& at);
+
+/// Throws the error again: the cause, its hint, these further lines, and the error's own sentence last; without a cause
+/// the sentence first. Errors that no mechanism causes are thrown as they are.
+[[noreturn]] LOCKSTEP_API void rethrow_with(const Cause&, const Error&, const std::string& lines = {});
+
+}  // namespace lockstep

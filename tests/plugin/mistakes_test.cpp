@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The commonest mistakes of a model, and the facts by which `check` and `run` report them.
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+#include "tests/support/program.h"
+
+namespace mistakes_test {
+
+using namespace lockstep;
+using namespace lockstep::testing;
+
+namespace {
+
+std::string sample(const std::string& name) { return "'" + std::string(paths::kScenes) + "/" + name + ".json'"; }
+
+/// A line of the program's, with its exit code and the facts of the error.
+struct Mistake {
+  std::string line;
+  int code;
+  std::vector<std::string> facts;
+};
+
+// A four-bar in its zero position, all bars along x but the rocker: it is assembled by lengths alone.
+std::string four_bar(const std::string& rocker) {
+  return scene_file("lengths", R"("parameters": {"rocker": ")" + rocker + R"("}, "bodies": [
+    {"name": "crank", "rod": {"mass": 1, "from": [0,0,0], "to": [0.1,0,0]}},
+    {"name": "coupler", "rod": {"mass": 1, "from": [0.1,0,0], "to": [0.4,0,0]}},
+    {"name": "rocker", "rod": {"mass": 1, "from": [0.28,0,0], "to": [0.28,"=rocker",0]}}], "links": [
+    {"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0,0,0]},
+    {"name": "B", "type": "revolute", "p": "coupler", "s": "crank", "at": [0.1,0,0]},
+    {"name": "C", "type": "revolute", "p": "coupler", "s": "rocker", "at_p": [0.4,0,0], "at_s": [0.28,"=rocker",0]},
+    {"name": "D", "type": "revolute", "p": "rocker", "s": "ground", "at": [0.28,0,0]}],
+    "run": {"until": 0.1, "record": ["rocker.angle_z"]})");
+}
+
+// A shaft in two hinges, each driven.
+std::string two_motors(const std::string& second) {
+  return scene_file("two_motors",
+                    R"("bodies": [{"name": "shaft", "cylinder": {"mass": 2, "radius": 0.02, "length": 0.5}}],
+    "links": [{"name": "A", "type": "revolute", "p": "shaft", "s": "ground", "at": [0, 0, -0.25],
+               "drive": {"axis": "rz", "law": {"type": "ramp", "slope": "60 rpm"}}},
+              {"name": "B", "type": "revolute", "p": "shaft", "s": "ground", "at": [0, 0, 0.25],
+               "drive": {"axis": "rz", "law": {"type": "ramp", "slope": ")" +
+                        second + R"("}}}],
+    "run": {"until": 0.1, "record": ["shaft.omega_world_z"]})");
+}
+
+void check_mistake(const Mistake& m) {
+  const Called called = call(m.line);
+  INFO(m.line << "\n" << called.text);
+  CHECK(called.exit == m.code);
+  for (const std::string& fact : m.facts) {
+    INFO(fact);
+    CHECK(contains(called.text, fact));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a loop that cannot close is reported by the lengths of its bodies", "[runner]") {
+  // The rocker is 1 m, the others reach 0.28 + 0.1 + 0.3 = 0.68 m.
+  const std::string line = four_bar("1 m");
+  for (const char* command : {"check '", "run '"})
+    check_mistake({command + line + "'",
+                   5,
+                   {"error: the mechanism cannot be assembled: a loop is open by 0.32 m", "rocker spans 1 m",
+                    "reach 0.68 m together", "hint: place joint"}});
+  check_mistake(
+      {"check '" + four_bar("250 m") + "'", 5, {"rocker spans 250 m", "check the unit of a length of rocker"}});
+  check_mistake({"check '" + four_bar("250 mm") + "'", 0, {"OK: the mechanism assembles"}});
+}
+
+TEST_CASE("drives that contradict are reported with their speeds", "[runner]") {
+  for (const char* command : {"check '", "run '"})
+    check_mistake(
+        {command + two_motors("61 rpm") + "'",
+         5,
+         {"error: drives A.rz and B.rz contradict", "6.283 rad/s and 6.388 rad/s", "hint: remove one of them"}});
+  check_mistake({"check '" + two_motors("60 rpm") + "'", 0, {"OK: "}});
+}
+
+TEST_CASE("a drive into a dead centre is reported with its joints and its time", "[runner]") {
+  // Crank 0.15 m, rod 0.12 m: the rod stands normal to the guide when sin(angle) = 0.8.
+  const Called run = call("run " + sample("slider_crank") + " --set 'rod=120 mm' --no-picture --record dead.csv");
+  INFO(run.text);
+  CHECK(run.exit == 6);
+  CHECK(contains(run.text,
+                 "error: drive A.rz has reached a limit position (dead centre) at t = 0.1476 s"));  // asin(0.8)/2 pi
+  CHECK(contains(run.text, "saved: 15 rows"));
+}
+
+TEST_CASE("a locked mechanism that is driven is reported, with the axis that locks it", "[runner]") {
+  for (const char* command : {"check ", "run "})
+    check_mistake(
+        {command + sample("slider_crank") + " --set links.B.type=fixed",
+         5,
+         {"error: the mechanism is locked: its joints leave no degree of freedom, so drive A.rz cannot move it"}});
+  nlohmann::json turned = nlohmann::json::parse(std::ifstream(kFourBar));
+  turned["links"][2]["axis"] = "x", turned["planar"] = "off";
+  std::ofstream(kRunnerFolder + "/turned.json") << turned;
+  check_mistake({"check turned.json",
+                 5,
+                 {"the mechanism is locked", "correct the axis of joint C: it is 90 deg off the axes of all other joints"}});
+}
+
+TEST_CASE("a start outside a stop and a step that is too long are reported as such", "[runner]") {
+  for (const char* command : {"check ", "run "})
+    check_mistake({command + sample("bouncing_pendulum") + " --set 'links.hinge.stops.0.low=100 deg'",
+                   5,
+                   {"beyond the stop 'hinge.stop_rz_low'", "deg"}});
+  check_mistake({"run " + sample("mass_spring_damper") + " --integrator rk4 --step 0.05",
+                 7,
+                 {"error: the step of 0.05 s is too long", "hint: take a step below"}});
+}
+
+TEST_CASE("words of other programs are understood as hints", "[runner]") {
+  for (const auto& [theirs, ours] : std::vector<std::pair<std::string, std::string>>{{"hinge", "revolute"},
+                                                                                     {"pin", "revolute"},
+                                                                                     {"ball", "spherical"},
+                                                                                     {"weld", "fixed"},
+                                                                                     {"slider", "prismatic"},
+                                                                                     {"cardan", "universal"},
+                                                                                     {"hooke", "universal"},
+                                                                                     {"planar", "plane_on_plane"},
+                                                                                     {"rigid", "fixed"}})
+    check_mistake({"check " + sample("four_bar") + " --set links.C.type=" + theirs,
+                   3,
+                   {"unknown type \"" + theirs + "\"; did you mean \"" + ours + "\"?"}});
+  check_mistake({"run " + sample("four_bar") + " --integrator rk45", 2, {"did you mean \"dopri5\"?"}});
+}
+
+TEST_CASE("a scene may say joints for links, or both", "[runner]") {
+  const auto scene = [](const std::string& first, const std::string& second) {
+    return scene_file("joints", kArm + "\"" + first + R"(": [{)" + kHinge + R"(}], ")" + second +
+                                    R"(": [{"name": "B", "type": "distance", "p": "arm", "s": "ground", "at_p": [1,0,0],
+       "at_s": [2,0,0], "length": 1}], "run": {"until": 0.1})");
+  };
+  for (const auto& [first, second] : {std::pair{"links", "joints"}, {"joints", "links"}}) {
+    const Called both = call("check '" + scene(first, second) + "'");
+    INFO(both.text);
+    CHECK(both.exit == 0);
+    CHECK(contains(both.text, "1 revolute: A; 1 distance: B"));
+  }
+  const std::string twice = scene_file(
+      "twice", kArm + R"("links": [{)" + kHinge + R"(}], "joints": [{)" + kHinge + R"(}], "run": {"until": 0.1})");
+  check_mistake({"check '" + twice + "'", 3, {"joint 'A'", "taken"}});
+}
+
+}  // namespace mistakes_test
