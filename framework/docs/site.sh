@@ -44,7 +44,7 @@ inputs=""
 if [ "$only" != pages ]; then make_gallery; inputs="INPUT += $page"; fi
 
 cd "$source"
-{ cat "$build/Doxyfile"; printf '%s\n' "$inputs"; } | doxygen - 2>"$build/docs/warnings.txt" || { cat "$build/docs/warnings.txt"; exit 1; }
+{ cat "$build/Doxyfile"; printf '%s\n' "$inputs" 'FILTER_PATTERNS = *.md=tests/pages/anchors'; } | doxygen - 2>"$build/docs/warnings.txt" || { cat "$build/docs/warnings.txt"; exit 1; }
 # Passed over: specialisations of Eigen's templates have no scope that Doxygen knows.
 expected='Internal inconsistency: scope for class Eigen::'
 wrong="$(grep -vE "$expected" "$build/docs/warnings.txt" | grep . | sort -u || true)"
@@ -58,6 +58,7 @@ fi
 mv "$gallery" "$html/gallery"
 
 cd "$html"
+"$source/tests/pages/anchors" --html ./md_*.html index.html
 # Pairs of a page and a local link in it that leads to no file.
 lost() {
   grep -oHE '(href|src)="[^"#]+' ./*.html | sed -E 's/^([^:]+):(href|src)="/\1 /' | sort -u |

@@ -119,6 +119,11 @@ std::string Block::text() const {
   return all;
 }
 
+std::string Block::file() const {
+  const std::size_t space = language.find(' ');
+  return space == std::string::npos ? "" : language.substr(space + 1);
+}
+
 Page read_page(const std::string& root, const std::string& name) {
   Reader reader;
   reader.page.name = name;

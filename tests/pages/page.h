@@ -26,6 +26,9 @@ struct Block {
   std::string language;  ///< "cpp"; what follows it on the line, as in "cpp bowl/bowl.cpp", is part of it
   std::vector<Excerpt> pieces;
   std::string text() const;
+  bool is(const std::string& of) const { return language == of || language.starts_with(of + " "); }
+  /// "swing.json" of "json swing.json": the file that the commands of the page find; "" if the block has no name.
+  std::string file() const;
 };
 
 struct Page {
@@ -41,6 +44,9 @@ Page read_page(const std::string& root, const std::string& name);
 
 /// README.md, those of plugins and of the folder framework, and framework/docs/*.md.
 std::vector<Page> read_pages(const std::string& root);
+
+/// A new folder of the runner (tests/support/program.h) with the samples and the files that the page names; its name.
+std::string folder_of(const Page&, const std::string& purpose);
 
 /// A block of C++ that can be run: its test(), or its main() where it has none.
 struct Example {

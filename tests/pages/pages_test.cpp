@@ -61,7 +61,7 @@ std::string write_scene(const std::string& name, const Block& block) {
 
 const Block& first_scene(const Page& of) {
   for (const Block& block : of.blocks)
-    if (block.language == "json") return block;
+    if (block.is("json")) return block;
   throw std::runtime_error("no scene in " + of.name);
 }
 
@@ -154,16 +154,18 @@ TEST_CASE("C++ of the pages runs", "[pages]") {
 }
 
 TEST_CASE("scenes of the pages run", "[pages]") {
-  go_to_folder();
-  for (const Page& of : pages())
+  for (const Page& of : pages()) {
+    const std::string place = folder_of(of, "scenes");
     for (const Block& block : of.blocks) {
-      if (block.language != "json") continue;
-      const std::string file = write_scene("scene_" + std::to_string(block.line) + ".json", block);
+      if (!block.is("json")) continue;
+      const std::string file = block.file().empty() ? "scene_" + std::to_string(block.line) + ".json" : block.file();
+      std::ofstream(kRunnerFolder + "/" + place + "/" + file) << block.text();
       const bool runs = block.text().find("\"until\"") != std::string::npos;
-      const Called called = in_folder("lockstep " + std::string(runs ? "run " : "check ") + file);
+      const Called called = shell("cd " + place + " && lockstep " + std::string(runs ? "run " : "check ") + file);
       INFO(of.place(block.line) << "\n" << called.text);
       CHECK(called.exit == 0);
     }
+  }
 }
 
 TEST_CASE("the scene and the program of README make the same table", "[pages]") {
@@ -207,8 +209,10 @@ TEST_CASE("commands of the pages are those of the program", "[pages]") {
 
 TEST_CASE("options that the pages mention exist", "[pages]") {
   std::string all;
-  for (const std::string verb : {"run", "check", "assemble", "statics", "kinematics", "explain", "modes", "linearize",
-                                 "matrices", "atlas", "chart", "advise", "sweep", "new-plugin", "plugins list"})
+  for (const std::string verb :
+       {"run",      "report",  "demo",       "describe", "schema",     "import",      "check",
+        "assemble", "statics", "kinematics", "explain",  "modes",      "linearize",   "matrices",
+        "atlas",    "chart",   "advise",     "sweep",    "new-plugin", "plugins list"})
     all += help_of(verb);
   for (const Page& of : pages()) {
     if (of.name == "framework/CHANGELOG.md") continue;  // history
