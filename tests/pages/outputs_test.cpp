@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the pages show as output is what the program prints. LOCKSTEP_WRITE_PAGES=1 writes it into the pages instead.
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -37,10 +38,21 @@ std::vector<Shown> shown_in(const Block& block) {
   return all;
 }
 
-// Times of computing differ from run to run.
+// Times of computing differ from run to run, round-off and last digits from processor to processor.
 std::string comparable(const std::string& text) {
-  static const std::regex time("(computed in|computing time) +[0-9.e-]+ m?s\\b");
-  return std::regex_replace(text, time, "computed");
+  static const std::regex time("(computed in|computing time) +[0-9.e-]+ m?s\\b"), blanks(" +"),
+      number("[0-9]+(\\.[0-9]+)?(e[-+]?[0-9]+)?");
+  const std::string same = std::regex_replace(std::regex_replace(text, time, "computed"), blanks, " ");
+  std::string all;
+  auto end = same.begin();
+  for (std::sregex_iterator i(same.begin(), same.end(), number), last; i != last; ++i) {
+    const double x = std::strtod(i->str().c_str(), nullptr);
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%.4g", x < 1e-9 ? 0 : x);
+    all.append(end, (*i)[0].first).append(digits);
+    end = (*i)[0].second;
+  }
+  return all.append(end, same.end());
 }
 
 std::string run_block(const Block& block, const std::string& folder) {
