@@ -94,7 +94,7 @@ const Fields<MobilityFindings>& mobility_fields() {
       {"rank", "", "rank", &MobilityReport::rank},
       {"freedoms", "", "degrees of freedom", &MobilityReport::freedoms},
       {"driven", "", "  prescribed by drives", &MobilityReport::driven, unless_zero},
-      {"drives", "", "  of", &MobilityReport::drives},
+      {"drives", "", "  drives", &MobilityReport::drives},
       {"redundant", "", "redundant constraints", &MobilityReport::redundant},
       {"redundant_links", "", "  of joints", &MobilityReport::redundant_links},
       {"dependencies", "dependent constraints", &MobilityReport::dependencies, kDependency}};
