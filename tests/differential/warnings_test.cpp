@@ -185,7 +185,7 @@ std::string recorded(json scene, const std::string& files) {
   for (const json& body : scene["bodies"])
     for (const char* of : {".x", ".y", ".z", ".vx", ".vy", ".vz", ".omega_world_x", ".omega_world_y", ".omega_world_z"})
       record.push_back(body["name"].get<std::string>() + of);
-  for (const json& link : scene["links"])
+  for (const json& link : scene.contains("joints") ? scene["joints"] : scene["links"])
     for (const char* of : {".force_on_p_world_x", ".force_on_p_world_y", ".force_on_p_world_z"})
       record.push_back(link["name"].get<std::string>() + of);
   scene["run"]["record"] = record;

@@ -512,7 +512,7 @@ async function checkMarks(browser) {
   delete scene.run.draw;
   scene.planar = 'off';
   scene.run.until = 0.2;
-  const cut = scene.links.at(-1).name;
+  const cut = scene.joints.at(-1).name;
   scene.events = [{ name: 'cut', at: 0.1, deactivate: [cut] }];
   const { url } = runScene('marks', scene);
   const said = JSON.parse(

@@ -51,13 +51,13 @@ struct Case {
   std::string reduced_text() const {
     Json out = scene;
     Json links = Json::array();
-    for (const Json& link : scene["links"]) {
+    for (const Json& link : scene["joints"]) {
       const auto change = reduced.find(link["name"].get<std::string>());
       if (change != reduced.end() && change->is_null()) continue;
       links.push_back(link);
       if (change != reduced.end()) links.back().update(*change);
     }
-    out["links"] = links;
+    out["joints"] = links;
     return out.dump();
   }
 };
@@ -140,7 +140,7 @@ struct Model {
   static Mechanism made(const std::string& text, const View& view) {
     if (view.order == 0) return build_mechanism(scene_from_text(text, "scene.json"), builtin_registry());
     Json scene = Json::parse(text);
-    scene["bodies"] = shuffled(scene["bodies"], view.order), scene["links"] = shuffled(scene["links"], view.order);
+    scene["bodies"] = shuffled(scene["bodies"], view.order), scene["joints"] = shuffled(scene["joints"], view.order);
     return build_mechanism(scene_from_text(scene.dump(), "scene.json"), builtin_registry());
   }
 };
