@@ -136,14 +136,15 @@ WorkPrecision trajectory(Way way) {
 int main() {
   const oracle::LockChecks checks =
       oracle::load_lock_checks(std::string(paths::kSource) + "/tests/verification/data/lock-checks.json");
-  ChartSpec by_rows{"The rows of one lock with all laws, derived in four ways",
-                    "CPU time of one lock: C, Ct, six rows, right side [ns]",
+  ChartSpec by_rows{"Constraint equations of one joint with all laws, derived in four ways",
+                    "CPU time of one joint: constraints, Jacobian, right-hand side [ns]",
                     {}};
   by_rows.log_x = true, by_rows.x_range = Range{100, 5000};
-  by_rows.panels = {{"error of rows and right side", {}, true}, {"best error of a trajectory [m]", {}, true}};
+  by_rows.panels = {{"error of Jacobian and right-hand side", {}, true}, {"best error of a trajectory [m]", {}, true}};
   by_rows.panels[0].y_range = Range{kFloor, 1e3}, by_rows.panels[1].y_range = Range{kFloor, 1e-2};
-  ChartSpec by_trajectory{
-      "A free four-bar for 1 s, dop853, its joints' rows derived in four ways", "CPU time of the run [s]", {}};
+  ChartSpec by_trajectory{"A free four-bar for 1 s by dop853, its constraint equations derived in four ways",
+                          "CPU time of the run [s]",
+                          {}};
   by_trajectory.log_x = true;
   by_trajectory.panels = {{"largest position error [m]", {}, true}};
   std::ofstream csv(samples::output("derivations.csv"));

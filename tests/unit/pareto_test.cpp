@@ -92,6 +92,19 @@ TEST_CASE("a cost is an upper bound until the next coarser run missed", "[unit][
   REQUIRE(of_loads.size() == 2);
 }
 
+TEST_CASE("of about equal costs that of the earlier combination is recommended", "[unit][pareto]") {
+  WorkPrecision result;
+  result.runs = {run_of("a", 2, 1e-5, 1.1), run_of("a", 1, 1e-7, 4), run_of("b", 2, 1e-5, 1), run_of("b", 1, 1e-7, 4),
+                 run_of("c", 1, 1e-5, 0.5)};
+  const auto chosen = [&] { return recommended(costs_at_error(result, 1e-4))->run->integrator; };
+  CHECK(chosen() == "a");  // c is cheaper, but no finer run confirms it
+  result.runs[0].cpu = 1.3;
+  CHECK(chosen() == "b");
+  result.runs = {run_of("c", 1, 1e-5, 0.5)};
+  CHECK(chosen() == "c");
+  CHECK(recommended({}) == nullptr);
+}
+
 TEST_CASE("a cost at an error is the least of all runs within it", "[unit][pareto]") {
   WorkPrecision result;
   result.runs = {run_of("a", 4, 5e-4, 3), run_of("a", 2, 1e-5, 2), run_of("a", 1, 1e-7, 4)};

@@ -184,6 +184,15 @@ TEST_CASE("what a mechanism is not made for is left out with the reason", "[unit
   for (const WorkPrecisionRun& run : result.runs) CHECK(run.integrator == "rk4");
 }
 
+TEST_CASE("a key without effect is no method of its own", "[unit][work_precision]") {
+  WorkPrecisionOptions options = quick_options();
+  options.integrators = {choice<Dopri5>("dopri5"), choice<Dopri5>("dopri5:key=other"), choice<Dop853>("dop853")};
+  const WorkPrecision result = work_precision({.make = swinging, .length = 1.0, .outputs = 5}, options);
+  CHECK(result.runs.size() == 4);
+  for (const WorkPrecisionRun& run : result.runs) CHECK(run.integrator != "dopri5:key=other");
+  CHECK(result.left_out.empty());
+}
+
 TEST_CASE("one dimension at a time keeps the others at the base", "[unit][work_precision]") {
   WorkPrecisionOptions options = quick_options();
   options.integrators = {choice<Dopri5>("dopri5"), choice<Rk4>("rk4")};
@@ -319,6 +328,13 @@ TEST_CASE("every integrator has its first hits before forms have their turn", "[
   CHECK(std::count(order.begin(), other, "dear") >= 1);
   CHECK(other != order.end());
   CHECK(1e-3 * static_cast<double>(n_steps) <= options.budget + 0.2);
+
+  options.target = 1e-4;
+  n_steps = 0, order.clear();
+  work_precision({.make = swinging, .length = 1.0, .outputs = 10}, options);
+  const auto second = std::find_if(order.begin(), order.end(), [](const auto& o) { return o.ends_with("form"); });
+  CHECK(std::count(order.begin(), second, "cheap") >= 2);  // until it was met and confirmed
+  CHECK(std::count(second, order.end(), "cheap") == 0);
 }
 
 TEST_CASE("a combination that cannot win any more ends", "[unit][work_precision]") {

@@ -60,35 +60,12 @@ std::string run_block(const RunSettings& run, const WorkPrecisionRun& r, double 
   return write_json(Value(std::move(members)));
 }
 
-// "dopri5" of "dopri5:stages=manifold".
-std::string type_of(const std::string& integrator) { return integrator.substr(0, integrator.find(':')); }
-
 // The run that came closest.
 const WorkPrecisionRun* nearest_of(const WorkPrecision& result, ErrorKind kind) {
   const WorkPrecisionRun* best = nullptr;
   for (const WorkPrecisionRun& run : result.runs)
     if (counts(result, run, kind) && (best == nullptr || run.error.of(kind) < best->error.of(kind))) best = &run;
   return best;
-}
-
-/// The answer: null if no run, or no second run, met the error.
-struct Advice {
-  const CostAtError *best = nullptr, *second = nullptr;
-};
-
-// A run that no finer one confirmed may be accurate by chance.
-Advice advice_of(const std::vector<CostAtError>& all) {
-  if (all.empty()) return {};
-  const auto first = [&](auto&& holds) {
-    const auto found = std::find_if(all.begin(), all.end(), holds);
-    return found == all.end() ? nullptr : &*found;
-  };
-  Advice advice{first([](const CostAtError& c) { return c.confirmed; })};
-  if (advice.best == nullptr) advice.best = &all.front();
-  const std::string best = type_of(advice.best->run->integrator);
-  advice.second = first([&](const CostAtError& c) { return type_of(c.run->integrator) != best && c.confirmed; });
-  if (advice.second == nullptr) advice.second = first([&](const CostAtError& c) { return c.run != advice.best->run; });
-  return advice;
 }
 
 /// A run, and how to repeat it.
@@ -100,30 +77,54 @@ struct Advised {
   double error;
   ErrorKind kind;
   std::optional<Choice> cheapest, second;
-  std::optional<WorkPrecisionRun> nearest;  // if none met the error
+  std::vector<CostAtError> each{};            // the cheapest of each integrator
+  std::optional<WorkPrecisionRun> nearest{};  // if none met the error
   const WorkPrecision* measured;
 };
 std::string hint_of(const Advised& a) {
+  const double agreement = a.measured->agreement.of(a.kind);
+  if (agreement > a.error)
+    return fmt::format("the reference solutions differ by {:.2g} {}, more than the error; shorten the run (--until)",
+                       agreement, unit_of(a.kind));
   if (!a.cheapest) return "increase --budget, or allow a larger error";
   return a.cheapest->cost.confirmed ? "" : "not confirmed by a finer run; increase --budget";
 }
 const Fields<Advised>& advise_fields() {
-  static const Fields<Choice> kChoice =
-      Fields<Choice>{}
-          .with(&Choice::cost, cost_fields())
-          .with({{"command", "", "command", &Choice::command},
-                 {"run", "", "or in the scene's \"run\"", [](const Choice& c) { return Json::parse(c.block); },
-                  [](const Json& block) { return "\n" + block.dump(2); }}});
+  static const Fields<Choice> kChoice = [] {
+    Fields<Choice> all{{"command", "", "command", &Choice::command},
+                       {"run", "", "or in the scene's \"run\"", [](const Choice& c) { return Json::parse(c.block); },
+                        [](const Json& block) { return block.dump(); }}};
+    const Fields<Choice> costs = Fields<Choice>{}.with(&Choice::cost, cost_fields());
+    for (Field<Choice> f : costs.fields()) f.info.label.clear(), all.add(f);  // text has them in its table
+    return all;
+  }();
   static const Fields<Advised> kFields = Fields<Advised>{
-      {"error", "", "error", &Advised::error},
-      {"unit", "", "  unit", [](const Advised& a) { return unit_of(a.kind); }},
-      {"of", "", "of", [](const Advised& a) { return to_string(a.kind); }},
+      {"error", "", "", &Advised::error},
+      {"unit", "", "", [](const Advised& a) { return unit_of(a.kind); }},
+      {"of", "", "", [](const Advised& a) { return to_string(a.kind); }},
+      {"wanted", "", "wanted",
+       [](const Advised& a) {
+         return fmt::format("{} error of at most {:.3g} {}", to_string(a.kind), a.error, unit_of(a.kind));
+       }},
       {"cheapest", "cheapest", &Advised::cheapest, kChoice},
-      {"runner_up", "runner-up", &Advised::second, kChoice},
+      {"runner_up", "", &Advised::second, kChoice},
       {"nearest", "no run met the error; best run", &Advised::nearest, measured_run_fields()},
-      {"hint", "", "next",
-       hint_of}}.with([](const Advised& a) -> const WorkPrecision& { return *a.measured; }, measurement_fields());
+      {"hint", "", "next", hint_of},
+      {"each", "cheapest of each integrator", &Advised::each,
+       cost_fields()}}.with([](const Advised& a) -> const WorkPrecision& { return *a.measured; }, measurement_fields());
   return kFields;
+}
+
+// The recommended run of each integrator that met the error; the one to recommend first.
+std::vector<CostAtError> each_of(std::vector<CostAtError> costs) {
+  std::vector<CostAtError> each;
+  while (const CostAtError* best = recommended(costs)) {
+    each.push_back(*best);
+    std::erase_if(costs, [type = integrator_type(best->run->integrator)](const CostAtError& c) {
+      return integrator_type(c.run->integrator) == type;
+    });
+  }
+  return each;
 }
 
 Result advise(const Arguments& args) {
@@ -140,21 +141,20 @@ Result advise(const Arguments& args) {
   if (!report.empty())
     write_runs_report(report, text_of(args, loaded), runs_text(*result), "cpu [s]",
                       fmt::format("{} error [{}]", to_string(kind), unit_of(kind)), true);
-  const std::vector<CostAtError> all = costs_at_error(*result, error, kind);
-  const Advice advice = advice_of(all);
+  const std::vector<CostAtError> each = each_of(costs_at_error(*result, error, kind));
   const WorkPrecisionRun* nearest = nearest_of(*result, kind);
-  const auto choice = [&](const CostAtError* c) -> std::optional<Choice> {
-    if (c == nullptr) return {};
-    const RunSettings run = settings_of(loaded.scene.run, *c->run, loaded.registry);
-    return Choice{*c, command_line(args, *c->run), run_block(run, *c->run, benchmark.options.largest_step)};
+  const auto choice = [&](std::size_t k) -> std::optional<Choice> {
+    if (k >= each.size()) return {};
+    const WorkPrecisionRun& best = *each[k].run;
+    const RunSettings run = settings_of(loaded.scene.run, best, loaded.registry);
+    return Choice{each[k], command_line(args, best), run_block(run, best, benchmark.options.largest_step)};
   };
-  Result out(
-      loaded, advise_fields(),
-      Advised{error, kind, choice(advice.best), choice(advice.second),
-              advice.best == nullptr && nearest != nullptr ? std::optional(*nearest) : std::nullopt, result.get()});
+  Result out(loaded, advise_fields(),
+             Advised{error, kind, choice(0), choice(1), each,
+                     each.empty() && nearest != nullptr ? std::optional(*nearest) : std::nullopt, result.get()});
   out.even_if_quiet = true;
   if (!report.empty()) out.files = {report};
-  out.code = interrupt.asked() ? kExitInterrupted : advice.best != nullptr ? kExitOk : kExitFailure;
+  out.code = interrupt.asked() ? kExitInterrupted : !each.empty() ? kExitOk : kExitFailure;
   return out;
 }
 
@@ -163,11 +163,13 @@ Result advise(const Arguments& args) {
 Command advise_command() {
   return {"advise",
           join({measuring_options(),
-                {{"--error", "E", "largest allowed error over the run, SI units; default 1e-6"},
+                {{"--error", "ERROR", "largest allowed error over the run, SI units; default 1e-6"},
                  Option{"--of", "WHAT", "kind of error: position (m), velocity (m/s), energy (J), reaction (N)"}.among(
                      "position,velocity,energy,reaction")}}),
           advise,
-          "Measures like `lockstep chart`, only as far as the answer requires. Exit code 1: no run met the error.\n\n"
+          "Measures like `lockstep chart`. First every integrator runs in the formulation of the scene, until two runs "
+          "meet\n"
+          "the error; then all other combinations run that may be cheaper. Exit code 1: no run met the error.\n\n"
           "Example:\n  lockstep advise samples/scenes/double_pendulum.json --error 1e-6 --until 2",
           {&advise_fields().schema()}};
 }

@@ -231,7 +231,7 @@ Result draw_atlas(const Arguments& args) {
     result.files.insert(result.files.end(), {base + ".png", base + ".svg"});
   }
   if (interrupt.asked()) {
-    fmt::print(stderr, "lockstep: interrupted; the completed runs are written\n");
+    fmt::print(stderr, "note: interrupted; the completed runs are written\n");
     result.code = kExitInterrupted;
   } else if (!any) {
     throw UsageError("no method can run this scene: " + plan.panels.front().unsuited);
@@ -254,10 +254,10 @@ Command atlas_command() {
              Option{"--stabilizations,--stabilisations", "A,B",
                     "project, baumgarte, none; default: that of the scene, or baumgarte if its gains vary"}
                  .among(kStabilizations),
-             Option{"--formulation", "F", "coordinates, as in `lockstep run --help`"}.among(kFormulations),
-             {"--step", "H", "fixed step, or the largest step of an adaptive integrator, s"},
+             Option{"--formulation", "NAME", "coordinates, as in `lockstep run --help`"}.among(kFormulations),
+             {"--step", "TIME", "fixed step, or the largest step of an adaptive integrator, s"},
              kUntil,
-             {"--error", "E", "error of an accurate run, relative to the largest displacement; default 0.01"},
+             {"--error", "ERROR", "error of an accurate run, relative to the largest displacement; default 0.01"},
              kBudget,
              kJobs,
              kFolder,
@@ -266,11 +266,12 @@ Command atlas_command() {
       draw_atlas,
       R"(NAME is any number of the scene, as in `lockstep sweep --help`: run.step, run.tolerance, run.stabilization.alpha,
 forces.spring.stiffness, a parameter. NAME=a:b:n are n values evenly, NAME=a:b:n:log evenly in the logarithm. The first
---vary is the x axis. Each method has a map. A run is accurate, inaccurate, wrong, or failed. A wrong run is flagged if
-its energy balance, its constraint violation, a rotation of more than 1 rad in a step, or a singular configuration
-passed without projected stages indicates it. Runs are compared with a reference solution of the same mechanism. A black
-line is the largest stable step of a method with fixed steps, by linear theory at the start. The CSV file has a row for
-every run, with the reason if it failed.
+--vary is the x axis. Each method has a map. A run is accurate, inaccurate, wrong, or failed. An accurate run has an error
+of at most --error, and `lockstep run` does not report it as WRONG. A wrong run is flagged if its energy balance, its
+constraint violation, a rotation of more than 1 rad in a step, or a singular configuration passed without projected
+stages indicates it. Runs are compared with a reference solution of the same mechanism. A black line is the largest
+stable step of a method with fixed steps, by linear theory at the start. The CSV file has a row for every run, with the
+reason if it failed.
 
 Example:
   lockstep atlas samples/scenes/mass_spring_damper.json --vary run.step=1e-3:3:30:log --vary forces.spring_a.stiffness=1:1e4:20:log --integrators rk4,semi_implicit_euler,radau5)",

@@ -97,7 +97,7 @@ void set_ranges(const Arguments& args, const Trajectory& trajectory, WorkPrecisi
   if (!args["--tolerances"].empty()) {
     const auto [coarse, fine] = range_of("--tolerances", args["--tolerances"], Unit::none);
     options.tolerances.clear();
-    for (double x = coarse; x > 0.999 * fine; x /= 10) options.tolerances.push_back(x);
+    for (double by = 1; coarse / by > 0.999 * fine; by *= 10) options.tolerances.push_back(coarse / by);
   }
   if (!args["--steps"].empty()) {
     const auto [coarse, fine] = range_of("--steps", args["--steps"], Unit::time);
@@ -135,15 +135,20 @@ void leave_out(const System& system, SceneBenchmark& benchmark) {
   o.solvers.resize(1);
 }
 
-// Automatic is omega if a solver is named, or if joint coordinates cost more.
-void settle_formulations(Dynamics& by_itself, const State& start, bool solver_named, std::vector<Formulation>& all) {
-  const bool joint = !solver_named && by_itself.why_not_joint(start.modes).empty();
+// What is named, else all that the mechanism allows, the scene's own first. Automatic is omega if a solver is named, or if
+// joint coordinates cost more, else joint for all methods that support it.
+std::vector<Formulation> formulations_of(const Arguments& args, Formulation own, bool joint_possible,
+                                         Dynamics& by_itself, const State& start) {
+  const bool joint = args.all("--solvers").empty() && by_itself.why_not_joint(start.modes).empty();
+  std::vector<Formulation> all{Formulation::automatic, Formulation::omega, Formulation::quaternion};
+  if (own != Formulation::automatic) all.erase(all.begin());
+  if (joint_possible && !(joint && own == Formulation::automatic)) all.push_back(Formulation::joint);
   std::vector<Formulation> settled;
-  for (Formulation f : all) {
+  for (Formulation f : values_of(args.all("--formulations"), own, all, formulation_from)) {
     if (f == Formulation::automatic && !joint) f = Formulation::omega;
     if (std::find(settled.begin(), settled.end(), f) == settled.end()) settled.push_back(f);
   }
-  all = std::move(settled);
+  return settled;
 }
 
 // Whether loop-closure constraints are left in joint coordinates.
@@ -165,7 +170,7 @@ std::string run_line(const WorkPrecisionRun& r) {
   if (!r.done()) {
     std::string reason = r.failure.substr(0, r.failure.find('\n'));
     if (reason.size() > 90) reason = reason.substr(0, reason.rfind(' ', 90)) + " ...";
-    return line + "failed: " + reason;
+    return line + (r.given_up ? "" : "failed: ") + reason;
   }
   return line + fmt::format("{:9.1e} {:9.1e} {:9.1e} {:9.1e} {:9.2g} {:8}", r.error.position, r.error.velocity,
                             r.error.energy, r.error.reaction, r.cpu, r.evaluations);
@@ -189,7 +194,8 @@ Options measuring_options() {
         kUntil,
         kBudget,
         {"--report", "FILE.html", "one HTML file with a scatter plot of all runs"},
-        {"--quiet", "", "do not print each run"},
+        {"--verbose,-v", "", "also print each run as it ends"},
+        {"--quiet", "", "no progress"},
         kJson}});
 }
 
@@ -260,11 +266,9 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const I
     o.solvers.push_back({to_word(spec), [&registry, own] { return make_solver(own, registry); }});
   }
   using Kind = Stabilization::Kind;
-  std::vector<Formulation> formulations{Formulation::omega, Formulation::quaternion};
   Dynamics along_joints(*first.system, make_solver(run, registry), {Formulation::joint, {}});  // even if it costs more
-  if (along_joints.why_not_joint(first.start.modes).empty()) formulations.push_back(Formulation::joint);
-  o.formulations = values_of(args.all("--formulations"), run.formulation, formulations, formulation_from);
-  settle_formulations(dynamics, first.start, !args.all("--solvers").empty(), o.formulations);
+  o.formulations = formulations_of(args, run.formulation, along_joints.why_not_joint(first.start.modes).empty(),
+                                   dynamics, first.start);
   o.loops = has_loops(along_joints, first.start);
   o.stabilizations = values_of(args.all("--stabilizations"), benchmark.imposed ? Kind::none : run.stabilization.kind,
                                {Kind::project, Kind::baumgarte, Kind::none}, read_stabilization);
@@ -284,7 +288,7 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const I
 }
 
 std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Arguments& args, const Interrupt& interrupt) {
-  const bool quiet = args.has("--quiet") || args.has("--json");
+  const bool quiet = !args.has("--verbose") || args.has("--quiet") || args.has("--json");
   bool headed = false;
   Progress progress(benchmark.options.budget, args.has("--quiet"), Counts::budget);
   const double begin = thread_seconds();
@@ -314,7 +318,7 @@ std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Argument
   } catch (const Error&) {
     progress.finish();
     if (!interrupt.asked()) throw;
-    fmt::print(stderr, "lockstep: interrupted before the reference solution; nothing is written\n");
+    fmt::print(stderr, "note: interrupted before the reference solution; nothing is written\n");
     return nullptr;
   }
   std::vector<WorkPrecisionRun> measured;

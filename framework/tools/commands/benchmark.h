@@ -2,6 +2,8 @@
 // SceneBenchmark: what `chart` and `advise` measure: the work-precision data of a scene.
 #pragma once
 
+#include <spdlog/fmt/fmt.h>
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,8 +37,8 @@ std::vector<MethodChoice> references_of(const RunSettings&, const Registry& regi
 // Options of chart, advise and atlas.
 inline constexpr Option kIntegrators{"--integrators", "A,B",
                                      "integrators, with keys if needed: rk4,dopri5:fixed=true; default: all"},
-    kUntil{"--until", "T", "end of the runs, s"},
-    kBudget{"--budget", "T", "CPU time for all runs together; default 60 s"},
+    kUntil{"--until", "TIME", "end of the runs, s"},
+    kBudget{"--budget", "TIME", "CPU time for all runs together; default 60 s"},
     kFolder{"--out", "DIR", "folder for CSV and pictures; default: LOCKSTEP_OUTPUT or here"};
 /// What chart and advise take.
 Options measuring_options();
@@ -47,9 +49,15 @@ std::string base_of(const Arguments&, const char* ending);
 /// --budget, s.
 double budget_of(const Arguments&);
 
-/// work_precision with each run printed as it ends; runs that Ctrl-C cut short count as not begun. Null if it was
+/// work_precision, with --verbose each run printed as it ends; runs that Ctrl-C cut short count as not begun. Null if it was
 /// interrupted before there was a reference.
 std::unique_ptr<WorkPrecision> measure(SceneBenchmark&, const Arguments&, const Interrupt&);
+
+/// A number with N digits, however small; "" of null.
+template <int N>
+std::string digits_text(const Json& x) {
+  return x.is_null() ? std::string() : fmt::format("{:.{}g}", x.get<double>(), N);
+}
 
 // Measured runs as results have them.
 /// Method, setting, errors, cost, or why it failed.

@@ -39,9 +39,13 @@ std::vector<Winner> winners_of(const WorkPrecision& result) {
         const std::vector<CostAtError> costs = costs_below(result, limit);
         const auto best = std::ranges::find_if(costs, [&](const CostAtError& c) { return has(*c.run); });
         const bool open = std::ranges::any_of(result.open, has) || std::ranges::any_of(result.falling, has);
+        double most = 0;
+        for (const WorkPrecisionRun& run : result.runs)
+          if (has(run)) most = std::max(most, run.cpu);
         winner.cost.push_back(best != costs.end() ? cost_text(best->run->cpu, best->upper_bound)
-                              : open              ? "not tried"
-                                                  : "never");
+                              : !open             ? "never"
+                              : most > 0          ? fmt::format("> {:.2g} s", most)
+                                                  : "not tried");
       }
     }
   }
@@ -55,7 +59,7 @@ std::vector<std::string> shown_integrators(const WorkPrecision& result, const Wo
     if (names.size() < kMostRows && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   };
   for (const char* limit : kLimits)
-    if (const auto costs = costs_below(result, limit); !costs.empty()) add(costs.front().run->integrator);
+    if (const auto costs = costs_below(result, limit); !costs.empty()) add(recommended(costs)->run->integrator);
   std::erase_if(names, [&](const std::string& name) {
     return std::none_of(result.runs.begin(), result.runs.end(),
                         [&](const WorkPrecisionRun& run) { return run.integrator == name && run.done(); });
@@ -74,10 +78,13 @@ void draw_all(const std::string& base, const WorkPrecision& result, const SceneB
   const std::string title = benchmark.title;
   write("", integrators_chart(result, title, benchmark.base, CostKind::cpu));
   write("_evaluations", integrators_chart(result, title, benchmark.base, CostKind::evaluations));
-  for (const ChartBy by : {ChartBy::formulation, ChartBy::stabilization, ChartBy::solver})
-    if (values_of(result, by).size() > 1)
-      write("_" + to_string(by) + "s",
-            forms_chart(result, title, benchmark.base, by, shown_integrators(result, benchmark.base)));
+  for (const ChartBy by : {ChartBy::formulation, ChartBy::stabilization, ChartBy::solver}) {
+    if (values_of(result, by).size() < 2) continue;
+    WorkPrecisionRun shown = benchmark.base;
+    const bool chosen = by == ChartBy::formulation || (by == ChartBy::stabilization && benchmark.options.loops);
+    if (needs_no_solver(shown.formulation) && !chosen) shown.formulation = Formulation::omega;  // joint has one of each
+    write("_" + to_string(by) + "s", forms_chart(result, title, shown, by, shown_integrators(result, benchmark.base)));
+  }
 }
 
 struct Cheapest {
@@ -88,7 +95,7 @@ std::vector<Cheapest> cheapest_of(const WorkPrecision& result) {
   std::vector<Cheapest> all;
   for (const char* limit : kLimits)
     if (const std::vector<CostAtError> costs = costs_below(result, limit); !costs.empty())
-      all.push_back({std::stod(limit), costs.front()});
+      all.push_back({std::stod(limit), *recommended(costs)});
   return all;
 }
 struct Charted {
@@ -98,7 +105,8 @@ struct Charted {
 };
 const Fields<Charted>& chart_fields() {
   static const Fields<Cheapest> kCheapest =
-      Fields<Cheapest>{{"limit", "m", "error below", &Cheapest::limit}}.with(&Cheapest::cost, cost_fields());
+      Fields<Cheapest>{{"limit", "m", "error below [m]", &Cheapest::limit, digits_text<3>}}.with(&Cheapest::cost,
+                                                                                                 cost_fields());
   static const Fields<Winner> kWinner = [] {
     Fields<Winner> all{{"by", "", "by", &Winner::by}, {"value", "", "value", &Winner::value}};
     for (std::size_t k = 0; k < std::size(kLimits); ++k)
@@ -107,13 +115,14 @@ const Fields<Charted>& chart_fields() {
     return all;
   }();
   static const Fields<Charted> kFields =
-      Fields<Charted>{{"length", "s", "runs over", [](const Charted& c) { return c.benchmark.trajectory.length; }},
-                      // no degree of freedom: projection gives the motion at any step, and pictures are without it
-                      {"imposed", "", "motion fully prescribed", [](const Charted& c) { return c.benchmark.imposed; }}}
+      Fields<Charted>{
+          {"cheapest", "cheapest", [](const Charted& c) { return cheapest_of(c.result); }, kCheapest},
+          {"best", "least CPU time with each", [](const Charted& c) { return winners_of(c.result); }, kWinner},
+          {"length", "s", "duration", [](const Charted& c) { return c.benchmark.trajectory.length; }},
+          // no degree of freedom: projection gives the motion at any step, and pictures are without it
+          {"imposed", "", "motion fully prescribed", [](const Charted& c) { return c.benchmark.imposed; }}}
           .with([](const Charted& c) -> const WorkPrecision& { return c.result; }, measurement_fields())
-          .with({{"cheapest", "cheapest", [](const Charted& c) { return cheapest_of(c.result); }, kCheapest},
-                 {"best", "least CPU time with each", [](const Charted& c) { return winners_of(c.result); }, kWinner},
-                 {"remarks", "", "left out", [](const Charted& c) { return c.benchmark.remarks; }},
+          .with({{"remarks", "", "left out", [](const Charted& c) { return c.benchmark.remarks; }},
                  {"no_pictures", "", "no pictures", &Charted::no_pictures}});
   return kFields;
 }
@@ -141,7 +150,7 @@ Result chart_scene(const Arguments& args) {
     write_runs_report(report, text_of(args, loaded), runs_text(*result), "cpu [s]", "position error [m]", true);
     out.files.push_back(report);
   }
-  if (interrupt.asked()) fmt::print(stderr, "lockstep: interrupted; the completed runs are written\n");
+  if (interrupt.asked()) fmt::print(stderr, "note: interrupted; the completed runs are written\n");
   out.code = interrupt.asked() ? kExitInterrupted : kExitOk;
   return out;
 }
@@ -155,11 +164,12 @@ Command chart_command() {
             {kFolder,
              {"--caption", "TEXT", "last line of the pictures; default: version, date and machine; '': none"}}}),
       chart_scene,
-      R"(Each combination is run from coarse to fine settings, the cheapest next run first. It ends when its error no
-longer decreases, when it costs a hundred times more than another for the same error, or when the time is spent. Errors
-are the largest at 101 times, relative to a reference solution; a second method confirms that reference. Within half of
-the time, every integrator first reaches an error of a thousandth in the formulation of the scene. A run counts only if
-all finer runs of its combination stay within twice its error. "<=": no coarser run had a larger error.
+      R"(Each combination is run from coarse to fine settings; the run that is expected to be cheapest is always the next. A
+combination ends when its error no longer decreases, when it costs a hundred times more than another for the same error,
+or when the time is spent. Errors are the largest differences from a reference solution at 101 times; a second method
+confirms that reference. Up to half of the time is used to bring every integrator, in the formulation of the scene, to an
+error of a thousandth of the motion. A run counts only if all finer runs of its combination stay within twice its error.
+"<= 1 s": no coarser run had a larger error. "> 1 s": no run met the error, and the longest took 1 s.
 
 Example:
   lockstep chart samples/scenes/four_bar.json --budget 60s --out charts

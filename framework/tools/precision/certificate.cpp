@@ -54,7 +54,7 @@ Agreement CertifiedChannel::worst() const {
   return least;
 }
 
-Certificate certify(const Table& run, const std::vector<const Table*>& repeats) {
+Certificate certify(const Table& run, const std::vector<const Table*>& repeats, double exchanged) {
   for (const Table* repeat : repeats)
     if (run.names() != repeat->names())
       throw ModelError("the repeated run has other columns than the run; record the same channels in both");
@@ -62,7 +62,7 @@ Certificate certify(const Table& run, const std::vector<const Table*>& repeats) 
   c.n_rows = common_rows(run, repeats);
   c.cut = c.n_rows < run.n_rows() ||
           std::any_of(repeats.begin(), repeats.end(), [&](const Table* r) { return c.n_rows < r->n_rows(); });
-  std::map<std::string, double> of_unit;  // largest in each unit
+  std::map<std::string, double> of_unit{{"J", exchanged}};  // largest in each unit
   for (std::size_t k = 1; k < run.n_columns(); ++k) {
     double& most = of_unit[run.columns()[k].unit];
     most = std::max(most, largest(run.columns()[k].values, c.n_rows));
@@ -70,12 +70,13 @@ Certificate certify(const Table& run, const std::vector<const Table*>& repeats) 
   for (std::size_t k = 1; k < run.n_columns(); ++k) {
     const Column& column = run.columns()[k];
     CertifiedChannel channel{column.name, column.unit, largest(column.values, c.n_rows)};
+    const double size = column.unit == "J" ? std::max(channel.size, exchanged) : channel.size;
     double most = channel.size;
     for (const Table* repeat : repeats) {
       const std::vector<double>& other = repeat->columns()[k].values;
       const double difference = largest(column.values, c.n_rows, &other);
       most = std::max(most, largest(other, c.n_rows));
-      channel.by.push_back({difference, digits_of(channel.size, difference)});
+      channel.by.push_back({difference, digits_of(size, difference)});
     }
     channel.zero =
         most == 0 || (most <= kNothing * std::max(1.0, of_unit[column.unit]) && channel.worst().digits < kFewDigits);
@@ -98,7 +99,7 @@ std::string certificate_text(const Certificate& c, const std::vector<std::string
     unit = std::max(unit, channel.unit.size());
   }
   const auto digits = [](const CertifiedChannel& channel, const Agreement& a) {
-    if (channel.zero) return a.difference == 0 ? std::string("0") : fmt::format("0 within {:.0e}", a.difference);
+    if (channel.zero) return a.difference == 0 ? std::string("zero") : fmt::format("zero to {:.0e}", a.difference);
     return fmt::format("{}{:.1f}", a.digits >= kMostDigits ? ">= " : "", std::min(a.digits, kMostDigits));
   };
   std::string text =

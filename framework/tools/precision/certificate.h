@@ -12,7 +12,7 @@ namespace lockstep {
 /// One channel of one repeat against the run.
 struct Agreement {
   double difference = 0;  ///< largest over the times, in the channel's unit
-  double digits = 0;      ///< log10(size / difference); 17 if nothing differs
+  double digits = 0;  ///< log10(size / difference), of energies at least the energy exchanged; 17 if nothing differs
 };
 
 struct CertifiedChannel {
@@ -30,8 +30,9 @@ struct Certificate {
 };
 
 /// The first column is the time. A channel is zero if all its values are 0, or if they are below 1e-9 times the largest
-/// value of its unit (at least 1) and fewer than 6 digits agree. Throws ModelError for tables with other columns.
-LOCKSTEP_API Certificate certify(const Table& run, const std::vector<const Table*>& repeats);
+/// value of its unit (at least 1) and fewer than 6 digits agree. `exchanged`: energy, J (Audit::scale), as the zero of an
+/// energy is a matter of choice. Throws ModelError for tables with other columns.
+LOCKSTEP_API Certificate certify(const Table& run, const std::vector<const Table*>& repeats, double exchanged = 0);
 
 /// The channels without one digit that agrees with every repeat; those that are zero do not count.
 LOCKSTEP_API std::vector<std::string> without_a_digit(const Certificate&);

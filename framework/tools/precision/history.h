@@ -12,7 +12,8 @@ namespace lockstep {
 
 struct Instant {
   double t, energy, kinetic;
-  VecX q, v;
+  VecX poses;  ///< of all bodies, 7 each: centre of mass (m, world), quaternion of the body's own axes
+  VecX v;      ///< of all rigid groups, 6 each, as State::v
   VecX load;  ///< of all joints, 6 per rigid group: force (N, world), moment about the centre of mass (N m, group axes)
 };
 using History = std::vector<Instant>;
@@ -21,7 +22,8 @@ using History = std::vector<Instant>;
 class HistoryObserver final : public Observer {
  public:
   HistoryObserver(System& system, const std::function<double()>& cpu, History& to)
-      : energy_(make_channel(system, "energy.total")),
+      : system_(system),
+        energy_(make_channel(system, "energy.total")),
         kinetic_(make_channel(system, "energy.kinetic")),
         cpu_(cpu),
         to_(to) {}
@@ -30,6 +32,7 @@ class HistoryObserver final : public Observer {
   long evaluations() const { return evaluations_; }
 
  private:
+  const System& system_;
   Channel energy_, kinetic_;
   const std::function<double()>& cpu_;
   History& to_;
@@ -37,7 +40,8 @@ class HistoryObserver final : public Observer {
   long evaluations_ = 0;
 };
 
-/// Largest difference; infinite if the two have different times or a number is not finite.
+/// Largest difference; infinite if the two have different times or a number is not finite. Positions may be of two
+/// systems of one scene, whose rigid groups have other axes in a plane than in space.
 HistoryError difference(const History&, const History&, double length);
 /// Largest displacement from the start, speed, load, and of the energy its change or its kinetic part.
 HistoryError size_of(const History&, double length);

@@ -8,6 +8,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kLuck = 2;  // factor by which the error of a finer run may be larger
+constexpr double kTie = 1.2;  // factor between CPU times that differ by chance
 
 }  // namespace
 
@@ -63,6 +64,17 @@ std::vector<CostAtError> costs_at_error(const WorkPrecision& result, double erro
   std::stable_sort(costs.begin(), costs.end(),
                    [](const CostAtError& a, const CostAtError& b) { return a.run->cpu < b.run->cpu; });
   return costs;
+}
+
+const CostAtError* recommended(const std::vector<CostAtError>& costs) {
+  const bool any_confirmed = std::ranges::any_of(costs, &CostAtError::confirmed);
+  const CostAtError *cheapest = nullptr, *best = nullptr;
+  for (const CostAtError& c : costs) {
+    if (c.confirmed != any_confirmed) continue;
+    if (cheapest == nullptr) cheapest = best = &c;
+    if (c.run->cpu <= kTie * cheapest->run->cpu && c.run < best->run) best = &c;  // runs are in the order of the plan
+  }
+  return best;
 }
 
 }  // namespace lockstep

@@ -32,4 +32,8 @@ struct CostAtError {
 LOCKSTEP_API std::vector<CostAtError> costs_at_error(const WorkPrecision&, double error,
                                                      ErrorKind = ErrorKind::position);
 
+/// Of those costs the one to recommend, null if there is none: confirmed if one is, and of those that cost about as much
+/// as the cheapest, the nearest to the base.
+LOCKSTEP_API const CostAtError* recommended(const std::vector<CostAtError>&);
+
 }  // namespace lockstep

@@ -77,16 +77,19 @@ class Search {
                         options_.largest_step};
     Outcome out = attempt_run(trajectory_, recipe, limit_, clocks_, RunKind::reference);
     if (out.failure.empty()) return std::move(out.history);
+    if (out.given_up) slow_.push_back(integrator_type(method.name));
     why_ = method.name + ": " + out.failure;
     return std::nullopt;
   }
 
-  // The first method of each kind is the default one.
+  // The first method of each kind is the default one. One that was too slow is tried again only if there is no other.
   void try_all(double tolerance, bool usual, bool others) {
     std::vector<std::string> kinds;
     for (const MethodChoice& method : options_.references) {
-      const bool first = std::find(kinds.begin(), kinds.end(), kind_of(method)) == kinds.end();
-      if (first) kinds.push_back(kind_of(method));
+      const std::string kind = integrator_type(method.name);
+      const bool first = std::find(kinds.begin(), kinds.end(), kind) == kinds.end();
+      if (first) kinds.push_back(kind);
+      if (std::find(slow_.begin(), slow_.end(), kind) != slow_.end() && !(first && found_.empty())) continue;
       if ((first ? usual : others) && !settled() && time_for_another()) find(method, tolerance);
     }
   }
@@ -98,7 +101,7 @@ class Search {
     found_.push_back({&method, tolerance, fmt::format("{} at {:.0e}", method.name, tolerance), std::move(*history)});
     const std::size_t last = found_.size() - 1;
     for (std::size_t i = 0; i < last; ++i) {
-      if (kind_of(*found_[i].method) == kind_of(method)) continue;
+      if (integrator_type(found_[i].method->name) == integrator_type(method.name)) continue;
       const HistoryError e = difference(found_[last].history, found_[i].history, result_.length);
       if (pair_.first != pair_.second && !(e.position < result_.agreement.position)) continue;
       pair_ = {i, last};
@@ -111,15 +114,13 @@ class Search {
   bool time_for_another() const {
     return clocks_.clock() - begin_ < (found_.size() < 2 ? kReferenceTime : kSecondTime) * options_.budget;
   }
-  // "dopri5" of "dopri5:stages=manifold".
-  static std::string kind_of(const MethodChoice& method) { return method.name.substr(0, method.name.find(':')); }
-
   const Trajectory& trajectory_;
   const WorkPrecisionOptions& options_;
   const Clocks& clocks_;
   double begin_;
   double limit_;  // s, of one attempt
   std::vector<Found> found_;
+  std::vector<std::string> slow_;                   // kinds that exceeded the limit
   std::pair<std::size_t, std::size_t> pair_{0, 0};  // the two that agree best; equal: there are none yet
   std::string why_ = "no adaptive method is given";
   Reference result_;

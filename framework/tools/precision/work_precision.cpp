@@ -23,7 +23,7 @@ constexpr long kManySteps = 10;     // steps per output, from which on the cost 
 constexpr double kFirstHits = 0.5;  // part of the budget that the first hits of all integrators may take
 constexpr double kPatience = 4;     // handicap of each item of the form that differs from the base's, and of a time-out
 constexpr double kOther = 2;        // handicap of another integrator than the base's
-constexpr double kTooDear = 10;     // times the cheapest run that met the target
+constexpr double kTooDear = 10;     // times the cheapest run that met the target, in the base's form; 1 in others
 
 /// One combination, on its way from coarse to fine settings.
 struct Combination {
@@ -55,7 +55,7 @@ class Benchmark {
   WorkPrecision run() {
     take_reference();
     plan();
-    first_end_ = left() * (1 - kFirstHits);
+    first_end_ = options_.target > 0 ? 0 : left() * (1 - kFirstHits);
     while (Combination* c = next()) climb(*c);
     for (const Combination& c : combinations_)
       if (c.given_up) keep(*c.given_up);
@@ -107,9 +107,17 @@ class Benchmark {
     try {
       return method.make()->info().adaptive;
     } catch (const Error& error) {
-      result_.unsuited.push_back({method.name, error.what()});
+      leave_out(method.name, error.what());
       return std::nullopt;
     }
+  }
+
+  void leave_out(const std::string& what, const std::string& why) {
+    const auto known = std::ranges::find(result_.unsuited, why, &WorkPrecision::Unsuited::why);
+    if (known == result_.unsuited.end())
+      result_.unsuited.push_back({what, why});
+    else
+      ++known->n;
   }
 
   std::size_t n_rungs(const Combination& c) const {
@@ -122,9 +130,10 @@ class Benchmark {
     const bool begun = c.rung > 0 || c.given_up;
     return c.handicap * (begun ? c.expected : first_);
   }
-  // Whether an integrator has not yet come near the truth in the base's form, and there is time for that.
+  // Whether an integrator has not yet had its first hit in the base's form, and there is time for that.
   bool seeks_first_hit(const Combination& c) const {
-    return options_.target <= 0 && c.base_form && !c.over && !(c.best <= options_.first_hit) && left() > first_end_;
+    const bool sought = options_.target > 0 || !(c.best <= options_.first_hit);
+    return sought && c.base_form && !c.over && left() > first_end_;
   }
   Combination* next() {
     const double time = left();
@@ -147,8 +156,10 @@ class Benchmark {
     const double time = seeks ? left() - first_end_ : left();
     const double share = time / static_cast<double>(n);
     const double likely = std::min(4 * c.expected, std::max(time, 1.5 * c.expected));
-    return std::min(left(), std::max(likely, kFirstTurn * share));
+    return std::min({left(), too_long(), std::max(likely, kFirstTurn * share)});
   }
+  // s, outputs included, after which a run cannot be of use for the target.
+  double too_long() const { return std::max(kTooDear * cheapest_met_, options_.quick); }
 
   WorkPrecisionRun run_of(const Combination& c) const {
     WorkPrecisionRun run;
@@ -165,9 +176,7 @@ class Benchmark {
     const double begin = clocks_.clock();
     const Outcome last = measure(c, run, turn_of(c));
     if (last.unsuited) {
-      const std::string way = fmt::format("{}, {}, {}, {}", run.integrator, to_string(run.formulation),
-                                          to_string(run.stabilization), run.solver);
-      result_.unsuited.push_back({way, run.failure});
+      leave_out(way_of(run), run.failure);
       c.over = true;
       return;
     }
@@ -177,11 +186,25 @@ class Benchmark {
       c.expected = 2 * spent;
       c.handicap *= kPatience;
       c.given_up = run;
+      c.over = std::isfinite(spent) && spent >= too_long();
       return;
     }
     c.given_up.reset();
+    c.over = repeats(run);
+    if (c.over) return;
     keep(run);
     advance(c, run, spent);
+  }
+
+  // Whether it is the same computation as an earlier run, under another name.
+  bool repeats(const WorkPrecisionRun& run) const {
+    return run.done() && std::ranges::any_of(result_.runs, [&](const WorkPrecisionRun& other) {
+             return other.done() && other.setting == run.setting && other.error == run.error &&
+                    other.evaluations == run.evaluations && other.steps == run.steps && !same_way(other, run) &&
+                    other.solver == run.solver && other.stabilization == run.stabilization &&
+                    (other.formulation == run.formulation || other.formulation == Formulation::automatic) &&
+                    integrator_type(other.integrator) == integrator_type(run.integrator);
+           });
   }
 
   void keep(const WorkPrecisionRun& run) {
@@ -242,7 +265,7 @@ class Benchmark {
     const bool meets = run.error.of(options_.target_kind) <= options_.target;
     if (meets && c.met) c.over = true;
     if (meets) cheapest_met_ = std::min(cheapest_met_, run.cpu);
-    if (c.last_cpu > kTooDear * cheapest_met_) c.over = true;
+    if (c.last_cpu > (c.base_form ? kTooDear : 1) * cheapest_met_) c.over = true;
     c.met = meets;
   }
 
@@ -306,6 +329,8 @@ bool same_way(const WorkPrecisionRun& a, const WorkPrecisionRun& b) {
   return a.integrator == b.integrator && a.solver == b.solver && a.formulation == b.formulation &&
          a.stabilization == b.stabilization;
 }
+
+std::string integrator_type(const std::string& integrator) { return integrator.substr(0, integrator.find(':')); }
 
 WorkPrecision work_precision(const Trajectory& trajectory, const WorkPrecisionOptions& options) {
   if (!(trajectory.length > 0) || trajectory.outputs < 1)

@@ -53,6 +53,7 @@ struct HistoryError {
   double reaction = 0;  ///< N: of the total load of all joints on a body, force and moment/length; unique even with
                         ///< redundant constraints
   LOCKSTEP_API double of(ErrorKind) const;
+  bool operator==(const HistoryError&) const = default;
 };
 
 struct WorkPrecisionRun {
@@ -97,12 +98,12 @@ struct WorkPrecisionOptions {
   int repeats = 3;                     ///< of runs below `quick`; the least time counts
   double quick = 0.02;                 ///< s
   /// Relative error of a first hit. Until each integrator in the base's form has one, the others wait, for half of the
-  /// budget at most. Without a target.
+  /// budget at most; with a target, until each has met it.
   double first_hit = 1e-3;
   double hopeless = 100;  ///< a combination ends if it costs this many times another of the same error
 
   ErrorKind target_kind = ErrorKind::position;
-  double target = 0;  ///< above 0: a combination ends once it met this error and the next finer run confirmed it
+  double target = 0;  ///< above 0: a combination ends if two runs met this error, or if it cannot be the cheapest
 
   std::function<double()> clock{};                          ///< s, of the budget; default: thread_seconds
   std::function<double()> cpu{};                            ///< s; default: thread_seconds
@@ -114,8 +115,9 @@ struct WorkPrecision {
   std::vector<WorkPrecisionRun> runs;  ///< of one combination: from coarse to fine
   struct Unsuited {
     std::string what, why;
+    int n = 1;
   };
-  std::vector<Unsuited> unsuited{};      ///< combinations that cannot run this mechanism, and the reasons
+  std::vector<Unsuited> unsuited{};      ///< reasons why n combinations, such as `what`, cannot run this mechanism
   std::vector<std::string> left_out{};   ///< runs that the budget did not reach
   std::vector<WorkPrecisionRun> open{};  ///< the same runs, by their settings: nothing is known of them
   /// Combinations that ended at their finest setting, or as too expensive, while their error still fell, by their first.
@@ -125,17 +127,22 @@ struct WorkPrecision {
   HistoryError size;  ///< largest displacement, speed, kinetic energy (or its change) and joint load: scale of errors
 };
 
-/// Cheapest next run first, until all combinations have ended or the budget is spent. Throws StepError if there is no
+/// Cheapest next run first, until all combinations have ended or the budget is spent. Of combinations that
+/// compute the same, as keys of an integrator without effect do, the first is kept. Throws StepError if there is no
 /// reference and ModelError for an empty trajectory or empty options; every other failure is a result.
 LOCKSTEP_API WorkPrecision work_precision(const Trajectory&, const WorkPrecisionOptions&);
 
 /// True if all but the setting is equal.
 LOCKSTEP_API bool same_way(const WorkPrecisionRun&, const WorkPrecisionRun&);
+/// "dopri5" of "dopri5:stages=manifold".
+LOCKSTEP_API std::string integrator_type(const std::string& integrator);
 
 LOCKSTEP_API std::string to_string(Stabilization::Kind);
 LOCKSTEP_API std::string to_string(ErrorKind);
 LOCKSTEP_API const char* unit_of(ErrorKind);  ///< "m", "m/s", "J", "N"
 std::string setting_words(const WorkPrecisionRun&);  ///< "tolerance 1e-06", "step 0.1 s"
+/// "dop853, omega, project, sparse".
+std::string way_of(const WorkPrecisionRun&);
 /// "dop853, tolerance 1e-06, omega, project, sparse".
 LOCKSTEP_API std::string label(const WorkPrecisionRun&);
 

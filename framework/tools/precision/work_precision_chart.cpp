@@ -116,8 +116,15 @@ std::vector<std::string> remarks_of(const WorkPrecision& result, const Curves& c
       "reference: {}; difference from {}: {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N", result.reference, result.second,
       result.agreement.position, result.agreement.velocity, result.agreement.energy, result.agreement.reaction)};
   for (const auto& [label, wanted] : curves) {
-    for (const WorkPrecisionRun& run : result.open)
-      if (wanted(run)) lines.push_back(label + " not tried from " + setting_words(run) + " on: time budget used up");
+    for (const WorkPrecisionRun& run : result.open) {
+      if (!wanted(run)) continue;
+      const auto stopped = std::ranges::find_if(result.runs, [&](const WorkPrecisionRun& r) {
+        return r.given_up && same_way(r, run) && r.setting == run.setting;
+      });
+      lines.push_back(stopped != result.runs.end()
+                          ? label + " at " + setting_words(run) + ": " + stopped->failure
+                          : label + " not tried from " + setting_words(run) + " on: time budget used up");
+    }
     std::vector<const WorkPrecisionRun*> failed;
     for (const WorkPrecisionRun& run : result.runs)
       if (wanted(run) && !run.done() && !run.given_up) failed.push_back(&run);
@@ -217,10 +224,14 @@ GridSpec integrators_chart(const WorkPrecision& result, const std::string& title
     curves.emplace_back(name, [name, base](const WorkPrecisionRun& run) {
       return run.integrator == name && like(run, base, ChartBy::integrator);
     });
+  std::string front;
+  for (const WorkPrecisionRun* run : pareto_front(result, ErrorKind::position, by))
+    if (const std::string way = way_of(*run); front.find(way) == std::string::npos) front += "; " + way;
   return chart_of(
       result, title,
-      {fmt::format("curves: {}, {}, solver {}; Pareto front: all combinations", value_of(base, ChartBy::formulation),
-                   value_of(base, ChartBy::stabilization), base.solver)},
+      {fmt::format("curves: formulation {}, {}, solver {}", value_of(base, ChartBy::formulation),
+                   value_of(base, ChartBy::stabilization), base.solver),
+       shortened("Pareto front of all combinations: " + (front.empty() ? "none" : front.substr(2)), kMostLetters)},
       {{"", curves}}, kErrorKinds, by);
 }
 
@@ -243,8 +254,9 @@ GridSpec forms_chart(const WorkPrecision& result, const std::string& title, cons
     }
     groups.emplace_back(integrator, std::move(curves));
   }
-  std::vector<std::string> first;
-  if (by != ChartBy::solver) first.push_back("curves: solver " + solvers);
+  const std::string form = by == ChartBy::formulation ? "" : "formulation " + to_string(base.formulation),
+                    solver = by == ChartBy::solver ? "" : "solver " + solvers;
+  const std::vector<std::string> first{"curves: " + form + (form.empty() || solver.empty() ? "" : ", ") + solver};
   constexpr ErrorKind kKinds[] = {ErrorKind::position, ErrorKind::reaction};
   return chart_of(result, title, first, groups, kKinds, CostKind::cpu);
 }

@@ -33,20 +33,20 @@ std::string setting_words(const WorkPrecisionRun& run) {
   return run.adaptive ? fmt::format("tolerance {:.3g}", run.setting) : fmt::format("step {:.3g} s", run.setting);
 }
 
+std::string way_of(const WorkPrecisionRun& run) {
+  return fmt::format("{}, {}, {}, {}", run.integrator, to_string(run.formulation), to_string(run.stabilization),
+                     run.solver);
+}
+
 std::string label(const WorkPrecisionRun& run) {
   return fmt::format("{}, {}, {}, {}, {}", run.integrator, setting_words(run), to_string(run.formulation),
                      to_string(run.stabilization), run.solver);
 }
 
 std::vector<std::string> unsuited_lines(const WorkPrecision& result) {
-  std::vector<std::string> lines, reasons;
-  for (const WorkPrecision::Unsuited& u : result.unsuited) {
-    if (std::find(reasons.begin(), reasons.end(), u.why) != reasons.end()) continue;
-    reasons.push_back(u.why);
-    const auto n = std::count_if(result.unsuited.begin(), result.unsuited.end(),
-                                 [&](const WorkPrecision::Unsuited& other) { return other.why == u.why; });
-    lines.push_back((n > 1 ? fmt::format("{} combinations, such as ", n) : "") + u.what + ": " + u.why);
-  }
+  std::vector<std::string> lines;
+  for (const WorkPrecision::Unsuited& u : result.unsuited)
+    lines.push_back((u.n > 1 ? fmt::format("{} combinations, such as ", u.n) : "") + u.what + ": " + u.why);
   return lines;
 }
 
