@@ -5,6 +5,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/params/csv_reader.h"
 #include "framework/mechanism/params/units.h"
 
@@ -17,9 +18,11 @@ struct Wanted {
   std::string unit;  // "mm"; empty: SI
 };
 
-Wanted wanted_of(const CsvReader& lines, const std::string& name) {
+// `bare`: gets the name of a column without a unit.
+Wanted wanted_of(const CsvReader& lines, const std::string& name, std::vector<std::string>& bare) {
   const std::size_t k = lines.find(name);
   const std::string& unit = lines.columns()[k].unit;
+  if (unit.empty()) bare.push_back(name);
   if (unit.empty() || unit == "-") return {k, {}};
   const Measured one = in_si(1, unit);
   if (!one.problem.empty()) lines.refuse("column '" + lines.columns()[k].name + "': " + one.problem);
@@ -56,8 +59,13 @@ Columns table_of(const std::vector<std::vector<double>>& rows, std::size_t n_y) 
 
 Columns read_columns(const std::string& path, const std::string& t_column, const std::vector<std::string>& y_columns) {
   CsvReader lines(path);
-  std::vector<Wanted> wanted{wanted_of(lines, t_column)};
-  for (const std::string& name : y_columns) wanted.push_back(wanted_of(lines, name));
+  std::vector<std::string> bare;
+  std::vector<Wanted> wanted{wanted_of(lines, t_column, bare)};
+  for (const std::string& name : y_columns) wanted.push_back(wanted_of(lines, name, bare));
+  if (!bare.empty())
+    report_finding({&finding::units_assumed, "",
+                    path + ": the first line has no unit for " + text::join(bare) + ", so SI is assumed",
+                    "write units in brackets, as in \"time [ms],torque [N mm]\""});
 
   std::vector<std::vector<double>> rows;
   for (std::vector<std::string> cells; lines.next(cells);) {

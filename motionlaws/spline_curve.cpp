@@ -102,9 +102,8 @@ void SplineCurve::at(double t, double* y, double* yd, double* ydd) const {
     if (t < first() - kEarly * T || t >= last() - kEarly * T) go_on = 0;
     t = std::clamp(t, first(), last());
   } else if (!(t >= first() - 1e-9 * T && t <= last() + 1e-9 * T)) {  // with slack for sums of steps
-    throw ModelError("law '" + law_ + "': t = " + text::number(t) + " s is outside of its range [" +
-                     text::number(first()) + ", " + text::number(last()) +
-                     "] s; give points up to there, or set outside to \"hold\"");
+    throw ModelError("law '" + law_ + "' has points from " + text::brief(first()) + " s to " + text::brief(last()) +
+                     " s and no value at t = " + text::brief(t) + " s; add points, or set \"outside\" to \"hold\"");
   }
   const std::size_t i = interval(t), n_powers = static_cast<std::size_t>(k_.degree) + 1;
   const double u = t - t_[i];

@@ -339,6 +339,16 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
     REQUIRE(report.findings.size() == 1);
     CHECK(says(report.findings.front().text(), {"assembly moved body '", "lockstep assemble"}));
   }
+  SECTION("a joint that alone is drawn open") {
+    System own;
+    Body& arm = own.add_body("arm", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+    own.add<Spherical>("A", own.add_marker("P", arm, Pose{{1, 0, 0}, {}}), own.add_marker("S", own.ground(), Pose{}));
+    Dynamics one(own, solver(true));
+    State state = own.start();
+    const AssemblyReport report = assemble(one, state);
+    REQUIRE(report.findings.size() == 1);
+    CHECK(says(report.findings.front().text(), {"because joint 'A' is drawn open by 1.5 m", "\"at_p\""}));
+  }
   SECTION("drawn in its zero position, and taken by a law to where it begins") {
     System own;
     Body& arm = own.add_body("arm", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));

@@ -418,8 +418,13 @@ TEST_CASE("unknown channels are refused with the closest and all names", "[unit]
     return message_of<ModelError>([&] { make_channel(a.system, name); });
   };
   check_words(refusal("arm.anglez"),
-              {"arm.anglez", "body 'arm'", "did you mean \"angle_z\"?", "omega_body_x", "center_x"});
-  check_words(refusal("A.drive.torque_on_p_link"), {"joint 'A'", "torque_on_p_link_z"});
+              {"arm.anglez", "body 'arm'", "did you mean \"angle_z\"? All: lockstep check SCENE --channels --of arm"});
+  check_words(refusal("arm.q"), {"body 'arm' has no \"q\"; it has x, y, z, vx, vy, vz, ..."});
+  check_words(refusal("A.drive.torque_on_p_link"), {"joint 'A'", "or \"drive.torque_on_p_link_z\"?"});
+  check_words(refusal("A.FX"), {"did you mean \"force_on_p_world_x\"?"});
+  check_words(refusal("A.force"), {"did you mean \"force_on_p_world_x\"?"});
+  check_words(refusal("B.drive.work"), {"joint 'B' has no drive; add one"});
+  check_words(refusal("arm"), {"this is body 'arm'; add a quantity, such as \"arm.x\""});
   // the words of drives, stops and starts
   check_words(refusal("A.rx"), {"joint 'A' has no \"rx\"; did you mean \"angle_x\"?"});
   check_words(refusal("A.reaction_x"), {"did you mean \"force_on_p_world_x\"?"});
@@ -431,7 +436,7 @@ TEST_CASE("unknown channels are refused with the closest and all names", "[unit]
   check_words(refusal("energy.totl"), {"did you mean \"energy.total\"?"});
   check_words(refusal("nonsense"), {"nonsense", "an object and a quantity"});
   check_words(refusal("end.x@nowhere"), {"nowhere"});
-  check_words(refusal("end.lenght@base"), {"'end' seen from 'base'", "distance"});
+  check_words(refusal("end.distnace@base"), {"'end' seen from 'base'", "did you mean \"distance\"?"});
   check_words(refusal(""), {"object and a quantity"});
   check_words(refusal("."), {"object and a quantity"});
   check_words(refusal("@"), {"channel"});

@@ -190,6 +190,7 @@ TEST_CASE("a refusal says the column, what is wrong and what was expected", "[un
       {"=crank + mass", {"\"=crank + mass\"", "column 8", "a length and a mass are added"}},
       {"=crank + 0.1", {"column 8", "a length and a pure number are added", "give the number a unit"}},
       {"=2*crnk", {"column 4", "unknown name \"crnk\"", "did you mean \"crank\""}},
+      {"=crank**2", {"column 8", "write a power with \"^\""}},
       {"=sim(2)", {"column 2", "unknown function \"sim\"", "did you mean \"sin\""}},
       {"=sin(crank)", {"column 2", "sin of a length", "an angle or a pure number"}},
       {"=exp(phi)", {"exp of an angle"}},

@@ -394,7 +394,7 @@ TEST_CASE("what a joint cannot be is refused by name, value and next move", "[un
 
   Revolute& hinge = system.add<Revolute>("hinge", *pair.p, *pair.s, kJoint);
   CHECK(says(model_error([&] { hinge.drive(Axis::x, law); }),
-             {"'hinge'", "drive on x", "constraint x", "x y z e1 e2", "drive a free axis"}));
+             {"'hinge'", "drive on x", "constraint x", "x y z e1 e2", "drive a free axis (rz)"}));
   CHECK(says(model_error([&] { hinge.drive(Axis::rz, nullptr); }), {"'hinge'", "rz", "no law", "give it one"}));
   hinge.drive(Axis::rz, law);
   CHECK(says(model_error([&] { hinge.drive(Axis::rz, law); }), {"'hinge'", "rz", "driven already", "one law"}));

@@ -81,7 +81,7 @@ TEST_CASE("what assembly moves is said", "[unit][support]") {
   Heard heard;
   const AssemblyReport report = assemble(dynamics, start);
   CHECK(report.is_notable());
-  CHECK(heard.has("lockstep/info: the start violated the constraints by 0.1 m"));
+  CHECK(heard.has("lockstep/info: the given poses violated the constraints by 0.1 m"));
   CHECK(heard.has("moved 'bob' by 0.1 m"));
   assemble(dynamics, start);
   CHECK(heard.words.str().find('\n') + 1 == heard.words.str().size());  // nothing to say the second time

@@ -117,7 +117,7 @@ TEST_CASE("a faulty formula is refused with its key, formula and column", "[unit
   check_words(refusal(with("\"=2*crank\"", "[1, 0, 0]")),
               {"body 'b', rod.mass", "0.2 m", "is a length", "a mass is expected", "the formula \"=2*crank\""});
   check_words(refusal(with("\"=crank/(1 m)\"", "[1, 0, 0]")), {"0.1 1", "a mass is expected"});
-  check_words(refusal(with("1", "\"B\"")), {"body 'b', rod.to", "unknown point \"B\"", "did you mean \"A\""});
+  check_words(refusal(with("1", "\"B\"")), {"body 'b', rod.to", "unknown point \"B\"; known: A"});
   check_words(refusal(with("1", "\"=2*m\"")), {"rod.to", "formula \"=2*m\""});
   check_words(refusal(with("1", "\"=A\"")), {"both ends are at the same point"});
   check_words(refusal(with("1", "[1, 0, 0]", R"(, "run": {"until": "=crank"})")), {"run", "is a length", "a time"});

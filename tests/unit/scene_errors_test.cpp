@@ -63,7 +63,7 @@ const std::vector<Bad> kBodies = {
      {"remove \"position\""}},
     {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "particle": ~1}])",
      {"\"sphere\" and \"particle\"", "remove one"}},
-    {R"("bodies": [{"name": ~"a"}])", {"body 'a'", "it has no mass"}},
+    {R"("bodies": [~{"name": "a"}])", {"body 'a': it has no mass"}},
     {R"("bodies": [~{"particle": 1}])", {"bodies[0]", "missing key \"name\""}},
     {R"("bodies": [{"name": "a", "particle": 1}, {"name": ~"a", "particle": 1}])",
      {"body 'a'", "taken", "bad.json:2:"}},
@@ -135,8 +135,8 @@ const std::vector<Bad> kLinks = {
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": ~"rw", "law": 1}}])",
      {"joint 'A', drive.axis", "rw"}},
     {TWO_BODIES
-     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": ~"rz"}}])",
-     {"the drive has no motion"}},
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": ~{"axis": "rz"}}])",
+     {"joint 'A', drive: the drive has no motion"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "start": {"velocity": {"x": ~1}}}])",
      {"name a free one"}},
@@ -163,8 +163,8 @@ const std::vector<Bad> kLinks = {
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}, ~{"name": "G", "type": "gear", "pairs": ["A", "A"], "teeth_1": 3}])",
      {"joint 'G', teeth_2", "needs the teeth of both"}},
     {TWO_BODIES
-     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "stops": [{"axis": ~"rz"}]}])",
-     {"joint 'A', stops[0].axis", "add \"low\" or \"high\""}},
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "stops": [~{"axis": "rz"}]}])",
+     {"joint 'A', stops[0]: no limit is given", "add \"low\" or \"high\""}},
     {TWO_BODIES
      R"("links": [{"name": "S", "type": "stop", "p": "arm", "s": "ground", "at": [0,0,0], "coordinate": "rz", "low": 0, "unilateral": {"side": ~"below"}}])",
      {"joint 'S', unilateral.side", "defines its own side"}},
@@ -196,6 +196,17 @@ const std::vector<Bad> kLinks = {
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "stops": [{"axis": "rz", "low": 0, "rest_speed": ~0}]}])",
      {"rest_speed", "it is 0", "above zero"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "stops": [{"axis": "rz", "low": "10 deg", "high": ~"-90 deg"}]}])",
+     {"stops[0].high: it is -90 deg, not above \"low\" = 10 deg"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "friction": ~0.1}])",
+     {"joint 'A', friction: expected an object", "see lockstep describe friction"}},
+    {TWO_BODIES R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": ~"world", "at": [0,0,0]}])",
+     {"unknown marker or body \"world\"; did you mean \"ground\"?"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": "rz", ~"velocity": 1}}])",
+     {"unknown key \"velocity\"; did you mean \"speed\"?"}},
     {TWO_BODIES
      R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "stops": [{"axis": "rz", "low": 0, "restitution": ~2}]}])",
      {"restitution", "it is 2", "between 0 (no rebound) and 1"}},
@@ -260,8 +271,8 @@ const std::vector<Bad> kRuns = {
      {"event 'e', deactivate", "unknown joint or force \"B\""}},
     {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "at": ~-1, "stop": true}])",
      {"event 'e', at", "before the start"}},
-    {TWO_BODIES ONE_LINK R"("events": [{"name": ~"e", "stop": true}])", {"\"at\" or \"when\""}},
-    {TWO_BODIES ONE_LINK R"("events": [{"name": ~"e", "at": 1}])", {"the event does nothing"}},
+    {TWO_BODIES ONE_LINK R"("events": [~{"name": "e", "stop": true}])", {"\"at\" or \"when\""}},
+    {TWO_BODIES ONE_LINK R"("events": [~{"name": "e", "at": 1}])", {"event 'e': the event does nothing"}},
     {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "when": {"channel": ~"arm.xx"}, "stop": true}])",
      {"event 'e'", "arm"}},
     {R"(~"gravitiy": [0,0,0])", {"scene", "did you mean \"gravity\""}},

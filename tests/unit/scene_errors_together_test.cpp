@@ -123,6 +123,14 @@ TEST_CASE("channels that are unknown are refused at once, of a record and of eve
               {{"event 'e', when.channel", "b"}, {"event 'f', when.crosses", "in m"}, {"event 'g'", "a.xx"}});
 }
 
+TEST_CASE("a name that may be that of a thing with a wrong name is not called unknown", "[unit][scene]") {
+  check_lines(refusal_of(R"({"lockstep": 1,
+    "bodies": [{"name": "coupler", "particle": 1}, {"name": "coupler", "particle": 1}],
+    "links": [{"name": "D", "type": "spherical", "p": "rocker", "s": "ground", "at": [0, 0, 0]}],
+    "run": {"record": ["rocker.x", "D.x"]}})"),
+              {{"body 'coupler'", "already taken"}});
+}
+
 TEST_CASE("formulas that cannot be computed are refused at once, each reason once", "[unit][scene]") {
   check_lines(refusal_of(R"({"lockstep": 1, "parameters": {"a": "=b", "b": "=a", "c": "=1 +", "d": "=2*c", "e": 2},
     "points": {"P": ["=e*nothing", 0, 0], "Q": [1, 2, 3]},

@@ -28,12 +28,17 @@ TEST_CASE("a name that is far from all gets no guess", "[unit][support]") {
   CHECK(text::closest_name("gear", kNames).empty());
   CHECK(text::closest_name("", kNames).empty());
   CHECK(text::closest_name("fixed", {}).empty());
+  const std::vector<std::string> others{"p", "turning"};
+  CHECK(text::closest_name("6", others).empty());        // a single letter
+  CHECK(text::closest_name("warning", others).empty());  // two letters off, and another first one
+  CHECK(text::closest_name("P", others) == "p");
 }
 
 TEST_CASE("a suggestion is a guess, or the names there are", "[unit][support]") {
   CHECK(text::suggestion("fixd", kNames) == "; did you mean \"fixed\"?");
   CHECK(text::suggestion("gear", kNames) == "; known: revolute, prismatic, spherical, fixed");
   CHECK(text::suggestion("gear", {}).empty());
+  CHECK(text::suggestion("fixed", kNames) == "; known: revolute, prismatic, spherical, fixed");  // not the word itself
   const std::vector<std::string> many(20, "abcdefgh");
   CHECK(text::suggestion("zzz", many).ends_with("abcdefgh, ..."));
 }

@@ -53,6 +53,11 @@ TEST_CASE("texts with a unit are turned into SI", "[unit][model]") {
                         {"50 N mm", Unit::torque, 0.05},
                         {"50 N*mm", Unit::torque, 0.05},
                         {"3 kNm", Unit::torque, 3000},
+                        {"50 Nmm", Unit::torque, 0.05},
+                        {"6 inch", Unit::length, 0.1524},
+                        {"2 sec", Unit::time, 2},
+                        {"180 degrees", Unit::angle, kPi},
+                        {"3 kgm2", Unit::inertia, 3},
                         {"40 kg mm^2", Unit::inertia, 4e-5},
                         {"0.3 g/cm^3", Unit::density, 300},
                         {"7850 kg m^-3", Unit::density, 7850},
@@ -182,6 +187,9 @@ TEST_CASE("a unit of another dimension is refused by both names", "[unit][model]
 TEST_CASE("what cannot be read is refused with the text and what to write", "[unit][model]") {
   check_words(read_quantity("3 mmm", Unit::length).problem,
               {"\"3 mmm\"", "unknown unit \"mmm\"", "did you mean \"mm\""});
+  check_words(read_quantity("3 m/s2", Unit::acceleration).problem, {"unknown unit \"s2\"", "did you mean \"s^2\"?"});
+  check_words(read_quantity("3 newton", Unit::force).problem, {"did you mean \"N\"?"});
+  check_words(read_quantity("3 %", Unit::length).problem, {"unknown unit \"%\"; see lockstep describe unit"});
   check_words(read_quantity("3", Unit::length).problem, {"\"3\" has no unit", "without quotes"});
   check_words(read_quantity("", Unit::length).problem, {"does not begin with a number", "12 mm"});
   check_words(read_quantity("fast", Unit::speed).problem, {"\"fast\"", "a speed", "20 mm/s"});

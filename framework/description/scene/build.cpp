@@ -22,7 +22,7 @@ std::string owner_of(const std::string& kind, const std::string& name) {
 
 std::string owner_of(const std::string& kind, const Value& object, const std::string& list, std::size_t index) {
   if (const std::string* name = text_under(object, "name")) return owner_of(kind, *name);
-  return list + "[" + std::to_string(index) + "]";
+  return (list == "links" ? "joints" : list) + "[" + std::to_string(index) + "]";
 }
 
 Params params_of(const Value& object, const std::string& table, const std::string& owner, const Registry* laws) {
@@ -54,7 +54,7 @@ std::vector<std::pair<std::string, SourceLocation>> texts_of(const Params& paren
 
 double positive(const Params& p, const std::string& key, const std::string& what) {
   const double x = p.number(key);
-  if (!(x > 0)) p.refuse(key, "the " + what + " is " + text::number(x) + "; it must be greater than 0");
+  if (!(x > 0)) p.refuse(key, "the " + what + " is " + plain_text(p.value(key)) + "; it must be greater than 0");
   return x;
 }
 
@@ -98,6 +98,7 @@ void SceneErrors::note(const Value& read, const SceneError* error) {
 
 // Not what follows from the failure of another thing.
 bool SceneErrors::is_own(const Value& read, const SceneError& error) const {
+  if (misnamed_ && !error.value.empty() && error.problem.find("; known: ") != std::string::npos) return false;
   if (const Value* at = refused_value(read, error)) return !names_one(*at, failed_);
   return !names_one(read, failed_) && !names_one(read, stand_ins_);
 }
@@ -117,7 +118,8 @@ std::vector<std::string> Builder::names(std::initializer_list<std::string> kinds
 }
 
 std::string Builder::claim(const Value& name, const std::string& kind) {
-  if (!errors_.attempt(Value(), [&] { check_name(*name.text(), name.where, kind); })) return unnamed();
+  if (!errors_.attempt(Value(), [&] { check_name(*name.text(), name.where, kind); }))
+    return errors_.misname(), unnamed();
   taken_[kind == "event"][*name.text()] = {kind, name.where};
   return *name.text();
 }

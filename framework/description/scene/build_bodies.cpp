@@ -161,7 +161,7 @@ Shape read_matter(const Params& body, const std::string& kind, Solids& solids, b
 std::string the_kind(const Params& body, std::vector<std::string> kinds) {
   const std::vector<std::string> found = given(body, kinds);
   for (std::string& kind : kinds) kind = "\"" + kind + "\"";
-  if (found.empty()) body.refuse("name", "it has no mass; add one of " + text::join(kinds, " or "));
+  if (found.empty()) body.refuse("", "it has no mass; add one of " + text::join(kinds, " or "));
   if (found.size() > 1)
     body.refuse(found[1], "\"" + found[0] + "\" and \"" + found[1] + "\" both define the mass; remove one of the two");
   return found.front();

@@ -64,9 +64,8 @@ void Builder::event(const Value& object, const std::string& owner) {
   Event& e = request.event;
   e.name = claim(p.value("name"), "event");
   if (p.has("at") == p.has("when"))
-    p.refuse(p.has("when") ? "when" : "name", p.has("when")
-                                                  ? "\"at\" is given as well; remove one of the two"
-                                                  : "it has no time and no condition; add \"at\" or \"when\"");
+    p.refuse(p.has("when") ? "when" : "", p.has("when") ? "\"at\" is given as well; remove one of the two"
+                                                        : "it has no time and no condition; add \"at\" or \"when\"");
   if (p.has("at") && (e.at = p.number("at")) < 0)
     p.refuse("at", "the time " + text::number(e.at) + " s is before the start at 0 s; give a later time");
   if (p.has("when")) {
@@ -90,7 +89,7 @@ void Builder::event(const Value& object, const std::string& owner) {
       p.refuse("deactivate",
                "'" + name + "' is activated and deactivated at the same time; remove it from one of the lists");
   if (e.activate.empty() && e.deactivate.empty() && !e.stop)
-    p.refuse("name", "the event does nothing; add \"activate\", \"deactivate\" or \"stop\": true");
+    p.refuse("", "the event does nothing; add \"activate\", \"deactivate\" or \"stop\": true");
   out_.events.push_back(std::move(request));
 }
 

@@ -76,7 +76,8 @@ void Builder::check_side(const Value& word, const std::string& context) const {
   if (name == "ground" || is_taken("marker", name) || is_taken("body", name)) return;
   std::vector<std::string> known = names({"marker", "body"});
   known.push_back("ground");
-  refuse(word.where, context, "unknown marker or body \"" + name + "\"" + text::suggestion(name, known));
+  refuse(word.where, context, "unknown marker or body \"" + name + "\"" + text::suggestion(name, known),
+         {.value = name});
 }
 
 // The sides of a failed joint, whose error may have another cause.
@@ -230,9 +231,9 @@ void Builder::drives(const Params& p, Lock& link) {
     const std::string place = part_of(p.owner(), "drive") + (v.list() != nullptr ? "[" + std::to_string(i) + "]" : "");
     const Params drive = params_of(items[i], "drive", place, &registry_);
     if (drive.has("law") == drive.has("speed"))
-      drive.refuse(drive.has("speed") ? "speed" : "axis", drive.has("speed")
-                                                              ? "\"law\" is given as well; remove one of the two"
-                                                              : "the drive has no motion; add \"law\" or \"speed\"");
+      drive.refuse(drive.has("speed") ? "speed" : "", drive.has("speed")
+                                                          ? "\"law\" is given as well; remove one of the two"
+                                                          : "the drive has no motion; add \"law\" or \"speed\"");
     const Axis axis = axis_from(drive.text("axis"));
     for (const auto& [key, per_second] : {std::pair{"law", 0}, std::pair{"speed", 1}})
       if (drive.has(key))

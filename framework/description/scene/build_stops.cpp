@@ -22,7 +22,7 @@ Unilateral unilateral_from(const Params& p) {
              "it is " + text::number(o.restitution) + "; it must be between 0 (no rebound) and 1 (no loss)");
   if (!(o.rest_speed > 0))
     p.refuse("rest_speed",
-             "it is " + text::number(o.rest_speed) + "; it must be above zero, or the rebounds would never end");
+             "it is " + plain_text(p.value("rest_speed")) + "; it must be above zero, or the rebounds would never end");
   return o;
 }
 
@@ -65,13 +65,13 @@ void Builder::stops(const Value& object, const std::string& owner, const Attachm
   const Unilateral options = unilateral_from(p);
   if (const Jointed* joint = system_.link(of.name).jointed(); joint != nullptr && includes(joint->mask(), row_of(axis)))
     p.refuse("axis", "the joint constrains " + p.text("axis") + ", so it has no travel; name a free coordinate");
-  if (!p.has("low") && !p.has("high")) p.refuse("axis", "no limit is given; add \"low\" or \"high\"");
+  if (!p.has("low") && !p.has("high")) p.refuse("", "no limit is given; add \"low\" or \"high\"");
   const Unit unit = is_rotation(axis) ? Unit::angle : Unit::length;
   for (const char* key : {"low", "high"}) check_unit(p, key, unit);
   check_unit(p, "rest_speed", unit, 1);
   if (p.has("low") && p.has("high") && !(p.number("low") < p.number("high")))
-    p.refuse("high", "it is " + text::number(p.number("high")) +
-                         ", not above \"low\" = " + text::number(p.number("low")) + "; exchange them");
+    p.refuse("high", "it is " + plain_text(p.value("high")) + ", not above \"low\" = " + plain_text(p.value("low")) +
+                         "; exchange them");
   for (const char* end : {"low", "high"}) {
     if (!p.has(end)) continue;
     Attachment attachment;

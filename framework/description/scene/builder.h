@@ -100,6 +100,8 @@ class LOCKSTEP_API SceneErrors {
   }
   /// A body of this name replaces one that failed: things that name it are built, and may not fit it.
   void stand_in(const std::string& name) { stand_ins_.insert(name); }
+  /// A thing has a wrong name: unknown names that are near no other may mean it, and are not reported.
+  void misname() { misnamed_ = true; }
   bool empty() const { return refusals_.empty(); }
   bool full() const { return refusals_.full(); }
   /// Throws one SceneError of all, a line each, if there are any.
@@ -112,6 +114,7 @@ class LOCKSTEP_API SceneErrors {
 
   Refusals refusals_;
   Names failed_, stand_ins_;
+  bool misnamed_ = false;
 };
 
 /// Called with the things that were built although others failed; adds further errors.

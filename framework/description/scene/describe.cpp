@@ -49,6 +49,22 @@ std::pair<std::string, std::string> split_form(const Key& key, const std::vector
 
 }  // namespace
 
+namespace {
+
+// Of the keys that all forces share, those that this type takes, with those that it needs marked. A plugin's may take all.
+Keys shared_keys(const Description& d, Keys keys) {
+  if (d.shelf != "forces" || d.origin != "built in" || d.info.name == "function_force") return keys;
+  const bool in_joint = d.info.name == "joint_friction", needs_s = !d.info.name.starts_with("applied");
+  std::erase_if(keys, [&](const Key& key) {
+    return in_joint ? key_in({&scene_table("pair").info.keys}, key.name) != nullptr : key.name == "link";
+  });
+  for (Key& key : keys)
+    if (key.name == "link" || key.name == "p" || (key.name == "s" && needs_s)) key.fallback = kRequired;
+  return keys;
+}
+
+}  // namespace
+
 std::vector<std::string> shelf_names() {
   std::vector<std::string> names;
   for_each_shelf([&](const char* name, auto, auto) { names.emplace_back(name); });
@@ -80,8 +96,13 @@ std::vector<Description> find_descriptions(const Registry& registry, const std::
   std::erase_if(found, [&](const Description& d) { return d.info.name != name; });
   std::stable_partition(found.begin(), found.end(), [](const Description& d) { return d.shelf != "scene"; });
   for (Description& d : found)
-    for (const SceneTable& table : scene_tables())
-      if (table.shelf == d.shelf) d.info.keys = keys_together(table.info.keys, d.info.keys), d.parts = table.parts;
+    for (const SceneTable& table : scene_tables()) {
+      if (table.shelf != d.shelf) continue;
+      const auto own = static_cast<std::ptrdiff_t>(d.info.keys.size());
+      Keys& keys = d.info.keys = keys_together(shared_keys(d, table.info.keys), d.info.keys);
+      std::rotate(keys.begin() + 2, keys.end() - own, keys.end());  // behind name and type
+      d.parts = table.parts;
+    }
   return found;
 }
 
@@ -103,7 +124,7 @@ std::string describe(const Description& d) {
   std::size_t name = 0, form = 0, fallback = 0;
   for (const Key& key : d.info.keys) {
     name = std::max(name, key.name.size());
-    form = std::min<std::size_t>(24, std::max(form, split_form(key, d.parts).first.size()));
+    form = std::min<std::size_t>(42, std::max(form, split_form(key, d.parts).first.size()));
     fallback = std::min<std::size_t>(20, std::max(fallback, default_words(key).size()));
   }
   const std::string object = example_of(d), example = object.empty() ? "" : "example:\n  " + object + "\n";

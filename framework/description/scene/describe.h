@@ -28,7 +28,7 @@ LOCKSTEP_API std::vector<Description> shelf_contents(const Registry&, const std:
 /// The objects of scene files ("body", "run"), then all types, each with its own keys.
 LOCKSTEP_API std::vector<Description> all_descriptions(const Registry&);
 
-/// Those of this name, types first, with the keys that all of their kind share. Empty if there is none.
+/// Those of this name, types first, with the keys that they share with all of their kind. Empty if there is none.
 LOCKSTEP_API std::vector<Description> find_descriptions(const Registry&, const std::string& name);
 
 /// Text for a terminal: help, keys with form, unit, default and help.

@@ -65,7 +65,7 @@ struct Chapter {
   const char *name, *heading, *text;
 };
 constexpr Chapter kChapters[] = {
-    {"links", "Joints and couplings", "Under `links` of the scene. Each also has the keys of *link*."},
+    {"links", "Joints and couplings", "Under `joints` of the scene. Each also has the keys of *link*."},
     {"forces", "Forces", "Under `forces` of the scene. Each also has the keys of *force*."},
     {"laws", "Laws", "Functions of time, for every key that holds a law. `y` has the unit of that key."},
     {"integrators", "Integrators", "`run.integrator`: the name, or an object with its `type` and keys."},

@@ -36,8 +36,8 @@ repeat | list of objects; repeat | | repeated parts, with an index
 set | object of values by path | | new values in included and repeated parts, by path: {"bodies.left_leg.rod.mass": 2}
 bodies | list of objects; body | | bodies; the fixed body "ground" always exists
 markers | list of objects; marker | | named frames on bodies, for joints and forces
-links | list of objects; link | | joints, couplings and other constraints
-joints | list of objects; link | | another name of "links"; a scene with both has one list, in the order of the file
+joints | list of objects; link | | joints, couplings and other constraints
+links | list of objects; link | | another name of "joints"; a scene with both has one list, in the order of the file
 forces | list of objects; force | | applied forces and torques
 events | list of objects; event | | changes of the active joints and forces during the run
 run | object; run | | integrator, duration and output
@@ -54,8 +54,8 @@ from | integer | 0 | first value of the index
 points | object of points | | points, added to those of the scene
 bodies | list of objects; body | | bodies, added to those of the scene
 markers | list of objects; marker | | markers, added to those of the scene
-links | list of objects; link | | joints, added after those of the scene
-joints | list of objects; link | | another name of "links"; a repeat with both has one list, in the order of the file
+joints | list of objects; link | | joints, added after those of the scene
+links | list of objects; link | | another name of "joints"; a repeat with both has one list, in the order of the file
 forces | list of objects; force | | forces, added to those of the scene
 # matter
 mass | number; mass | | mass; requires "inertia"
@@ -139,7 +139,7 @@ friction | object; friction | | friction caused by the joint's own reaction; a f
 name | text | ! | name, unique in the scene
 type | text | ! | type, see `lockstep list forces`
 < attachment
-link | text | | joint in which it acts, for friction
+link | text | | joint in which it acts, instead of p and s (joint_friction, function_force)
 active | boolean | true | true: active from the start
 ## rod | | a straight rod; its frame is at mid-length, x along the rod
 mass | number; mass | | mass, or "density"

@@ -45,11 +45,11 @@ constexpr Word kForms[] = {
   {"type": "axis_rotation", "axis": "z", "law": {"type": "ramp", "slope": "60 rpm"}})_"},
     {"channel",
      R"_(the name of a quantity that a scene can record, draw or use in an event: "crank.x", "A.force_on_p_world_x",
-"energy.total"; "crank.x@rocker" is relative to another body. `lockstep check SCENE --channels` lists all of a scene.
+"energy.total"; "crank.x@rocker" is relative to another body. `lockstep check SCENE --channels` lists those of a scene.
   "record": ["crank.x", {"torque": "A.drive.torque_on_p_link_z"}])_"},
     {"formula",
      R"_(a text that begins with "=": + - * / ^, comparisons, c ? a : b, functions and constants. In a scene it can use
-"parameters", "points", positions of bodies, and units; in a law t; in a function joint x y z rx ry rz e1 e2 e3 and t.
+"parameters", "points", positions of bodies, and units; in a law t; in a function joint x y z, rz, e0 e1 e2 e3 and t.
   "=sqrt(a^2 + b^2)"    "=A + crank*[cos(phi), sin(phi), 0]"    "=rod.to - rod.from"    "=0.1*sin(w*t) + (t > 1 ? 2*(t-1)^2 : 0)")_"},
     {"unit",
      R"_(a text with a unit is converted to SI: m g s N Nm J W Hz rad with prefixes n u m c d k M; deg, rev, turn, rpm,

@@ -123,17 +123,23 @@ std::string not_given(const System& system, const State& given, const State& ass
   return words;
 }
 
-// Whether the start poses fit the links except for their drives: a mechanism drawn in its zero position, which its
-// drives take to where they begin.
-bool only_laws_move(Dynamics& dynamics, const State& given) {
+// A joint that start poses leave open, and by how much, m, rotations as lengths.
+using Opening = std::pair<std::string, double>;
+
+// Those of the start poses, drives apart; none of a mechanism drawn in its zero position, which its drives take to where
+// they begin.
+std::vector<Opening> drawn_open(Dynamics& dynamics, const State& given) {
   const Evaluation& e = dynamics.gather_rows(given);
-  VecX C = Residuals(e).C;
+  const VecX all = Residuals(e).C;
+  std::vector<Opening> open;
   for (const RowEntry& entry : e.rows().entries) {
     const Lock& link = *dynamics.system().links()[entry.link];
+    VecX C = VecX::Zero(all.size());
     for (int k = 0; k < entry.m; ++k)
-      if (link.row(entry.own[k]).drive >= 0) C[entry.first_row + k] = 0;
+      if (link.row(entry.own[k]).drive < 0) C[entry.first_row + k] = all[entry.first_row + k];
+    if (const double by = e.norm(C); !(by < start_limit())) open.emplace_back(link.name(), by);
   }
-  return e.norm(C) < start_limit();
+  return open;
 }
 
 // Changes by assembly that are too large to be meant.
@@ -147,19 +153,23 @@ void add_warnings(Dynamics& dynamics, const State& given, const State& assembled
   };
   const bool moved = report.largest_move > kMuch * system.length() && meant(report.moved_most),
              turned = report.largest_turn > kMuch * kTwoPi && meant(report.turned_most);
-  const bool by_laws = (moved || turned) && only_laws_move(dynamics, given);
-  if (moved && !by_laws)
-    report.findings.push_back({&finding::start_moved, "body '" + report.moved_most + "'",
-                               fmt::format("assembly moved body '{}' by {:.3g} m from its start pose",
-                                           report.moved_most, report.largest_move),
-                               "give it a position that fits its joints (`lockstep assemble` prints one)",
-                               report.largest_move, kMuch * system.length(), "m"});
-  else if (turned && !by_laws)
-    report.findings.push_back({&finding::start_moved, "body '" + report.turned_most + "'",
-                               fmt::format("assembly rotated body '{}' by {:.3g} rad from its start pose",
-                                           report.turned_most, report.largest_turn),
-                               "give it an orientation that fits its joints (`lockstep assemble` prints one)",
-                               report.largest_turn, kMuch * kTwoPi, "rad"});
+  const std::vector<Opening> open = moved || turned ? drawn_open(dynamics, given) : std::vector<Opening>{};
+  if (!open.empty()) {
+    const bool one = open.size() == 1;
+    const std::string& body = moved ? report.moved_most : report.turned_most;
+    const double by = moved ? report.largest_move : report.largest_turn;
+    const char* const unit = moved ? "m" : "rad";
+    const std::string why =
+        one ? fmt::format("because joint '{}' is drawn open by {:.3g} m", open[0].first, open[0].second)
+            : "from its start pose";
+    const char* const check = one ? "check the places of the joint (\"at_p\" and \"at_s\" are in world axes), or " : "";
+    report.findings.push_back(
+        {&finding::start_moved, "body '" + body + "'",
+         fmt::format("assembly {} body '{}' by {:.3g} {} {}", moved ? "moved" : "rotated", body, by, unit, why),
+         fmt::format("{}give the body {} that fits its joints (`lockstep assemble` prints one)", check,
+                     moved ? "a position" : "an orientation"),
+         by, kMuch * (moved ? system.length() : kTwoPi), unit});
+  }
   const double lost = report.kinetic_before - report.kinetic_after;
   if (!(lost > kMuch * report.kinetic_before)) return;
   const std::string missing = not_given(system, given, assembled);
@@ -209,15 +219,16 @@ LOCKSTEP_API bool AssemblyReport::is_notable() const {
 }
 
 LOCKSTEP_API std::string AssemblyReport::text() const {
-  std::string text =
-      fmt::format("the start violated the constraints by {:.2g} m and {:.2g} m/s, now by {:.2g} m and {:.2g} m/s",
-                  before, before_v, after, after_v);
-  if (largest_move == 0 && largest_turn == 0) text += "; only velocities changed";
-  if (largest_move > 0) text += fmt::format("; moved '{}' by {:.3g} m", moved_most, largest_move);
-  if (largest_turn > 0) text += fmt::format("; rotated '{}' by {:.3g} rad", turned_most, largest_turn);
+  std::string text;
+  if (before > start_limit()) text += fmt::format("; the given poses violated the constraints by {:.2g} m", before);
+  if (largest_move > start_limit()) text += fmt::format("; moved '{}' by {:.3g} m", moved_most, largest_move);
+  if (largest_turn > start_limit()) text += fmt::format("; rotated '{}' by {:.3g} rad", turned_most, largest_turn);
+  if (before_v > start_limit())
+    text += fmt::format("; velocities set to fit joints and drives (off by {:.2g} m/s)", before_v);
+  if (!is_moved()) text += "; positions unchanged";
   if (std::abs(kinetic_after - kinetic_before) > kLittle * std::max(kinetic_before, kinetic_after))
     text += fmt::format("; kinetic energy {:.3g} J, now {:.3g} J", kinetic_before, kinetic_after);
-  return text;
+  return text.substr(2);
 }
 
 AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& targets,

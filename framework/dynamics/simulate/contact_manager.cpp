@@ -9,11 +9,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/detail/phi_function.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
 #include "framework/dynamics/simulate/contact_manager.h"
 #include "framework/dynamics/solvers/scales.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/mechanism/links/joint_functions.h"
 
 namespace lockstep {
 void ContactManager::lay_out() {
@@ -59,16 +61,25 @@ void ContactManager::check_side(std::size_t i, const State& state, const std::st
   const double length = dynamics_.system().length();
   const double depth = -g.c * length_per_unit(contact.link->row_kind(0), length);
   if (!(depth > limit_)) return;
-  const bool stop = contact.link->type() == "stop";  // its side is that of its limit
-  const std::string depth_text = dynamic_cast<const TurnStop*>(contact.link) != nullptr
-                                     ? fmt::format("{:.4g} deg", std::abs(g.c) * 180 / kPi)
-                                     : fmt::format("{:.4g} m", depth);
+  const auto fail_at = [&](const auto& end, double scale, const char* unit) {
+    const auto shown = [&](double x) {  // without the digits of round-off
+      return fmt::format("{:.4g} {}", std::abs(x) < kNegligible ? 0.0 : scale * x, unit);
+    };
+    throw AssemblyError(
+        fmt::format("{} lies {} beyond the stop '{}': the coordinate is {}, its limit is {}; widen its range (\"low\", "
+                    "\"high\"), or start within it (a joint placed by \"at\" is at 0 as drawn)",
+                    cause, shown(std::abs(g.c)), contact.link->name(), shown(end.limit + end.sign * contact.sign * g.c),
+                    shown(end.limit)));
+  };
+  if (const auto* turn = dynamic_cast<const TurnStop*>(contact.link))
+    fail_at(phi_of<StopAbout>(turn->function()), 180 / kPi, "deg");
+  if (const auto* slide = dynamic_cast<const SlideStop*>(contact.link))
+    fail_at(phi_of<StopAlong>(slide->function()), 1, "m");
+  const bool above = contact.sign > 0;
   throw AssemblyError(
-      stop ? fmt::format("{} lies {} beyond the stop '{}'; widen its range (\"low\", \"high\"), or start within it",
-                         cause, depth_text, contact.link->name())
-           : fmt::format("{} lies {} on the wrong side of the one-sided joint '{}'; move its bodies apart, or reverse "
-                         "the side (\"side\": \"{}\")",
-                         cause, depth_text, contact.link->name(), contact.sign > 0 ? "below" : "above"));
+      fmt::format("{} lies {:.4g} m on the wrong side of the one-sided joint '{}'; move its bodies {}, or reverse the "
+                  "side (\"side\": \"{}\")",
+                  cause, depth, contact.link->name(), above ? "apart" : "closer together", above ? "below" : "above"));
 }
 
 void ContactManager::note(const State& state, bool moved) {

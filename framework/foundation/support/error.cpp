@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/error.h>
 
+#include <spdlog/fmt/fmt.h>
+
 #include <cmath>
 #include <utility>
 
@@ -70,7 +72,7 @@ const char* to_string(Error::Kind kind) {
   return kWords[static_cast<std::size_t>(kind)];
 }
 
-std::string at_time(double t) { return std::isnan(t) ? "" : "t = " + text::number(t) + " s: "; }
+std::string at_time(double t) { return std::isnan(t) ? "" : fmt::format("t = {:.9g} s: ", t); }
 
 std::string of_plugin(const std::string& origin) {
   return origin.empty() || origin == "built in" ? "" : " of plugin " + origin;

@@ -22,14 +22,41 @@ const char* to_string(Severity severity) {
 
 std::span<const FindingKind* const> finding_kinds() {
   using namespace finding;
-  static constexpr std::array kAll{
-      &energy_not_conserved, &constraints_drifted, &tolerance_not_reached, &singular_passed,  &reactions_uncertain,
-      &not_certified,        &start_far,           &renamed_key,           &not_included,     &held_turn,
-      &quaternion_length,    &negative_stiffness,  &outputs_beyond_end,    &setting_unused,   &length_repeated,
-      &switches_unresolved,  &turns_uncertain,     &start_moved,           &start_speed_lost, &start_missed,
-      &singular_start,       &no_freedom,          &violated_in_run,       &long_turn,        &long_steps,
-      &event_at_zero,        &energy_not_judged,   &energy_suspect,        &event_missed,     &stiff,
-      &reactions_not_unique, &nearly_redundant,    &analysis_note};
+  static constexpr std::array kAll{&energy_not_conserved,
+                                   &constraints_drifted,
+                                   &tolerance_not_reached,
+                                   &singular_passed,
+                                   &reactions_uncertain,
+                                   &not_certified,
+                                   &start_far,
+                                   &renamed_key,
+                                   &not_included,
+                                   &held_turn,
+                                   &quaternion_length,
+                                   &negative_stiffness,
+                                   &outputs_beyond_end,
+                                   &setting_unused,
+                                   &length_repeated,
+                                   &switches_unresolved,
+                                   &turns_uncertain,
+                                   &start_moved,
+                                   &start_speed_lost,
+                                   &start_missed,
+                                   &singular_start,
+                                   &no_freedom,
+                                   &violated_in_run,
+                                   &long_turn,
+                                   &long_steps,
+                                   &event_at_zero,
+                                   &stop_passed,
+                                   &energy_not_judged,
+                                   &energy_suspect,
+                                   &event_missed,
+                                   &stiff,
+                                   &reactions_not_unique,
+                                   &nearly_redundant,
+                                   &units_assumed,
+                                   &analysis_note};
   return kAll;
 }
 

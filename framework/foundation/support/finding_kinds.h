@@ -60,9 +60,9 @@ inline constexpr FindingKind outputs_beyond_end{"outputs-beyond-end", Severity::
                                                 "Extend the run, or request fewer outputs."};
 inline constexpr FindingKind setting_unused{"setting-unused", Severity::warning, "A setting has no effect on this run.",
                                             "Remove it, or use the method that reads it."};
-inline constexpr FindingKind length_repeated{
-    "length-repeated", Severity::warning, "A length that is varied is also given in other places, which do not change.",
-    "Make it one parameter, or refer to a named point."};
+inline constexpr FindingKind length_repeated{"length-repeated", Severity::warning,
+                                             "A changed length is also given in other places, which do not change.",
+                                             "Make it one parameter, or refer to a named point."};
 inline constexpr FindingKind switches_unresolved{
     "switches-unresolved", Severity::warning,
     "Comparisons of a formula are equal over an interval, so their switching times are undefined.",
@@ -71,22 +71,29 @@ inline constexpr FindingKind turns_uncertain{"turns-uncertain", Severity::warnin
                                              "The angle of a channel changed faster than its rate: it passed a point "
                                              "at which it is undefined, or steps are too long.",
                                              "Record an angle about another axis, or use smaller steps."};
-inline constexpr FindingKind start_moved{"start-moved", Severity::warning,
-                                         "Assembly moved or rotated a body far from its given pose.",
-                                         "Give a pose that fits its joints; `lockstep assemble` prints one."};
+inline constexpr FindingKind start_moved{
+    "start-moved", Severity::warning,
+    "Assembly moved a body by more than a tenth of the mechanism's length, or rotated it by more than a tenth of a "
+    "revolution, and neither a drive nor \"start\" requests it.",
+    "Check the places of its joints first (\"at_p\" and \"at_s\" are in world axes), then its pose; "
+    "`lockstep assemble` prints one that fits."};
 inline constexpr FindingKind start_speed_lost{"start-speed-lost", Severity::warning,
                                               "The joints do not allow the given start velocities of bodies.",
                                               "Give compatible velocities, or one start speed of a joint."};
 inline constexpr FindingKind start_missed{"start-missed", Severity::warning,
                                           "A coordinate does not begin at the requested value.",
-                                          "Request it exactly, or leave the poses of its bodies free."};
+                                          "Request a value that the joints allow, by \"position\", or set "
+                                          "\"assembled\": \"free\" for its bodies."};
 inline constexpr FindingKind singular_start{
     "singular-start", Severity::warning,
     "The mechanism starts in a singular configuration, so it may continue in several ways.",
     "Start near that configuration, or give a velocity along one of the possible motions."};
-inline constexpr FindingKind no_freedom{"no-freedom", Severity::warning,
-                                        "The constraints leave no degree of freedom, and nothing drives the mechanism.",
-                                        "Use a joint that leaves the intended motion free."};
+inline constexpr FindingKind no_freedom{
+    "no-freedom", Severity::warning,
+    "The constraints leave no degree of freedom, and no law moves the mechanism. A drive with a constant law holds its "
+    "joint.",
+    "Use a joint that leaves the intended motion free. For a constant speed, give the drive \"speed\" instead of "
+    "\"law\"."};
 inline constexpr FindingKind violated_in_run{"violated-in-run", Severity::warning,
                                              "The constraint violation exceeded the limit after a step.",
                                              "Project after each step: \"stabilization\": \"project\"."};
@@ -100,13 +107,20 @@ inline constexpr FindingKind event_at_zero{
     "event-at-zero", Severity::warning,
     "The condition of an event is zero, or has passed zero, when the event becomes active.",
     "Begin away from zero. The event happens when its condition passes zero again."};
+inline constexpr FindingKind stop_passed{
+    "stop-passed", Severity::warning,
+    "A prescribed motion passes a stop or another one-sided joint, which kinematics and inverse dynamics do not test.",
+    "End the motion before it, or move the stop."};
 
 // -- facts
 inline constexpr FindingKind energy_not_judged{"energy-not-judged", Severity::note,
                                                "A force does work but gives no potential, dissipation or supply.",
                                                "Let the force give them, or check the result by other means."};
 inline constexpr FindingKind energy_suspect{
-    "energy-suspect", Severity::note, "A possible cause of the energy error of the run.", "See the finding itself."};
+    "energy-suspect", Severity::note,
+    "A possible cause of the energy error of the run: a force, a singular configuration, the constraint violation, the "
+    "work of drives, or long steps.",
+    "Correct the force that it names, use projection, or shorten the steps."};
 inline constexpr FindingKind event_missed{"event-missed", Severity::note, "An event did not happen.",
                                           "Extend the run, or use a value that is reached."};
 inline constexpr FindingKind stiff{"stiff", Severity::note,
@@ -119,8 +133,12 @@ inline constexpr FindingKind reactions_not_unique{
 inline constexpr FindingKind nearly_redundant{
     "nearly-redundant", Severity::note, "Constraints are redundant except for small errors of lengths or angles.",
     "Correct the geometry, or choose whether they hold: \"nearly_redundant\"."};
-inline constexpr FindingKind analysis_note{"analysis-note", Severity::note,
-                                           "A quantity that an analysis held, left out or assumed.",
-                                           "See the finding itself."};
+inline constexpr FindingKind units_assumed{"units-assumed", Severity::note,
+                                           "Columns of a CSV file have no units in the header, so they are read in SI.",
+                                           "Write the units in brackets: \"time [ms],torque [N mm]\"."};
+inline constexpr FindingKind analysis_note{
+    "analysis-note", Severity::note,
+    "An analysis held, left out or assumed something, such as an open one-sided joint, friction or a moving marker.",
+    "Check that the assumption fits the model."};
 
 }  // namespace lockstep::finding

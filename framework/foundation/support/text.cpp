@@ -48,13 +48,18 @@ constexpr std::string_view kSynonyms =
     "torsion_spring=torsion_spring_damper rotational_spring=torsion_spring_damper rsda=torsion_spring_damper "
     "force=applied_force torque=applied_torque motor=torque_motor,drive actuator=force_motor,drive "
     "friction=joint_friction "
-    "motion=drive input=drive motors=drive joints=links constraints=links parts=bodies colour=visual color=visual "
-    "limits=stops range=stops limit=stops body1=p body2=s parent=s child=p base=s follower=p density=mass weight=mass "
+    "motion=drive input=drive motors=drive joints=links constraints=joints parts=bodies colour=visual color=visual "
+    "limits=stops range=stops limit=stops body1=p body2=s i=p j=s parent=s child=p base=s follower=p density=mass "
+    "weight=mass "
     "location=at anchor=at pos=position quat=orientation euler=orientation rotation=orientation vel=velocity "
     "angular_velocity=omega_world dt=step timestep=step duration=until stop_time=until end=until tol=tolerance "
     "rtol=tolerance k=stiffness c=damping d=damping rk45=dopri5 ode45=dopri5 dopri=dopri5 dopri853=dop853 rk8=dop853 "
     "euler_method=semi_implicit_euler rk=rk4 hht=generalized_alpha newmark=generalized_alpha ida=radau5 ode15s=radau5 "
-    "gstiff=radau5 step5=cycloid smoothstep=poly345 linear_law=ramp sin=sine table=spline csv=spline";
+    "gstiff=radau5 step5=poly345 step=poly345 havsin=harmonic_rise smoothstep=poly345 linear_law=ramp sin=sine "
+    "table=spline csv=spline "
+    "meter=m metre=m newton=N minute=min hour=h radian=rad kgm^2=kg*m^2 world=ground velocity=speed "
+    "diaginertia=inertia fullinertia=inertia fx=force_on_p_world_x fy=force_on_p_world_y "
+    "fz=force_on_p_world_z";
 
 // The candidate that a synonym means; "" if there is none.
 std::string meant(std::string_view word, std::span<const std::string> candidates) {
@@ -75,12 +80,12 @@ std::string meant(std::string_view word, std::span<const std::string> candidates
 std::string closest_name(std::string_view word, std::span<const std::string> candidates) {
   std::string best = meant(word, candidates);
   if (!best.empty()) return best;
-  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
+  std::size_t least = std::max<std::size_t>(word.size() > 1, word.size() / 3) + 1;
   for (const std::string& name : candidates) {
     const std::size_t longer = std::max(name.size(), word.size()), shorter = std::min(name.size(), word.size());
     if (longer - shorter >= least) continue;  // as many letters are inserted at least
     const std::size_t d = edit_distance(word, name);
-    if (d < least) {
+    if (d < least && (d < 2 || lower(word.front()) == lower(name.front()))) {
       least = d;
       best = name;
     }
@@ -90,7 +95,7 @@ std::string closest_name(std::string_view word, std::span<const std::string> can
 
 std::string suggestion(std::string_view word, std::span<const std::string> candidates) {
   const std::string near = closest_name(word, candidates);
-  if (!near.empty()) return "; did you mean \"" + near + "\"?";
+  if (!near.empty() && near != word) return "; did you mean \"" + near + "\"?";
   if (candidates.empty()) return {};
   constexpr std::size_t kMost = 12;
   const std::size_t n = std::min(kMost, candidates.size());

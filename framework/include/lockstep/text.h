@@ -12,10 +12,11 @@
 namespace lockstep::text {
 
 /// The candidate nearest to `word` by edit distance (case ignored; an exchange of neighbours is one edit), or "" when
-/// that is more than a third of the word's length, at least 1.
+/// that is more than a third of the word's length (at least 1; a single letter has none), or more than 1 with another
+/// first letter.
 LOCKSTEP_API std::string closest_name(std::string_view word, std::span<const std::string> candidates);
 
-/// `; did you mean "slope"?` or, when no name is near, `; known: a, b, c` (at most twelve names, then "..."); ""
+/// `; did you mean "slope"?` or, when no other name is near, `; known: a, b, c` (at most twelve names, then "..."); ""
 /// without candidates.
 LOCKSTEP_API std::string suggestion(std::string_view word, std::span<const std::string> candidates);
 

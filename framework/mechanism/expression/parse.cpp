@@ -249,7 +249,7 @@ class ExpressionParser {
     }
     if (take("[")) return vector(at);
     if (c == '\0') fail(at, "it ends where a number, a name or a bracket is expected");
-    fail(at, "expected a number, a name or a bracket");
+    fail(at, c == '*' && text_[at - 1] == '*' ? "write a power with \"^\"" : "expected a number, a name or a bracket");
   }
 
   int vector(std::size_t at) {

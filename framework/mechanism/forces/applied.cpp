@@ -48,8 +48,9 @@ bool Applied::stays_in_plane(Plane plane) const {
 std::vector<Quantity> Applied::quantities() const {
   std::vector<Quantity> all;
   for (const char* axis : {"x", "y", "z"})
-    all.push_back({std::string(word(effort_)) + "_on_p_world_" + axis, unit(effort_)});
-  all.push_back({"power", "W"});
+    all.push_back({std::string(word(effort_)) + "_on_p_world_" + axis, unit(effort_),
+                   std::string(word(effort_)) + " on P's body, world axes, " + axis});
+  all.push_back(power());
   return all;
 }
 

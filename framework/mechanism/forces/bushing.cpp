@@ -55,10 +55,12 @@ bool Bushing::stays_in_plane(Plane plane) const {
 
 std::vector<Quantity> Bushing::quantities() const {
   std::vector<Quantity> r;
-  for (const auto& [stem, unit] : {Quantity{"", "m"}, Quantity{"angle_", "rad"}, Quantity{"force_on_p_link_", "N"},
-                                   Quantity{"torque_on_p_link_", "N m"}})
-    for (const char* axis : {"x", "y", "z"}) r.push_back({stem + axis, unit});
-  r.push_back({"power", "W"});
+  for (const auto& [stem, unit, help] : {Quantity{"", "m", "position of P relative to S, S axes, "},
+                                         Quantity{"angle_", "rad", "rotation vector of P relative to S, S axes, "},
+                                         Quantity{"force_on_p_link_", "N", "force on P's body, S axes, "},
+                                         Quantity{"torque_on_p_link_", "N m", "torque on P's body, S axes, "}})
+    for (const char* axis : {"x", "y", "z"}) r.push_back({stem + axis, unit, help + axis});
+  r.push_back(power());
   return r;
 }
 

@@ -11,6 +11,8 @@ namespace lockstep {
 inline const char* word(Effort e) { return e == Effort::force ? "force" : "torque"; }
 /// "N" or "N m".
 inline const char* unit(Effort e) { return e == Effort::force ? "N" : "N m"; }
+/// The last of the quantities of a FormulaForce.
+inline Quantity power() { return {"power", "W", "power of the force on the bodies"}; }
 
 /// Exerts f, N or N m, world axes, on P's body and the opposite on S's.
 template <class T, class Load>

@@ -34,7 +34,7 @@ const TypeInfo& CoordinateForce::info() {
 std::unique_ptr<Force> CoordinateForce::make(const Attachment& attachment, const Params& k) {
   const std::vector<expression::Constant> constants = expression::read_constants(k, "parameters");
   if (k.has("force") == k.has("torque"))
-    k.refuse(k.has("force") ? "torque" : "coordinate",
+    k.refuse(k.has("force") ? "torque" : "",
              k.has("force") ? "\"force\" is given as well; remove one of the two" : "give \"force\" or \"torque\"");
   const bool torque = k.has("torque");
   const char* key = torque ? "torque" : "force";
@@ -80,10 +80,10 @@ void CoordinateForce::breakpoints(double t0, double t1, std::vector<double>& out
 
 std::vector<Quantity> CoordinateForce::quantities() const {
   const bool turn = is_rotation(axis_);
-  return {{"coordinate", turn ? "rad" : "m"},
-          {"rate", turn ? "rad/s" : "m/s"},
-          {turn ? "torque" : "force", turn ? "N m" : "N"},
-          {"power", "W"}};
+  return {{"coordinate", turn ? "rad" : "m", "coordinate q of P relative to S"},
+          {"rate", turn ? "rad/s" : "m/s", "its rate qd"},
+          {turn ? "torque" : "force", turn ? "N m" : "N", "value of the formula, on P's body"},
+          power()};
 }
 
 namespace {

@@ -236,10 +236,14 @@ double JointFriction::reacting_quantity(int k, const Inputs& in, const Reactions
 
 std::vector<Quantity> JointFriction::quantities() const {
   std::vector<Quantity> all;
-  if (!sliding_.isZero(0)) all = {{"normal_force", "N"}, {"friction_force", "N"}, {"sliding_speed", "m/s"}};
+  if (!sliding_.isZero(0))
+    all = {{"normal_force", "N", "load normal to the sliding"},
+           {"friction_force", "N", "friction on P's body, opposite to the sliding; of two directions its magnitude"},
+           {"sliding_speed", "m/s", "velocity of P relative to S; of two directions its magnitude"}};
   if (turning_ >= 0)
-    for (const Quantity& q : {Quantity{"radial_force", "N"}, Quantity{"axial_force", "N"},
-                              Quantity{"friction_torque", "N m"}, Quantity{"turning_rate", "rad/s"}})
+    for (const Quantity& q : {Quantity{"radial_force", "N", "radial load"}, Quantity{"axial_force", "N", "axial load"},
+                              Quantity{"friction_torque", "N m", "friction on P's body, opposite to the rotation"},
+                              Quantity{"turning_rate", "rad/s", "angular velocity of P relative to S"}})
       all.push_back(q);
   return all;
 }

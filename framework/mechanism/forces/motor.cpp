@@ -26,7 +26,11 @@ bool Motor::stays_in_plane(Plane plane) const {
 }
 
 std::vector<Quantity> Motor::quantities() const {
-  return {{word(effort_), unit(effort_)}, {"rate", effort_ == Effort::force ? "m/s" : "rad/s"}, {"power", "W"}};
+  const bool turns = effort_ == Effort::torque;
+  return {
+      {word(effort_), unit(effort_), turns ? "torque on P's body about +z of S" : "force on P's body along +z of S"},
+      {"rate", turns ? "rad/s" : "m/s", "rate of P relative to S, in the same direction"},
+      power()};
 }
 
 template <class T, class Load>

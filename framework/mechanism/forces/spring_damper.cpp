@@ -49,7 +49,10 @@ void SpringDamper::setup() {
 }
 
 std::vector<Quantity> SpringDamper::quantities() const {
-  return {{"length", "m"}, {"rate", "m/s"}, {"force", "N"}, {"power", "W"}};
+  return {{"length", "m", "distance between P and S"},
+          {"rate", "m/s", "rate of the length"},
+          {"force", "N", "force along the line; positive pulls P and S together"},
+          power()};
 }
 
 template <class T, class Load>

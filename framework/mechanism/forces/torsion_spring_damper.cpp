@@ -56,7 +56,10 @@ void TorsionSpringDamper::setup() {
 }
 
 std::vector<Quantity> TorsionSpringDamper::quantities() const {
-  return {{"angle", "rad"}, {"rate", "rad/s"}, {"torque", "N m"}, {"power", "W"}};
+  return {{"angle", "rad", "rotation of P about S's z, with its revolutions"},
+          {"rate", "rad/s", "rate of the angle"},
+          {"torque", "N m", "torque about z; positive rotates P back, about -z of S"},
+          power()};
 }
 
 template <class T, class Load>

@@ -17,7 +17,7 @@ namespace {
 constexpr double kNoPoint = std::numeric_limits<double>::quiet_NaN();
 
 // No units: the parameter of the user's curve may be anything.
-std::vector<Quantity> of_curve() { return {{"s", ""}, {"rate", "1/s"}}; }
+std::vector<Quantity> of_curve() { return {{"s", "", "parameter of the curve at P"}, {"rate", "1/s", "rate of s"}}; }
 
 double seen_on(const CurvePoint& curve, const LockCoords<Time>& y, int k) {
   TranslationValue at;

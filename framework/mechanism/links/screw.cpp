@@ -20,7 +20,9 @@ Screw::Screw(std::string name, Marker& p, Marker& s, double lead, LawPtr<MotionL
                          "is " + text::brief(lead) + " m; it must be a finite number");
 }
 
-std::vector<Quantity> Screw::quantities() const { return {{"angle", "rad"}, {"rate", "rad/s"}}; }
+std::vector<Quantity> Screw::quantities() const {
+  return {{"angle", "rad", "rotation of P about S's z, with its revolutions"}, {"rate", "rad/s", "rate of the angle"}};
+}
 
 double Screw::quantity(int k, const Inputs& in) const {
   const Time angle = function().along_motion(in, memory(in))[0].angle_z();

@@ -47,7 +47,7 @@ TypeInfo Stop::info() {
 
 std::unique_ptr<Lock> Stop::make(const Attachment& attachment, const Params& params) {
   if (params.has("low") == params.has("high"))
-    params.refuse(params.has("low") ? "high" : "coordinate",
+    params.refuse(params.has("low") ? "high" : "",
                   params.has("low") ? "\"low\" is given as well; a stop has one limit, add another stop for the other"
                                     : "no limit is given; add \"low\" or \"high\"");
   const bool low = params.has("low");

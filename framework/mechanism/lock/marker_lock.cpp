@@ -93,10 +93,15 @@ void MarkerLock::add_drive(Drive drive) {
   const Mask bit = row_of(drive.axis);
   refuse_when_set_up("a drive on " + std::string(to_string(drive.axis)));
   if (!drive.law) throw ModelError(what + " has no law; give it one");
-  if (includes(mask_, bit))
+  if (includes(mask_, bit)) {
+    std::string free;
+    for (int k = 0; k < 6; ++k)
+      if (const Axis axis = static_cast<Axis>(k); !includes(rows_, row_of(axis)))
+        free += (free.empty() ? "" : ", ") + std::string(to_string(axis));
     throw ModelError(what + ": constraint " + std::string(lockstep::row_name(axis_index(drive.axis))) +
-                     " is in the mask \"" + to_string(mask_) +
-                     "\"; drive a free axis, or give the joint a law by move or turn");
+                     " is in the mask \"" + to_string(mask_) + "\"; drive a free axis (" +
+                     (free.empty() ? "none" : free) + "), or give the joint a law by move or turn");
+  }
   if (includes(rows_, bit)) throw ModelError(what + ": this axis is driven already; one law per axis");
   if (is_rotation(drive.axis) && !includes(mask_ | bit, Mask::e123))
     throw ModelError(what + ": the other two rotations are not both constrained (mask \"" + to_string(mask_) +

@@ -24,7 +24,9 @@ std::string fault(const std::string& what, const LawPtr<L>& law, double t, Numbe
     for (const double number : x) words += (words.empty() ? "" : ", ") + text::brief(number);
     return what + shown(law) + " gives " + words;
   } catch (...) {
-    return what + shown(law) + " threw: " + thrown_words(std::current_exception());
+    const LawLabel* label = label_of(law);
+    return what + shown(law) + (label != nullptr && label->origin == "built in" ? ": " : " threw: ") +
+           thrown_words(std::current_exception());
   }
 }
 

@@ -131,7 +131,8 @@ const Key* key_in(KeyTables tables, std::string_view name) {
 void check_members(const Value& object, const std::string& type, KeyTables tables, const std::string& owner) {
   const Value::Object none, *members = object.is_null() ? &none : object.object();
   if (members == nullptr)
-    refuse(object.where, owner, "expected an object with keys of '" + type + "', got " + shown(object));
+    refuse(object.where, owner,
+           "expected an object with keys of '" + type + "', got " + shown(object) + "; see lockstep describe " + type);
   Refusals wrong;
   wrong.attempt([&] { check_known(*members, tables, owner); });
   const bool unknown = !wrong.empty();  // it may be meant for a key that is missing
@@ -158,7 +159,7 @@ bool holds_law(Form form) {
 }
 
 std::string part_of(const std::string& owner, std::string_view part) {
-  if (owner.empty()) return std::string(part);
+  if (owner.empty() || part.empty()) return owner + std::string(part);
   // An owner that ends in a quoted name is a thing, any other is itself a part.
   return owner + (owner.back() == '\'' ? ", " : ".") + std::string(part);
 }

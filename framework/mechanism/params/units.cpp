@@ -60,7 +60,7 @@ struct Symbol {
 };
 
 constexpr double kTurn = kTwoPi;
-constexpr std::array<Symbol, 19> kSymbols{{
+constexpr std::array<Symbol, 25> kSymbols{{
     {"m", true, {1, 1, 0, {1, 0, 0, 0}}},           {"g", true, {1, 1, -3, {0, 1, 0, 0}}},
     {"s", true, {1, 1, 0, {0, 0, 1, 0}}},           {"N", true, {1, 1, 0, {1, 1, -2, 0}}},
     {"Nm", true, {1, 1, 0, {2, 1, -2, 0}}},         {"J", true, {1, 1, 0, {2, 1, -2, 0}}},
@@ -70,7 +70,10 @@ constexpr std::array<Symbol, 19> kSymbols{{
     {"turn", false, {kTurn, 1, 0, {0, 0, 0, 1}}},   {"rpm", false, {kTurn, 60, 0, {0, 0, -1, 1}}},
     {"min", false, {60, 1, 0, {0, 0, 1, 0}}},       {"h", false, {3600, 1, 0, {0, 0, 1, 0}}},
     {"t", false, {1, 1, 3, {0, 1, 0, 0}}},          {"in", false, {254, 1, -4, {1, 0, 0, 0}}},
-    {"ft", false, {3048, 1, -4, {1, 0, 0, 0}}},
+    {"ft", false, {3048, 1, -4, {1, 0, 0, 0}}},     {"inch", false, {254, 1, -4, {1, 0, 0, 0}}},
+    {"sec", false, {1, 1, 0, {0, 0, 1, 0}}},        {"degree", false, {kPi, 180, 0, {0, 0, 0, 1}}},
+    {"Nmm", false, {1, 1, -3, {2, 1, -2, 0}}},      {"degrees", false, {kPi, 180, 0, {0, 0, 0, 1}}},
+    {"kgm2", false, {1, 1, 0, {2, 1, 0, 0}}},
 }};
 
 struct Prefix {
@@ -115,11 +118,14 @@ int take_power(std::string_view& name) {
   return power;
 }
 
-std::vector<std::string> symbol_names() {
-  std::vector<std::string> names;
+// What is meant by a unit that is none: "s^2" by "s2".
+std::string unit_meant(const std::string& unit) {
+  std::vector<std::string> names = {"mm", "kg", "ms", "kN", "kg*m^2"};
   for (const Symbol& s : kSymbols) names.emplace_back(s.name);
-  for (const char* common : {"mm", "kg", "ms", "kN", "Nmm"}) names.emplace_back(common);
-  return names;
+  const std::string base = unit.substr(0, unit.size() - 1), power = unit.substr(base.size());
+  const bool is_power = (power == "2" || power == "3") && base != "1" && symbol(base);
+  const std::string near = is_power ? base + "^" + power : text::closest_name(unit, names);
+  return near.empty() ? "; see lockstep describe unit" : "; did you mean \"" + near + "\"?";
 }
 
 // Reads a whole unit; on failure `problem` is the reason.
@@ -134,7 +140,7 @@ UnitFactor unit_factor(std::string_view unit, std::string& problem) {
     const std::optional<UnitFactor> factor = name == "1" && divided ? std::nullopt : symbol(name);
     if (!factor || power == 0) {
       problem = written.empty() ? "a symbol is missing in the unit"
-                                : "unknown unit \"" + written + "\"" + text::suggestion(written, symbol_names());
+                                : "unknown unit \"" + written + "\"" + unit_meant(written);
       return total;
     }
     if (divided && !divide) {

@@ -149,12 +149,18 @@ bool says_more(std::string_view name, std::string_view word) {
   return found == some.size();
 }
 
+constexpr std::size_t kMost = 4;  // names in a message
+
 // What is meant by a quantity that is none of these: rz, the word for an axis of a drive or a start, is the channel
 // angle_z, and a moment a torque.
 std::vector<std::string> meant_by(const std::string& quantity, const std::vector<std::string>& names) {
-  constexpr std::size_t kMost = 4;
   for (const auto& [word, ours] : {std::pair<std::string, std::string>{"reaction_", "force_on_p_world_"},
                                    {"drive_torque", "drive.torque_on_p_link_z"},
+                                   {"drive.torque", "drive.torque_on_p_link_z"},
+                                   {"drive.force", "drive.force_on_p_link_x"},
+                                   {"reaction", "force_on_p_world_x"},
+                                   {"force", "force_on_p_world_x"},
+                                   {"angle", "angle_z"},
                                    {"torque", "torque_on_p_link_z"},
                                    {"r", "angle_"},
                                    {"moment", "torque"}})
@@ -163,7 +169,7 @@ std::vector<std::string> meant_by(const std::string& quantity, const std::vector
         return {name};
   std::vector<std::string> meant;
   for (const std::string& name : names)
-    if (says_more(name, quantity)) meant.push_back(name);
+    if (says_more(name, quantity) || name.starts_with(quantity + "_")) meant.push_back(name);
   if (!meant.empty() && meant.size() <= kMost) return meant;
   const std::string near = text::closest_name(quantity, names);
   return near.empty() ? std::vector<std::string>{} : std::vector<std::string>{near};
@@ -172,23 +178,36 @@ std::vector<std::string> meant_by(const std::string& quantity, const std::vector
 [[noreturn]] void unknown_quantity(const std::string& channel, const std::string& owner, const std::string& quantity,
                                    const Entries& entries) {
   const std::vector<std::string> names = names_of(entries);
+  const auto of_drive = [](const std::string& name) { return name.starts_with("drive"); };
+  if (of_drive(quantity) && std::ranges::none_of(names, of_drive))
+    throw ModelError(fmt::format("channel \"{}\": {} has no drive; add one, or remove the channel", channel, owner));
   std::vector<std::string> meant = meant_by(quantity, names);
   for (std::string& name : meant) name = "\"" + name + "\"";
-  throw ModelError(fmt::format("channel \"{}\": {} has no \"{}\"{}; it has: {}", channel, owner, quantity,
-                               meant.empty() ? "" : fmt::format("; did you mean {}?", text::join(meant, " or ")),
-                               text::join(names)));
+  std::string hint = "did you mean " + text::join(meant, " or ") + "?";
+  if (meant.empty())
+    hint = "it has " + text::join(std::span(names).first(std::min(names.size(), kMost)), ", ") + ", ...";
+  if (channel.find('@') == std::string::npos)
+    hint += " All: lockstep check SCENE --channels --of " + channel.substr(0, channel.size() - quantity.size() - 1);
+  throw ModelError(fmt::format("channel \"{}\": {} has no \"{}\"; {}", channel, owner, quantity, hint));
 }
 
 [[noreturn]] void unknown_object(const System& system, const std::string& channel, const std::string& object) {
+  if (const std::optional<Object> whole = find_object(system, channel))
+    throw ModelError(fmt::format("channel \"{0}\": this is {1}; add a quantity, such as \"{0}.{2}\"", channel,
+                                 whole->label, whole->entries.front().name));
   std::vector<std::string> names;
-  each_object(system, [&](const char*, const std::string& name, const auto&) { names.push_back(name); });
-  const std::vector<std::string> total_names = names_of(totals());
-  const std::string near = text::closest_name(channel, total_names);
-  const std::string hint = !near.empty() ? "; did you mean \"" + near + "\"?" : text::suggestion(object, names);
+  each_object(system, [&](const char*, const std::string& name, const auto&) {
+    if (name.find_first_of(".(") == std::string::npos) names.push_back(name);
+  });
+  const std::string near = text::closest_name(channel, names_of(totals()));
+  std::string hint = !near.empty() ? "; did you mean \"" + near + "\"?" : text::suggestion(object, names);
+  if (!hint.ends_with('?'))
+    hint +=
+        fmt::format(". A channel is an object and a quantity, such as \"{}.x\", or a total, such as \"energy.total\"",
+                    names.size() > 1 ? names[1] : "body");
   throw ModelError(
-      fmt::format("channel \"{}\": no body, marker, joint or force is called \"{}\"{}; a channel is an object and a "
-                  "quantity like \"{}.x\", or one of {}",
-                  channel, object, hint, names.size() > 1 ? names[1] : "body", text::join(total_names)));
+      fmt::format("channel \"{}\": no body, marker, joint or force is called \"{}\"{}", channel, object, hint),
+      {.value = object});
 }
 
 // "M.x@N": M seen from N.

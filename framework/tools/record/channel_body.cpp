@@ -122,7 +122,9 @@ void of_body(const Body& body, Entries& out) {
 
 void of_pair(const Frame& m, const Frame& n, Entries& out) {
   const auto y = [m, n](const Sample& s) { return relative(m, n, s); };
-  add_origin(out, m, n, {"position of the origin seen from the other frame", "its rate", "its second rate"});
+  add_origin(
+      out, m, n,
+      {"position of the origin seen from the other frame", "rate of the position", "second rate of the position"});
   const auto q = [y](const Sample& s) { return y(s).e; };
   add_quaternion(out, "quaternion to the axes of the other frame", q);
   add_vector(out, "omega_", "rad/s", "angular velocity relative to the other frame, its axes",

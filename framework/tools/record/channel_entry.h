@@ -79,7 +79,8 @@ LOCKSTEP_API const RowEntry* entry_of(const Lock&, const RowTable&);
 template <class F>
 void add_own(Entries& out, const std::vector<Quantity>& own, const std::string& owner, F value) {
   for (int k = 0; k < static_cast<int>(own.size()); ++k)
-    add(out, own[k].name, own[k].unit, "quantity of a " + owner, [value, k](const Sample& s) { return value(k, s); });
+    add(out, own[k].name, own[k].unit, own[k].help.empty() ? "quantity of a " + owner : own[k].help,
+        [value, k](const Sample& s) { return value(k, s); });
 }
 /// Residuals C of the rows of some entries, in the system's norm, m.
 double violation(const Evaluation&, std::span<const RowEntry>, VecX& scratch);

@@ -31,7 +31,7 @@ std::string angle_name(const Lock& link, int k) {
 void add_coordinates(const Lock& link, const Frame& p, const Frame& s, Entries& out) {
   const auto y = [p, s](const Sample& x) { return relative(p, s, x); };
   const auto y2 = [p, s](const Sample& x) { return relative_with_second(p, s, x); };
-  add_origin(out, p, s, {"position of P relative to S, S axes", "its rate", "its second rate"});
+  add_origin(out, p, s, {"position of P relative to S, S axes", "rate of the position", "second rate of the position"});
   add_vector(out, "omega_", "rad/s", "angular velocity of P relative to S, S axes",
              [y](const Sample& x) { return y(x).w(); });
   for (int k = 0; k < 3; ++k) {

@@ -267,7 +267,7 @@ class LOCKSTEP_API Params {
 
   const std::string& owner() const { return owner_; }             ///< the name of the thing in messages
   const SourceLocation& where() const { return object_->where; }  ///< place of the object
-  /// Throws SceneError with the place of `key`, owner, key and `problem` (value, limit, advice).
+  /// Throws SceneError with the place of `key` ("": of the object), owner, key and `problem` (value, limit, advice).
   [[noreturn]] void refuse(std::string_view key, const std::string& problem) const;
 
  private:

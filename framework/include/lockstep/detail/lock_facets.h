@@ -32,6 +32,7 @@ using Group = std::span<const Lock* const>;
 struct Quantity {
   std::string name,  ///< last word of the channel: "angle", "rz"
       unit;          ///< "m", "rad/s"; "" for none
+  std::string help{};  ///< what it is and its positive sense, for lists of channels
 };
 
 /// Facet of a joint with laws of time: of its drives, of its rows, of its markers.
