@@ -17,8 +17,12 @@ cmake -S "$place/source" -B "$place/build" -G "$generator" -DCMAKE_BUILD_TYPE=Re
 cmake --build "$place/build"
 "$place/build/client" "$place/moved" "$place/build/plugins"
 "$place/moved/bin/lockstep" describe client_law --plugin "$place/build/plugins/client_plugin.so" | grep client_plugin >/dev/null
-"$place/moved/bin/lockstep" run "$place/moved/share/lockstep/scenes/pendulum.json" --quiet --record "$place/pendulum.csv"
-test -s "$place/pendulum.csv"
+# The paths of the pages name the samples of the installation, with the files beside them.
+(cd "$place" && moved/bin/lockstep run samples/scenes/stewart.json --until 0.1 --quiet --record stewart.csv &&
+  moved/bin/lockstep assemble samples/scenes/four_bar.json >/dev/null)
+test -s "$place/stewart.csv"
+if (cd "$place" && moved/bin/lockstep run no_such.json) 2>"$place/missing.txt"; then exit 1; fi
+grep -q "samples are in .*/moved/share/lockstep/scenes" "$place/missing.txt"
 
 if cmake -S "$place/source" -B "$place/later" -DCMAKE_CXX_COMPILER="$compiler" -DWANTED=9.1 \
   -DCMAKE_PREFIX_PATH="$place/moved" >"$place/later.txt" 2>&1; then

@@ -58,7 +58,7 @@ throw_away --install "${files[@]}" >"$place/dpkg.txt" 2>&1 || {
 program="$root/usr/bin/lockstep"
 env -u LD_LIBRARY_PATH ldd "$program" | grep "liblockstep.* => $root/" >/dev/null ||
   { echo "the program does not find the library beside it" && exit 1; }
-env -u LD_LIBRARY_PATH "$program" mobility "$root/usr/share/lockstep/scenes/four_bar.json" | grep -E 'degrees of freedom +0' >/dev/null ||
+env -u LD_LIBRARY_PATH "$program" check "$root/usr/share/lockstep/scenes/four_bar.json" | grep -E 'degrees of freedom +1, driven by A' >/dev/null ||
   { echo "the program does not call those in libexec" && exit 1; }
 env -u LD_LIBRARY_PATH "$program" run "$root/usr/share/lockstep/scenes/four_bar.json" --quiet \
   --record "$place/four_bar.csv"

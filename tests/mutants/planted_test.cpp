@@ -179,8 +179,8 @@ TEST_CASE("a NaN anywhere in a history is its error", "[mutants]") {
       spoil(h);
       return h;
     };
-    const History place = spoiled([&](History&h) { h[i].q[0] = nan; }),
-                  turn = spoiled([&](History&h) { h[i].q[4] = nan; });
+    const History place = spoiled([&](History&h) { h[i].poses[0] = nan; }),
+                  turn = spoiled([&](History&h) { h[i].poses[4] = nan; });
     const History speed = spoiled([&](History&h) { h[i].v[1] = nan; }),
                   rate = spoiled([&](History&h) { h[i].v[4] = nan; });
     const History force = spoiled([&](History&h) { h[i].load[2] = nan; }),

@@ -45,7 +45,7 @@ std::string with_reactions(const std::string& file, const std::string& name, con
   Json scene = Json::parse(std::ifstream(std::string(paths::kScenes) + "/" + file));
   Json& settings = scene["run"];
   settings.erase("draw"), settings["record"] = Json::array();
-  for (const Json& link : scene["links"])
+  for (const Json& link : scene["joints"])
     for (const char* axis : {"x", "y"}) settings["record"].push_back(link["name"].get<std::string>() + what + axis);
   const std::string path = kRunnerFolder + "/" + name + ".json";
   std::ofstream(path) << scene;
@@ -68,7 +68,7 @@ TEST_CASE("rows that are nearly redundant are named before a start velocity that
   INFO(trammel.text);
   CHECK(trammel.exit == 5);
   CHECK(contains(trammel.text,
-                 "P2.e3, R1.x, R1.y, R1.z, R1.e1, R1.e2, R2.x, R2.y, R2.z, R2.e1 and R2.e2: 1 nearly redundant"));
+                 "1 of the constraints P1 x y e1 e2 e3; P2 x y e1 e3; R1 x y z e1 e2; R2 x y z e1 e2 is redundant"));
   CHECK(contains(trammel.text, "start velocity: P1.z is impossible"));
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every kind of finding is provoked once, and stands in the JSON of the command that makes it.
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -30,6 +31,10 @@ std::string spring(const std::string& members) {
     "free_length": 0.5, )" +
          members + "}]";
 }
+
+// Driven by a table without units, bare.csv.
+const std::string kBare =
+    kArm + R"("links": [{)" + kHinge + R"(, "drive": {"axis": "rz", "law": {"type": "spline", "file": "bare.csv"}}}])";
 
 /// A command whose JSON has the finding.
 struct Provoked {
@@ -85,6 +90,7 @@ std::vector<Provoked> all() {
        R"("bodies": [{"name": "a", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0.3, 0, 0]}}],
           "links": [{"name": "A", "type": "revolute", "p": "a", "s": "ground", "at": [0.3, 0, 0]}])" +
            until + R"("record": ["a.x"]})"},
+      {"units-assumed", kRun, kBare + until + R"("record": ["arm.x"]})"},
       {"start-speed-lost", kRun,
        R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}, "velocity": [5, 0, 0]}],
           "links": [{)" +
@@ -103,6 +109,10 @@ std::vector<Provoked> all() {
        kFalling + R"(, "events": [{"name": "low", "when": {"channel": "arm.y", "crosses": 1, "direction": "falling"},
          "stop": true}])" +
            until + R"("record": ["arm.x"]})"},
+      {"stop-passed", "kinematics @ --record found.csv --json",
+       kArm + R"("links": [{)" + kHinge +
+           R"(, "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1}}, "stops": [{"axis": "rz", "high": 0.5}]}])" +
+           until + R"("record": ["A.rz"]})"},
       {"event-missed", kRun,
        kFalling + R"(, "events": [{"name": "late", "at": 7, "stop": true}])" + until + R"("record": ["arm.x"]})"},
       {"energy-suspect", "run @ --plugin '" + kModules + "/naughty.so' --record found.csv --no-picture --json",
@@ -155,6 +165,7 @@ std::set<std::string> codes_in(const Json& result) {
 
 TEST_CASE("every kind of finding is provoked, and JSON has it", "[runner][findings]") {
   scene_file("part", kFalling);
+  std::ofstream(kRunnerFolder + "/bare.csv") << "t,y\n0,0\n1,1\n";
   // Of formulas, and of a run whose JSON --certify excludes.
   std::set<std::string_view> provoked{"switches-unresolved", "not-certified"};
   for (const Provoked& each : all()) {
@@ -175,6 +186,23 @@ TEST_CASE("every kind of finding is provoked, and JSON has it", "[runner][findin
     INFO(kind->code);
     CHECK(provoked.contains(kind->code));
   }
+}
+
+TEST_CASE("a table without units is noted once, with the header to write", "[runner][findings]") {
+  const std::string scene = scene_file("bare", kBare + R"(, "run": {"until": 1, "record": ["arm.x"]})");
+  const auto notes = [&](const std::string& header) {
+    std::ofstream(kRunnerFolder + "/bare.csv") << header << "\n0,0\n1,1\n";
+    const std::string text = call("run '" + scene + "' --no-picture").text, note = "note      units-assumed: ";
+    INFO(text);
+    CHECK(text.find(note) == text.rfind(note));
+    const std::size_t at = text.find(note);
+    return at == std::string::npos ? "" : text.substr(at, text.find('\n', at) - at);
+  };
+  CHECK(notes("t [s],y [rad]").empty());
+  CHECK(contains(notes("t [s],y"),
+                 "bare.csv: the first line has no unit for y, so SI is assumed; write units in "
+                 "brackets, as in \"time [ms],torque [N mm]\""));
+  CHECK(contains(notes("t,y"), "no unit for t and y"));
 }
 
 // Steps of half a second, in which the arm turns by more than two radians.

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The commonest mistakes of a model, and the facts by which `check` and `run` report them.
+#include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "tests/support/catch.h"
+#include "tests/support/defect_runs.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
 
@@ -65,7 +68,7 @@ void check_mistake(const Mistake& m) {
 TEST_CASE("a loop that cannot close is reported by the lengths of its bodies", "[runner]") {
   // The rocker is 1 m, the others reach 0.28 + 0.1 + 0.3 = 0.68 m.
   const std::string line = four_bar("1 m");
-  for (const char* command : {"check '", "run '"})
+  for (const char* command : {"check '", "run '", "assemble '", "kinematics '"})
     check_mistake({command + line + "'",
                    5,
                    {"error: the mechanism cannot be assembled: a loop is open by 0.32 m", "rocker spans 1 m",
@@ -84,6 +87,18 @@ TEST_CASE("drives that contradict are reported with their speeds", "[runner]") {
   check_mistake({"check '" + two_motors("60 rpm") + "'", 0, {"OK: "}});
 }
 
+// A crank of 18 mm in place of 15 mm: at 171 degrees the legs are drawn straight.
+TEST_CASE("a mechanism that locks names its crank and the loop that cannot follow", "[runner]") {
+  const Called ran = run_named(defect("locks_jansen"), "locks_jansen");
+  INFO(ran.text);
+  CHECK(ran.exit == 6);
+  CHECK(contains(ran.text, "saved: 12 rows up to t = "));
+  CHECK_FALSE(contains(ran.text, "two laws may drive one coordinate"));
+  CHECK(contains(ran.text,
+                 "error: drive A.rz has reached a limit position (dead centre) at t = 0.5988 s: the loop of "
+                 "joints A, M1, M2, U, D, E, D2, F, B1 and B2 allows no further motion"));
+}
+
 TEST_CASE("a drive into a dead centre is reported with its joints and its time", "[runner]") {
   // Crank 0.15 m, rod 0.12 m: the rod stands normal to the guide when sin(angle) = 0.8.
   const Called run = call("run " + sample("slider_crank") + " --set 'rod=120 mm' --no-picture --record dead.csv");
@@ -92,6 +107,19 @@ TEST_CASE("a drive into a dead centre is reported with its joints and its time",
   CHECK(contains(run.text,
                  "error: drive A.rz has reached a limit position (dead centre) at t = 0.1476 s"));  // asin(0.8)/2 pi
   CHECK(contains(run.text, "saved: 15 rows"));
+  check_mistake({"kinematics " + sample("slider_crank") + " --set 'rod=120 mm' --record dead.csv",
+                 5,
+                 {"error: drive A.rz has reached a limit position (dead centre) at t = 0.1476 s",
+                  "hint: end the motion before it, or change the lengths or the axis of guide", "saved: 15 rows in"}});
+  // Equal reasons of a sweep are one, and a status is one line.
+  check_mistake(
+      {"sweep " + sample("slider_crank") + " --vary 'rod=110mm:130mm:3' --vary crank=150mm --record dead.csv",
+       1,
+       {"error: 3 runs (rod = 0.11 ... 0.13 m, crank = 0.15 m) failed: drive A.rz has reached a limit position"}});
+  std::ifstream table(kRunnerFolder + "/dead.csv");
+  const std::string rows{std::istreambuf_iterator<char>(table), {}};
+  CHECK(std::ranges::count(rows, '\n') == 4);
+  CHECK(contains(rows, "failed: drive A.rz has reached a limit position (dead centre)"));
 }
 
 TEST_CASE("a locked mechanism that is driven is reported, with the axis that locks it", "[runner]") {
@@ -101,7 +129,7 @@ TEST_CASE("a locked mechanism that is driven is reported, with the axis that loc
          5,
          {"error: the mechanism is locked: its joints leave no degree of freedom, so drive A.rz cannot move it"}});
   nlohmann::json turned = nlohmann::json::parse(std::ifstream(kFourBar));
-  turned["links"][2]["axis"] = "x", turned["planar"] = "off";
+  turned["joints"][2]["axis"] = "x", turned["planar"] = "off";
   std::ofstream(kRunnerFolder + "/turned.json") << turned;
   check_mistake({"check turned.json",
                  5,
@@ -112,7 +140,7 @@ TEST_CASE("a start outside a stop and a step that is too long are reported as su
   for (const char* command : {"check ", "run "})
     check_mistake({command + sample("bouncing_pendulum") + " --set 'links.hinge.stops.0.low=100 deg'",
                    5,
-                   {"beyond the stop 'hinge.stop_rz_low'", "deg"}});
+                   {"beyond the stop 'hinge.stop_rz_low': the coordinate is ", " deg, its limit is 100 deg"}});
   check_mistake({"run " + sample("mass_spring_damper") + " --integrator rk4 --step 0.05",
                  7,
                  {"error: the step of 0.05 s is too long", "hint: take a step below"}});

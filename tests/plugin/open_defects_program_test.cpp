@@ -28,17 +28,6 @@ const std::string kSmallProgram = "A small program", kPlainWords = "Plain words"
 
 }  // namespace
 
-// A crank of 18 mm in place of 15 mm: at 171 degrees the legs are drawn straight.
-TEST_CASE("a mechanism that locks names its crank and the loop that cannot follow", "[defect][plain words]") {
-  const Called ran = run_named(defect("locks_jansen"), "locks_jansen");
-  INFO(ran.text);
-  CHECK(ran.exit == 6);
-  CHECK(contains(ran.text, "saved: 12 rows up to t = "));
-  const bool two_laws = contains(ran.text, "two laws may drive one coordinate");
-  expect_defect("locks", kPlainWords, two_laws && contains(ran.text, "joint 'A'"),
-                !two_laws && contains(ran.text, "'A'") && contains(ran.text, "loop"));
-}
-
 // A scene in millimetres with gravity to match, and 1000 kg m^2 on 1 kg at half a metre: 9810 m/s^2 and a radius of
 // gyration of 32 m.
 TEST_CASE("numbers that no machine has are named", "[defect][plain words]") {

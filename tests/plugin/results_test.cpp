@@ -64,7 +64,7 @@ TEST_CASE("results of all samples fit their schemas", "[runner]") {
       {"check", "check {}"},
       {"check", "check {} --channels"},
       {"describe", "describe --scene {}"},
-      {"mobility", "mobility {} --full"},
+      {"check", "check {} --full"},
       {"assemble", "assemble {}"},
       {"statics", "statics {}"},
       {"kinematics", "kinematics {} --until 0.05"},
@@ -160,8 +160,8 @@ TEST_CASE("text has a label a line, tables of lists, and nothing of what is empt
 }
 
 TEST_CASE("the check of documents sees what a schema does not have", "[runner]") {
-  Json result = document("mobility '" + kFourBar + "'");
-  const JsonSchema schema(schemas().at("mobility"));
+  Json result = document("check '" + kFourBar + "'");
+  const JsonSchema schema(schemas().at("check"));
   REQUIRE(schema.takes(result));
   result["surplus"] = 1;
   CHECK_FALSE(schema.takes(result));

@@ -69,15 +69,17 @@ TEST_CASE("rows of a long run are not kept in memory", "[runner]") {
   CHECK(rows.rows().table().n_rows() <= RowEnvelope::kMost + 1);
   const Table all = read_csv(name);
   REQUIRE(all.n_rows() == 40001);
-  const SweepRun ranges = rows.rows().ranges(), read = recorded_run(all);
-  CHECK(ranges.t == all.last("t"));
-  REQUIRE(ranges.columns.size() == 2);
+  const SweepRun read = recorded_run(all);
+  const std::span<const RowRange> ranges = rows.rows().ranges();
+  REQUIRE(ranges.size() == 2);
   for (std::size_t k = 0; k < 2; ++k) {
-    CHECK(ranges.columns[k].last == read.columns[k].last);
-    CHECK(ranges.columns[k].least == read.columns[k].least);
-    CHECK(ranges.columns[k].most == read.columns[k].most);
+    CHECK(ranges[k].last == read.columns[k].last);
+    CHECK(ranges[k].least == read.columns[k].least);
+    CHECK(ranges[k].most == read.columns[k].most);
   }
-  CHECK(ranges.columns[1].last == Approx(2 - 5.0 * 16).epsilon(1e-9));
+  CHECK(ranges[1].last == Approx(2 - 5.0 * 16).epsilon(1e-9));
+  CHECK(ranges[1].t_most == 0);
+  CHECK(ranges[1].t_least == all.last("t"));
   std::filesystem::remove(name);
 }
 
@@ -186,7 +188,8 @@ TEST_CASE("an envelope of rows goes on from what it saved", "[runner]") {
   const Table c = whole.path_table(), d = rest.path_table();
   CHECK(whole.path_every() == 16);
   for (std::size_t k = 0; k < c.n_columns(); ++k) CHECK(c.columns()[k].values == d.columns()[k].values);
-  CHECK(whole.ranges().columns[1].least == rest.ranges().columns[1].least);
+  CHECK(whole.ranges()[1].least == rest.ranges()[1].least);
+  CHECK(whole.ranges()[1].t_least == rest.ranges()[1].t_least);
 }
 
 TEST_CASE("a NaN among the rows stays in their range", "[runner]") {
@@ -195,10 +198,10 @@ TEST_CASE("a NaN among the rows stays in their range", "[runner]") {
   for (const double x : {1.0, std::numeric_limits<double>::quiet_NaN(), 2.0}) all.add_row(std::vector<double>{x, x});
   RowEnvelope envelope(all);
   for (std::size_t i = 0; i < 3; ++i) envelope.add(all, i);
-  const SweepRun ranges = envelope.ranges();
-  CHECK(ranges.columns[0].last == 2);
-  CHECK(std::isnan(ranges.columns[0].least));
-  CHECK(std::isnan(ranges.columns[0].most));
+  const RowRange range = envelope.ranges()[0];
+  CHECK(range.last == 2);
+  CHECK(std::isnan(range.least));
+  CHECK(std::isnan(range.most));
 }
 
 namespace {

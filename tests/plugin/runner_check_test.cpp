@@ -65,9 +65,9 @@ TEST_CASE("check names what keeps a scene in space that moves in a plane", "[run
   scene["run"]["formulation"] = "quaternion";  // it takes no plane
   CHECK_FALSE(contains(checked(""), "gives 9"));
   scene["run"].erase("formulation");
-  scene["links"][3]["at"] = {0.28, 0, 0.1};  // a lever arm along the normal
+  scene["joints"][3]["at"] = {0.28, 0, 0.1};  // a lever arm along the normal
   CHECK_FALSE(contains(checked(""), "gives 9"));
-  scene["links"][3]["at"] = {0.28, 0, 0}, scene["markers"][1]["at"] = {1, 0, 1};  // now it pulls out of the plane
+  scene["joints"][3]["at"] = {0.28, 0, 0}, scene["markers"][1]["at"] = {1, 0, 1};  // now it pulls out of the plane
   CHECK(value_of(checked(""), "formulation") == in_space);
   CHECK_FALSE(contains(checked(""), "gives 9"));
 }
@@ -210,6 +210,8 @@ TEST_CASE("check lists the channels, describe says what stands under a key", "[r
     if (c["name"] == "energy.total" && c["unit"] == "J" && c["of"] == "the whole mechanism") ++n_found;
   }
   CHECK(n_found == 2);
+  CHECK(std::ranges::none_of(channels, [](const auto& c) { return c["of"] == "marker 'A.P'"; }));
+  CHECK(contains(call("check '" + kFourBar + "' --channels --of A.P").text, "A.P.x"));
   const auto first_of = [&](const char* owner) {
     return std::ranges::find_if(channels, [=](const auto& c) { return c["of"] == owner; });
   };

@@ -272,6 +272,10 @@ TEST_CASE("a mechanism without a freedom is told, unless a law moves it or an ev
   INFO(event.text);
   CHECK(event.exit == 0);
   CHECK_FALSE(contains(event.text, "no degree of freedom"));
+  const std::string still = "run '" + std::string(paths::kScenes) + "/four_bar.json' --set links.A.drive.law.slope=0";
+  CHECK(contains(
+      call(still + " --no-picture --record held.csv").text,
+      "no degree of freedom is left: constant laws hold A.rz; for a constant speed, give the drive \"speed\""));
   CHECK_FALSE(
       contains(call("run '" + std::string(paths::kScenes) + "/four_bar.json' --no-picture --record held.csv").text,
                "no degree of freedom"));
@@ -296,7 +300,8 @@ TEST_CASE("an assembled start that is far from the one given ends with its own c
   const Called far = call(apart + " --within '10 cm'");
   INFO(far.text);
   CHECK(far.exit == 11);
-  CHECK(contains(far.text, "--within: the assembled start is 0.5 m from the given one"));
+  CHECK(contains(far.text, "start-far: the assembled start is 0.5 m from the given one"));
+  CHECK_FALSE(contains(far.text, "lockstep assemble"));
   check_refused(call(apart), 11, {"violation before      1 m", "largest move          0.5 m", "  of                  a"});
   CHECK(call(apart + " --within 2").exit == 0);
 }

@@ -73,6 +73,20 @@ TEST_CASE("modes refuse what is no equilibrium, with the next move", "[runner][m
   CHECK(frozen.exit == 0);
   CHECK(contains(frozen.text, "frozen coefficients"));
   CHECK(call("modes '" + scene + "' --set gravity.0=9.81 --set gravity.1=0").exit == 0);
+  CHECK_FALSE(contains(refused.text, "find_equilibrium"));
+  CHECK(contains(refused.text, "hint: --equilibrium takes the static equilibrium"));
+  const auto first = [&](const std::string& options) {
+    const Called called = call("modes '" + scene + "' --json " + options);
+    INFO(called.text);
+    REQUIRE(called.exit == 0);
+    return json::parse(called.text)["modes"][0]["omega"].get<double>();
+  };
+  CHECK(first("--equilibrium") == Approx(first("--set gravity.0=9.81 --set gravity.1=0")).epsilon(1e-8));
+  const Called alone = call("linearize '" + scene + "' --equilibrium");
+  INFO(alone.text);
+  CHECK(alone.exit == 0);
+  CHECK_FALSE(value_of(alone.text, "A").empty());
+  CHECK(value_of(alone.text, "B").empty());
   check_refused(call("modes '" + scene + "' --frozen --spin 1,2"), 2,
                 {"--spin: \"1,2\" is not a vector; write three numbers"});
   for (const char* spin : {"nan,0,0", "0,inf,0"}) {

@@ -60,6 +60,7 @@ TEST_CASE("options that cannot be meant are refused with the option, the value a
   check_refusals({
       {"describe", 2, {"describe: a name is missing, as in `lockstep describe revolute`"}},
       {"describe revolut", 2, {"describe: unknown name \"revolut\"", "did you mean \"revolute\""}},
+      {"describe bump", 2, {"describe: unknown name \"bump\"; plugin bump brings this law: add --plugin bump"}},
       {"describe cranc --scene @", 2, {"no parameter or point \"cranc\"", "did you mean"}},
       {"run @ --picture A.rz", 2, {"--picture A.rz: expected X:Y", "--picture crank.x:crank.y"}},
       {"run @ --picture none:nothing", 2, {"--picture none:nothing: \"none\" is not recorded"}},
@@ -75,11 +76,17 @@ TEST_CASE("options that cannot be meant are refused with the option, the value a
        2,
        {"--checkpoint: the checkpoint would replace 'table.csv'", "name another file"}},
       {"run @ --checkpoint run.checkpoint --every 0s", 2, {"--every: the value is 0s", "greater than 0"}},
-      {"check @ --channels --of cranc", 2, {"--of: no body, marker, joint or force is called \"cranc\"", "did you mean \"crank\""}},
+      {"check @ --channels --of cranc",
+       2,
+       {"--of: no body, marker, joint or force is called \"cranc\"", "did you mean \"crank\""}},
       {"statics @ --all none", 2, {"--all: \"none\" is not a whole number from 1 to 1000000"}},
       {"statics @ --all 3 --record rest.csv", 2, {"--all prints every equilibrium", "leave out --vary and --record"}},
-      {"statics @ --json --vary run.step=1,2", 2, {"--json: with --vary the result is CSV", "leave out one of the two"}},
-      {"statics @ --vary run.integrator=rk4,dopri5", 2, {"--vary: \"run.integrator\" has no numbers", "varies numbers only"}},
+      {"statics @ --json --vary run.step=1,2",
+       2,
+       {"--json: with --vary the result is CSV", "leave out one of the two"}},
+      {"statics @ --vary run.integrator=rk4,dopri5",
+       2,
+       {"--vary: \"run.integrator\" has no numbers", "varies numbers only"}},
       {"modes @ --count 0", 2, {"--count: \"0\" is not a number of modes", "--count 10"}},
       {"modes @ --at -1", 2, {"--at: the value is -1", "0 or greater"}},
       {"matrices @ --out /dev/null/here", 8, {"folder '/dev/null/here' cannot be created", "name another"}},
@@ -101,7 +108,9 @@ TEST_CASE("options that cannot be meant are refused with the option, the value a
       {"atlas @ --vary run.step=1,2 --vary run.tolerance=1,2 --step 3", 2, {"--step: \"run.step\" varies"}},
       {"atlas @ --vary run.until=1,2 --vary run.tolerance=1,2 --until 3", 2, {"--until: \"run.until\" varies"}},
       {"run requires.json --set requires.0=drag", 2, {"\"requires.0\" cannot be set", "give plugins by --plugin"}},
-      {"sweep requires.json --vary requires.0=bump,drag", 2, {"\"requires.0\" cannot vary", "plugins and columns are the same"}},
+      {"sweep requires.json --vary requires.0=bump,drag",
+       2,
+       {"\"requires.0\" cannot vary", "plugins and columns are the same"}},
   });
 }
 
@@ -120,6 +129,9 @@ TEST_CASE("what a run, a sweep or a plugin's template cannot go on with is refus
           "{\"lockstep\": 1, \"include\": [{\"scene\": \"deep_" + std::to_string(k + 1) + ".json\"}]}");
   write("below.json", R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1, "position": [0, 0, -1]}], "links": [
     {"name": "S", "type": "stop", "p": "a", "s": "ground", "at_s": [0, 0, 0], "coordinate": "z", "low": 0}], "run": {"until": 1}})");
+  write("rope.json", R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1, "position": [0, 0, -1]}], "links": [
+    {"name": "S", "type": "distance", "p": "a", "s": "ground", "at_s": [0, 0, 0], "length": 0.5,
+     "unilateral": {"side": "below"}}], "run": {"until": 1}})");
   write("inside.json", R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1, "position": [0, 0, -1]}], "links": [
     {"name": "S", "type": "point_on_plane", "p": "a", "s": "ground", "at_s": [0, 0, 0], "unilateral": {}}], "run": {"until": 1}})");
   write("folder.json", R"({"lockstep": 1, "include": [{"scene": "."}]})");
@@ -154,11 +166,13 @@ TEST_CASE("what a run, a sweep or a plugin's template cannot go on with is refus
       {"check deep_0.json", 3, {"scenes include one another more than 16 deep"}},
       {"run below.json",
        5,
-       {"the start lies 1 m beyond the stop 'S'", "widen its range (\"low\", \"high\")", "or start within it"}},
+       {"the start lies 1 m beyond the stop 'S': the coordinate is -1 m, its limit is 0 m",
+        "widen its range (\"low\", \"high\")", "or start within it"}},
       {"run inside.json",
        5,
        {"the start lies 1 m on the wrong side of the one-sided joint 'S'",
         "move its bodies apart, or reverse the side (\"side\": \"below\")"}},
+      {"run rope.json", 5, {"joint 'S'; move its bodies closer together, or reverse the side (\"side\": \"above\")"}},
       {"atlas @ --vary run.tolerance=1e-6,1e-5 --vary run.until=1,2 --integrators rk4 --budget 2s",
        2,
        {"no method can run this scene", "\"rk4\" has fixed steps and no step is given"}},
@@ -174,7 +188,9 @@ TEST_CASE("what a run, a sweep or a plugin's template cannot go on with is refus
        {"--resume: scene and table must be readable again", "give files for both"}},
       {"new-plugin link revolute", 2, {"\"revolute\" is already a joint of lockstep", "use another name"}},
       {"new-plugin law motion", 2, {"the class of \"motion\" would be MotionLaw", "use another name"}},
-      {"new-plugin link mine --into /dev/null/here", 8, {"/dev/null/here/mine: cannot be created", "give --into a writable"}},
+      {"new-plugin link mine --into /dev/null/here",
+       8,
+       {"/dev/null/here/mine: cannot be created", "give --into a writable"}},
   });
 }
 

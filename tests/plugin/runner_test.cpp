@@ -33,8 +33,17 @@ TEST_CASE("run writes the columns and says what moved", "[runner]") {
     CHECK(contains(r.text, word));
   const Called full = call("run '" + kFourBar + "' --record bar.csv --verbose");
   INFO(full.text);
-  CHECK(value_of(full.text, "verdict") == "conserved");
+  for (const char* word : {"results    theta  0.3 ... 7.3 rad", "energy ok", "positions unchanged",
+                           "start      velocities set to fit joints and drives (off by 1.8 m/s)"})
+    CHECK(contains(full.text, word));
   CHECK_FALSE(value_of(full.text, "work of drives").empty());
+  const Called table_of_all = call("run '" + kFourBar + "' --record bar.csv --summary --verbose");
+  INFO(table_of_all.text);
+  CHECK(contains(table_of_all.text, "extremes of the rows:\n"));
+  CHECK(row_of(table_of_all.text, "column") == "column unit least at t [s] greatest at t [s]");
+  CHECK(row_of(table_of_all.text, "theta") == "theta rad 0.3 0 7.3 0.7");
+  CHECK_FALSE(value_of(table_of_all.text, "drive_torque").empty());
+  CHECK_FALSE(value_of(table_of_all.text, "work of drives").empty());
   const Table table = read_csv(csv);
   CHECK(table.n_rows() == 71);
   CHECK(table.last("theta") == Approx(7.3).epsilon(1e-12));
@@ -70,6 +79,16 @@ TEST_CASE("every verb has help with an example", "[runner]") {
     CHECK(r.exit == 0);
     CHECK(contains(r.text, "Example:\n  lockstep "));
   }
+}
+
+TEST_CASE("help has names of values, not the notation of the parser", "[runner]") {
+  const std::string run = call("run --help").text;
+  INFO(run);
+  for (const char* noise : {":BOOL", "Excludes", "Needs", "REQUIRED", ":{"}) CHECK_FALSE(contains(run, noise));
+  for (const char* word : {"\nScene:\n", "\nMethod:\n", "\nResults:\n", "\nCheckpoints:\n", "--until TIME", "\"50 ms\"",
+                           "(off, auto, x, y or z)", "(not with --step)", "(with --certify)"})
+    CHECK(contains(run, word));
+  CHECK(contains(call("sweep --help").text, " (required)"));
 }
 
 TEST_CASE("the examples of the help texts run as they stand", "[runner]") {
@@ -136,7 +155,7 @@ TEST_CASE("each kind of failure has its number", "[runner]") {
 TEST_CASE("a run beyond the end of a spline is a scene that is wrong, and says which", "[runner]") {
   const std::string spline = R"({"type": "spline", "points": [[0, 1], [0.2, 1.1], [0.5, 1.3]]})";
   const std::string path = R"({"type": "path", "points": [[0, 0,0,0], [0.2, 0.1,0,-0.1], [0.5, 0.3,0,-0.2]]})";
-  const std::string end = "is outside of its range [0, 0.5] s; give points up to there, or set outside to \"hold\"";
+  const std::string end = "has points from 0 s to 0.5 s and no value at t = ";
   const auto driven = [&](const std::string& law) {
     return R"("links": [{)" + kHinge + R"(, "drive": {"axis": "rz", "law": )" + law + "}}], ";
   };
@@ -148,26 +167,35 @@ TEST_CASE("a run beyond the end of a spline is a scene that is wrong, and says w
     CHECK(r.exit == 3);
     CHECK(contains(r.text, whose));
     CHECK(contains(r.text, end));
-    CHECK(contains(r.text, "error: t = 0."));
+    CHECK(contains(r.text, "add points, or set \"outside\" to \"hold\""));
   };
-  check(kArm + driven(spline), "s: joint 'A' (revolute): the law of drive rz ('spline') threw: law 'spline': t = 0.5");
+  check(kArm + driven(spline), "error: t = 1 s: joint 'A' (revolute): the law of drive rz ('spline'): law 'spline'");
   check(kArm + driven(R"({"type": "sum", "laws": [)" + spline + "]}"),
-        "s: joint 'A' (revolute): the law of drive rz ('sum') threw: law 'spline': t = 0.5");
+        "error: t = 1 s: joint 'A' (revolute): the law of drive rz ('sum'): law 'spline'");
   check(kArm + R"("links": [{)" + kHinge +
             R"(}], "forces": [{"name": "M", "type": "torque_motor", "p": "arm", "s": "ground",
     "at": [0,0,0], "torque": )" +
             spline + "}], ",
-        "s: force 'M' (torque_motor): its law ('spline') threw: law 'spline': t = 0.5");
+        "error: t = 1 s: force 'M' (torque_motor): its law ('spline'): law 'spline'");
   check(kArm + R"("markers": [{"name": "K", "body": "ground", "translation": )" + path + R"(}],
     "links": [{"name": "A", "type": "spherical", "p": "arm", "s": "K", "at_p": [0,0,0]}], )",
-        "s: joint 'A' (spherical): the translation law of marker 'K' ('path') threw: law 'path': t = 0.5");
+        "error: t = 1 s: joint 'A' (spherical): the translation law of marker 'K' ('path'): law 'path'");
   check(R"("gravity": [0,0,-9.81], "bodies": [{"name": "bead", "particle": 0.1}],
     "links": [{"name": "wire", "type": "point_on_curve", "p": "bead", "s": "ground", "at_s": [0,0,0], "path": )" +
             path + "}], ",
-        "s: joint 'wire' (point_on_curve): law 'path': t = 0.5", "bead.x");
+        "s: joint 'wire' (point_on_curve): law 'path' has points", "bead.x");
   check(kArm + R"("markers": [{"name": "K", "body": "ground", "translation": )" + path + R"(}], "links": [{)" + kHinge +
             "}], ",
-        "s: channel 'K.x': law 'path': t = 0.6", "K.x");
+        "error: t = 0.6 s: channel 'K.x': law 'path' has points", "K.x");
+  const std::string whole = kArm + driven(spline) + R"("run": {"until": 1})";
+  check_refused(call("check '" + scene_file("ends", whole) + "'"), 3, {"t = 1 s", "drive rz", end});
+  const std::string stopped = kArm + driven(spline) + R"("events": [{"name": "enough", "at": 0.3, "stop": true}],
+    "run": {"until": 1})";
+  CHECK(call("run '" + scene_file("ends", stopped) + "'").exit == 0);
+  const std::string held = R"({"type": "spline", "points": [[0, 0], [0.5, 0.5]], "outside": "hold"})";
+  const Called jumped = call("run '" + scene_file("ends", kArm + driven(held) + R"("run": {"until": 1})") + "'");
+  INFO(jumped.text);
+  CHECK(contains(jumped.text, "energy     -0.167 J at the jump of a law, t = 0.5 s\n"));
 }
 
 TEST_CASE("a run whose energy is not conserved ends with its own status", "[runner]") {
@@ -178,6 +206,9 @@ TEST_CASE("a run whose energy is not conserved ends with its own status", "[runn
   CHECK(r.exit == 9);
   CHECK(contains(r.text, "WRONG     energy-not-conserved: "));
   CHECK(contains(r.text, "--tolerance"));
+  const Called quiet = call("run '" + scene + "' --quiet");
+  CHECK(quiet.exit == 9);
+  CHECK(quiet.text.starts_with("error: energy balance off by "));
   const std::string wide = scene_file("wide", kArm + R"("gravity": [0,-9.81,0], "links": [{)" + kHinge + R"(}],
     "run": {"integrator": "dopri5", "tolerance": 10, "until": 20, "output": 0.1, "energy_limit": 100})");
   CHECK(call("run '" + wide + "'").exit == 0);

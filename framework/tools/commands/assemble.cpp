@@ -11,7 +11,6 @@
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/method_specs.h"
-#include "framework/tools/program/terminal.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
@@ -74,13 +73,23 @@ Result find_all_branches(const Arguments& args) {
   return {loaded, branch_fields(), Branches{find_branches(dynamics, m.system.start(), {.starts = starts}), &m.system}};
 }
 
-Result assemble_scene(const Arguments& args) {
+Result show_assembled(const Arguments& args) {
   if (!args["--branches"].empty()) return find_all_branches(args);
   const Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State state = m.system.start();
-  const AssemblyReport r = assemble(dynamics, state, m.start_speeds, m.assembly);
+  AssemblyReport r;
+  std::vector<Finding> told;
+  {
+    const FindingScope scope;
+    r = assemble_scene(dynamics, m, state);
+    told = scope.found;
+  }
+  for (Finding& f : told) {
+    if (f.code() == finding::start_moved.code) f.advice.clear();  // it names this command
+    report_finding(f);
+  }
   Result result(loaded, assemble_fields(), Assembled{r, poses_of(m.system, state)});
   if (!args.has("--within")) {
     result.code = r.findings.empty() ? kExitOk : kExitDoubtful;
@@ -100,7 +109,6 @@ Result assemble_scene(const Arguments& args) {
       within,
       "m"};
   CommandFindings::add(found);
-  tell(fmt::format("lockstep: --within: {}\n", found.text()));
   result.code = kExitDoubtful;
   return result;
 }
@@ -116,7 +124,7 @@ Command assemble_command() {
                         "exit code 11 if a body moves farther than D (rotations times the length of the mechanism); "
                         "default: if assembly gives a warning"}
                      .without("--branches")}}),
-          assemble_scene,
+          show_assembled,
           "Example:\n  lockstep assemble samples/scenes/four_bar.json",
           {&assemble_fields().schema(), &branch_fields().schema()}};
 }

@@ -23,6 +23,8 @@ const std::vector<MapSpec::Kind> kOutcomes{{"accurate", "#6fbfae"},        {"ina
                                            {"failed", "#cf5b50"},          {"too slow", "#8a8fb5"},
                                            {"not tried", "#d9d9d9"}};
 
+bool on_axis(const std::vector<double>& axis, double v) { return v >= axis.front() && v <= axis.back(); }
+
 // Crosses for runs that passed singular configurations without projected stages.
 Series passed_marks(const AtlasPanel& panel, const std::vector<double>& x, const std::vector<double>& y) {
   Series marks{"passed", {}, {}, SeriesStyle::crosses};
@@ -41,7 +43,7 @@ struct Decades {
   }
 };
 Decades decades_of(const std::string& what, const std::string& unit) {
-  constexpr const char* kColors[] = {"#1b4f8f", "#2f7fb8", "#58b1a8", "#a8d8a0", "#f2e08a", "#f2a65a", "#8e2a5b"};
+  constexpr const char* kColors[] = {"#1b4f8f", "#2f7fb8", "#58b1a8", "#a8d8a0", "#f2e08a", "#f2a65a", "#8a4b1f"};
   Decades d;
   for (int k = 0; k < 7; ++k)
     d.kinds.push_back({k == 0   ? fmt::format("{} below 1e-10{}", what, unit)
@@ -78,8 +80,9 @@ MapGridSpec atlas_picture(const AtlasPlan& plan, const std::string& reference, c
                                                                        : of == "energy" ? c.energy
                                                                                         : c.error);
       }
-    const bool any = std::ranges::any_of(panel.limit_x, [](double v) { return std::isfinite(v); }) &&
-                     std::ranges::any_of(panel.limit_y, [](double v) { return std::isfinite(v); });
+    bool any = false;
+    for (std::size_t k = 0; k < panel.limit_x.size(); ++k)
+      any = any || (on_axis(x, panel.limit_x[k]) && on_axis(y, panel.limit_y[k]));
     if (any) map.curves = {{"limit", panel.limit_x, panel.limit_y, SeriesStyle::lines}}, curves = true;
     if (Series marks = passed_marks(panel, x, y); !marks.x.empty())
       map.curves.push_back(std::move(marks)), marked = true;
@@ -90,10 +93,16 @@ MapGridSpec atlas_picture(const AtlasPlan& plan, const std::string& reference, c
   if (grid.maps.size() == 1) grid.map_height = 520;
   if (curves) grid.curve_label = "largest stable step by linear theory at the start";
   if (marked) grid.mark_label = "singular configurations passed without projected stages";
-  grid.remarks.push_back(
-      fmt::format("Error: largest over the run, against {}; accurate: up to {:g} of the largest displacement, wrong: "
-                  "beyond {:g} of it.",
-                  reference, plan.limits.works, plan.limits.wrong));
+  if (of == "energy")
+    grid.remarks.emplace_back("Largest imbalance of energy over the run, relative to the energy exchanged.");
+  else
+    grid.remarks.push_back(
+        fmt::format("Error: largest over the run, against the reference solution ({})", reference) +
+        (of == "error"
+             ? "."
+             : fmt::format("; accurate: up to {:g} of the largest displacement, energy and constraints within "
+                           "their limits; wrong: beyond {:g}.",
+                           plan.limits.works, plan.limits.wrong)));
   return grid;
 }
 

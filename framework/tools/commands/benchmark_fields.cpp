@@ -2,6 +2,8 @@
 // Measured runs as results have them, for chart and advise.
 #include "framework/tools/commands/benchmark.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -21,16 +23,17 @@ const Fields<HistoryError>& error_fields() {
 std::string error_text(const Json& error) {
   std::string text;
   for (const ErrorKind kind : kErrorKinds)
-    text += (text.empty() ? "" : ", ") + number_text(error[to_string(kind)]) + " " + unit_of(kind);
+    text += (text.empty() ? "" : ", ") + digits_text<2>(error[to_string(kind)]) + " " + unit_of(kind);
   return text;
 }
 
 std::string runs_words(const Json& runs) {
   const auto failed = std::ranges::count_if(runs, [](const Json& r) { return r.contains("failure"); });
-  return std::to_string(runs.size()) + (failed > 0 ? ", " + std::to_string(failed) + " failed" : "");
+  const auto slow = std::ranges::count_if(runs, [](const Json& r) { return r.contains("stopped"); });
+  return fmt::format("{}{}{}", runs.size(), failed > slow ? fmt::format(", {} failed", failed - slow) : "",
+                     slow > 0 ? fmt::format(", {} stopped as too slow", slow) : "");
 }
 
-// Those that were still falling: "not tried" is no "never".
 std::string count_text(const Json& names) {
   return names.empty() ? "" : std::to_string(names.size()) + " combinations; increase --budget";
 }
@@ -44,18 +47,23 @@ const Fields<WorkPrecisionRun>& measured_run_fields() {
       {"formulation", "", "formulation", [](const Run& r) { return to_string(r.formulation); }},
       {"stabilization", "", "stabilisation", [](const Run& r) { return to_string(r.stabilization); }},
       {"solver", "", "solver", &Run::solver},
-      Field<Run>("tolerance", "", "tolerance", [](const Run& r) { return r.adaptive ? r.setting : NAN; }).optional(),
-      Field<Run>("step", "s", "step", [](const Run& r) { return r.adaptive ? NAN : r.setting; }).optional(),
+      Field<Run>(
+          "tolerance", "", "tolerance", [](const Run& r) { return r.adaptive ? r.setting : NAN; }, digits_text<3>)
+          .optional(),
+      Field<Run>(
+          "step", "s", "step [s]", [](const Run& r) { return r.adaptive ? NAN : r.setting; }, digits_text<3>)
+          .optional(),
       Field<Run>(
           "error", "error", [](const Run& r) { return r.done() ? std::optional(r.error) : std::nullopt; },
           error_fields(), error_text)
           .optional(),
       Field<Run>("failure", "", "failure", [](const Run& r) { return r.done() ? "" : r.failure; }).optional(),
-      {"cpu", "s", "CPU", &Run::cpu},
+      Field<Run>("stopped", "", "", &Run::given_up).optional(),  // as too slow
+      {"cpu", "s", "CPU [s]", &Run::cpu, digits_text<2>},
       {"evaluations", "", "evaluations", &Run::evaluations},
-      {"factors", "", "factors", &Run::factors},
+      {"factors", "", "", &Run::factors},
       {"steps", "", "steps", &Run::steps},
-      {"rejected", "", "rejected steps", &Run::rejected}};
+      {"rejected", "", "", &Run::rejected}};
   return kFields;
 }
 
@@ -63,20 +71,22 @@ const Fields<CostAtError>& cost_fields() {
   static const Fields<CostAtError> kFields =
       Fields<CostAtError>{}
           .with([](const CostAtError& c) { return *c.run; }, measured_run_fields())
-          .with({{"confirmed", "", "confirmed", &CostAtError::confirmed},
-                 {"coarser_tried", "", "coarser setting tried", [](const CostAtError& c) { return !c.upper_bound; }}});
+          .with({{"confirmed", "", "", &CostAtError::confirmed},
+                 {"coarser_tried", "", "", [](const CostAtError& c) { return !c.upper_bound; }}});
   return kFields;
 }
 
 const Fields<WorkPrecision>& measurement_fields() {
   using Unsuited = WorkPrecision::Unsuited;
-  static const Fields<Unsuited> kUnsuited{{"what", "", "what", &Unsuited::what}, {"why", "", "why", &Unsuited::why}};
+  static const Fields<Unsuited> kUnsuited{{"combinations", "", "combinations", &Unsuited::n},
+                                          {"what", "", "such as", &Unsuited::what},
+                                          {"why", "", "why", &Unsuited::why}};
   static const Fields<WorkPrecision> kFields{
-      {"reference", "", "reference", &WorkPrecision::reference},
-      {"second_reference", "", "and", &WorkPrecision::second},
-      {"agreement", "they agree to", &WorkPrecision::agreement, error_fields(), error_text},
+      {"reference", "", "reference solution", &WorkPrecision::reference},
+      {"second_reference", "", "  compared with", &WorkPrecision::second},
+      {"agreement", "  differs by at most", &WorkPrecision::agreement, error_fields(), error_text},
       {"runs", "runs", &WorkPrecision::runs, measured_run_fields(), runs_words},
-      {"not_tried", "", "not tried", &WorkPrecision::left_out, count_text},
+      {"not_tried", "", "unfinished", &WorkPrecision::left_out, count_text},
       {"unsuited", "left out", &WorkPrecision::unsuited, kUnsuited}};
   return kFields;
 }

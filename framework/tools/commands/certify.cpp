@@ -5,7 +5,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <optional>
 
 #include <lockstep/text.h>
 #include "framework/tools/commands/benchmark.h"
@@ -27,7 +26,8 @@ struct Repeat {
   std::string setting;  // in words
   std::function<std::unique_ptr<Integrator>()> make;
   StepLoopOptions options;
-  Table table{};  // what it recorded
+  Table table{};         // what it recorded
+  double exchanged = 0;  // energy, J
 };
 
 Tolerance tightened(double relative) {
@@ -35,25 +35,26 @@ Tolerance tightened(double relative) {
   return {r, kTighter * r};
 }
 
-// The recorded table; none if the run took longer than `limit`, s of CPU time.
-std::optional<Table> make_again(const Loaded& loaded, const RunSettings& run, const Repeat& repeat, double limit) {
+// Runs it; false if that took longer than `limit`, s of CPU time.
+bool make_again(const Loaded& loaded, const RunSettings& run, Repeat& repeat, double limit) {
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   m.run.record = run.record;
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   std::vector<Event> events = make_events(m, *recorder);
+  EnergyAudit audit(system_of(m));
   Stabilization stabilization = run.stabilization;
   stabilization.tolerance = std::min(stabilization.tolerance, kProjection);
   Dynamics dynamics(system_of(m), make_solver(run, loaded.registry), {run.formulation, stabilization});
   StepLoop sim(dynamics, repeat.make(), repeat.options);
-  sim.add_observer(*recorder);
+  sim.add_observer(*recorder), sim.add_observer(audit);
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(assembled_start(dynamics, m));
   const double begin = thread_seconds();
   bool given_up = false;
   sim.progress = [&](const State&) { return !(given_up = thread_seconds() - begin > limit); };
   sim.run_until(run.until);
-  if (given_up) return std::nullopt;
-  return recorder->table();
+  repeat.table = recorder->table(), repeat.exchanged = audit.result().scale;
+  return !given_up;
 }
 
 Repeat tighter_of(const Loaded& loaded, const RunSettings& run, bool adaptive, StepLoopOptions options) {
@@ -91,8 +92,7 @@ bool add(std::vector<Repeat>& repeats, const Loaded& loaded, const RunSettings& 
          std::string& text) {
   std::string failure = fmt::format("stopped after {:.2g} s; increase --budget", limit);
   try {
-    if (std::optional<Table> table = make_again(loaded, run, repeat, limit)) {
-      repeat.table = std::move(*table);
+    if (make_again(loaded, run, repeat, limit)) {
       repeats.push_back(std::move(repeat));
       return true;
     }
@@ -156,10 +156,16 @@ CertifiedRun certificate_of(const Loaded& loaded, const Arguments& args, const R
     names.push_back(repeat.name);
     against.push_back(fmt::format("{} ({})", repeat.name, repeat.setting));
   }
-  const Certificate c = certify(table, tables);
-  return {text + fmt::format("digits of each column that agree with {}: log10(largest / difference)\n{}{}",
-                             lockstep::text::join(against), certificate_text(c, names), verdict(c, repeats)),
-          doubt_of(c)};
+  const double exchanged = repeats.front().exchanged;
+  const Certificate c = certify(table, tables, exchanged);
+  const bool energies = std::ranges::any_of(table.columns(), [](const Column& column) { return column.unit == "J"; });
+  return {
+      text + fmt::format(
+                 "digits of each column that agree with {}: log10(largest / difference){}\n{}{}",
+                 lockstep::text::join(against),
+                 energies ? fmt::format("; for energies, largest is at least the {:.2g} J exchanged", exchanged) : "",
+                 certificate_text(c, names), verdict(c, repeats)),
+      doubt_of(c)};
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <lockstep/text.h>
 #include "framework/tools/commands/state_at.h"
 #include "framework/tools/commands/tool_commands.h"
+#include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
@@ -56,10 +57,10 @@ const Fields<BodyBalance>& balance_fields() {
 
 // Of value, rate and multiplier.
 std::string units_of(const RowAccount& r) {
-  return r.kind == RowKind::translation ? "m, m/s, N"
-         : r.kind == RowKind::rotation  ? "1, 1/s, N m (twice the moment)"
-                                        : "";
+  return r.kind == RowKind::translation ? "m, m/s, N" : r.kind == RowKind::rotation ? "1, 1/s, N m" : "";
 }
+
+std::string grouped_text(const Json& constraints) { return by_joint(constraints.get<std::vector<std::string>>()); }
 
 const Fields<LinkAccount>& link_fields() {
   using Account = LinkAccount;
@@ -70,7 +71,7 @@ const Fields<LinkAccount>& link_fields() {
                                        {"multiplier", "", "multiplier", &RowAccount::multiplier},
                                        {"units", "", "units", units_of},
                                        {"drive", "", "driven", &RowAccount::is_drive}};
-  static const Fields<Dependency> kDependency{{"rows", "", "constraints", &Dependency::rows},
+  static const Fields<Dependency> kDependency{{"rows", "", "constraints", &Dependency::rows, grouped_text},
                                               {"too_many", "", "redundant", &Dependency::too_many},
                                               {"nearly", "", "nearly redundant", &Dependency::nearly}};
   static const Fields<Account> kFields{
@@ -144,6 +145,7 @@ Result explain(const Arguments& args) {
                      text::suggestion(thing, known));
   const State state = run_to(m, loaded.registry, instant_of(args));
   Dynamics dynamics = make_dynamics(m, loaded.registry);
+  note_not_unique(uniqueness(dynamics, state));
   const auto at = [&]<class Account>(Account account) { return At<Account>{state.t, std::move(account)}; };
   for (const Body& body : system.bodies())
     if (body.name == thing) return {loaded, account_fields().body, at(balance_of(dynamics, state, body))};

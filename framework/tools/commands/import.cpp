@@ -78,13 +78,12 @@ Result import_robot(const Arguments& args) {
       scene_from_text(text,
                       (fs::path(meshes.folder()) / (fs::path(file).filename().string() + ", as a scene")).string()),
       builtin_registry());
-  for (const std::string& what : robot.left_out) fmt::print(stderr, "lockstep: left out: {}\n", what);
-  for (const std::string& why : meshes.refused()) fmt::print(stderr, "lockstep: left out: {}\n", why);
+  for (const std::string& what : robot.left_out) fmt::print(stderr, "note: left out: {}\n", what);
+  for (const std::string& why : meshes.refused()) fmt::print(stderr, "note: left out: {}\n", why);
   if (meshes.outside())
-    fmt::print(
-        stderr,
-        "lockstep: meshes are outside the scene's folder; run it with --allow-files, or write it next to the robot "
-        "(--out)\n");
+    fmt::print(stderr,
+               "note: meshes are outside the scene's folder; run it with --allow-files, or write it next to the robot "
+               "(--out)\n");
   if (args["--out"].empty()) {
     fmt::print("{}", text);
     return kExitOk;

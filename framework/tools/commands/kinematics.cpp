@@ -5,18 +5,23 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 
+#include <lockstep/assembly.h>
 #include <lockstep/author/lock.h>
 #include <lockstep/kinematics.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/tree.h"
+#include "framework/dynamics/simulate/contacts.h"
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/method_specs.h"
+#include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/scene_run/scene_run.h"
 
@@ -42,7 +47,8 @@ std::vector<std::string> fill_masses(Scene& scene) {
       const bool has = std::ranges::any_of(kGiveMass, [&](const char* kind) { return body.find(kind) != nullptr; });
       if (has) continue;
       body.object()->push_back({"mass", Value(1.0), body.where});
-      body.object()->push_back({"inertia", Value(Value::List{1.0, 1.0, 1.0}), body.where});
+      if (body.find("inertia") == nullptr)
+        body.object()->push_back({"inertia", Value(Value::List{1.0, 1.0, 1.0}), body.where});
       const std::string* name = text_under(body, "name");
       names.push_back(name != nullptr ? *name : "?");
     }
@@ -118,7 +124,7 @@ std::vector<double> pose_times(const RunSettings& run) {
   if (interval > until)
     fmt::print(
         stderr,
-        "lockstep: the interval of the poses, {:.6g} s, is longer than the motion of {:.6g} s; only start and end "
+        "warning: the interval of the poses, {:.6g} s, is longer than the motion of {:.6g} s; only start and end "
         "are computed\n",
         interval, until);
   return times;
@@ -130,6 +136,7 @@ struct Peak {
   double value = 0, t = 0;
 };
 struct Motion {
+  std::string assembled{};  // "" if assembly moved nothing
   std::size_t poses = 0;
   long solutions = 0;
   double seconds = 0;
@@ -152,12 +159,51 @@ const Fields<Motion>& kinematics_fields() {
                                   {"peak", "", "peak", &Peak::value},
                                   {"t", "s", "at t", &Peak::t},
                                   {"values", "", "", [](const Peak& p) { return p.column.values; }}};
-  static const Fields<Motion> kFields{{"poses", "", "poses", &Motion::poses},
-                                      {"solutions", "", "solutions", &Motion::solutions},
+  static const Fields<Motion> kFields{{"assembled", "", "assembled", &Motion::assembled},
+                                      {"poses", "", "poses", &Motion::poses},
+                                      {"solutions", "", "", &Motion::solutions},
                                       {"seconds", "s", "computing time", &Motion::seconds},
                                       {"columns", "columns", &Motion::peaks, kPeak}};
   return kFields;
 }
+
+// Without the time, and without columns that are zero throughout.
+std::string text_of_motion(const Result& motion) {
+  Json shown = motion.data;
+  std::map<std::string, double> largest;  // by units
+  for (const Json& c : motion.data["columns"])
+    largest[c["unit"]] = std::max(largest[c["unit"]], std::abs(c["peak"].get<double>()));
+  shown["columns"] = Json::array();
+  for (const Json& c : motion.data["columns"])
+    if (c["name"] != "t" && number_text(c["peak"], largest[c["unit"]]) != "0") shown["columns"].push_back(c);
+  return text_of(*motion.schema, shown);
+}
+
+/// One-sided joints that a motion passes.
+class PassedStops {
+ public:
+  explicit PassedStops(const Mechanism& m) { stops_.lay_out(m.system, m.run.stabilization); }
+  void look(Dynamics& dynamics, const State& state) {
+    for (std::size_t i = 0; i < stops_.size(); ++i) {
+      if (stops_.in_force(i, state) || !stops_.watched(i, state) || passed_.contains(i)) continue;
+      if (stops_.gap(i, dynamics.inputs(state)).c < -stops_[i].margin) passed_.emplace(i, state.t);
+    }
+  }
+  void tell() const {
+    for (const auto& [i, t] : passed_) {
+      const std::string& name = stops_[i].link->name();
+      Finding f{&finding::stop_passed, "joint '" + name + "'",
+                fmt::format("'{}' is passed before t = {:.6g} s, as a prescribed motion does not stop there", name, t),
+                "end the motion before it, or move the stop"};
+      f.t = t;
+      CommandFindings::add(f);
+    }
+  }
+
+ private:
+  Contacts stops_;
+  std::map<std::size_t, double> passed_;  // when, s
+};
 
 Result follow(const Arguments& args, bool inverse) {
   if (args.has("--quiet")) set_logger(nullptr);
@@ -182,16 +228,16 @@ Result follow(const Arguments& args, bool inverse) {
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State start = decided_start(dynamics, m);
-  assemble(dynamics, start, m.start_speeds, m.assembly);
+  const AssemblyReport assembled = assemble_scene(dynamics, m, start);
   for (const EventRequest& e : m.events)
-    fmt::print(stderr, "lockstep: event '{}' has no effect without a simulation\n", e.event.name);
+    fmt::print(stderr, "warning: event '{}' has no effect without a simulation\n", e.event.name);
 
   const auto begun = std::chrono::steady_clock::now();
   DrivenMotion motion(dynamics, std::move(start));
   GrowingCsv rows(file, recorder->table());
   const StepReport report;
   Doubts doubts(!args.has("--quiet") && records_reactions(m.run), 0);
-  std::exception_ptr failed;
+  PassedStops stops(m);
   try {
     for (const double& t : times) {
       motion.to(t);
@@ -200,36 +246,39 @@ Result follow(const Arguments& args, bool inverse) {
         recorder->start(sample), rows.begin(), doubts.start(sample);
       else
         recorder->step(sample);
-      recorder->output(sample), rows.take(), doubts.output(sample);
+      recorder->output(sample), rows.take(), doubts.output(sample), stops.look(dynamics, motion.state());
     }
-  } catch (const Error&) {
-    failed = std::current_exception();
+  } catch (const Error& error) {
+    file.write();
+    const std::size_t n = recorder->table().n_rows();
+    rethrow_with(cause_of_stop(dynamics, motion.state(), 0), error,
+                 n == 0 ? "" : fmt::format("  saved: {} row{} in {}\n", n, n == 1 ? "" : "s", file.partial()));
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   file.write();
-  if (failed) {
-    fmt::print(stderr, "lockstep: {} rows saved in {}\n", recorder->table().n_rows(), file.partial());
-    std::rethrow_exception(failed);
-  }
   file.commit();
+  stops.tell();
   CommandFindings::add(doubts.findings(motion.steps(), motion.state().t));
   Result result(loaded, kinematics_fields(),
-                Motion{recorder->table().n_rows(), motion.steps(), seconds, peaks_of(recorder->table())});
+                Motion{assembled.is_moved() ? assembled.text() : "", recorder->table().n_rows(), motion.steps(),
+                       seconds, peaks_of(recorder->table())});
+  result.brief = text_of_motion(result);
   result.files = {csv};
   return result;
 }
 
 Command driven_command(std::string_view name, Result (*run)(const Arguments&), std::string_view footer) {
-  return {name,
-          join({scene_options(),
-                {kJson,
-                 {"--until", "T", "end time, s; default: that of the scene"},
-                 {"--output", "H", "interval of the poses, s; default: that of the scene, or a hundredth of the time"},
-                 {"--record", "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here"},
-                 {"--quiet", "", "print errors only"}}}),
-          run,
-          footer,
-          {&kinematics_fields().schema()}};
+  return {
+      name,
+      join({scene_options(),
+            {kJson,
+             {"--until", "TIME", "end time, s; default: that of the scene"},
+             {"--output", "TIME", "interval of the poses, s; default: that of the scene, or a hundredth of the time"},
+             {"--record", "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here"},
+             {"--quiet", "", "print errors only"}}}),
+      run,
+      footer,
+      {&kinematics_fields().schema()}};
 }
 
 }  // namespace
@@ -243,7 +292,7 @@ Command kinematics_command() {
 Command inverse_command() {
   return driven_command(
       "inverse", [](const Arguments& args) { return follow(args, true); },
-      "Columns: those of the scene, then all drives and reactions.\n\n"
+      "Columns: those of the scene, then all drives and reactions; the text omits those that are zero throughout.\n\n"
       "Example:\n  lockstep inverse samples/scenes/four_bar.json --until 0.2");
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/commands/linear_words.h"
 
-#include "framework/tools/commands/state_at.h"
+#include <lockstep/equilibrium.h>
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/commands/tool_commands.h"
+#include "framework/tools/program/findings.h"
 
 namespace lockstep {
 
@@ -12,6 +14,8 @@ Options motion_command_options() {
        {kAt,
         kJson,
         {"--spin", "X,Y,Z", "angular velocity of the axes of a steady rotation, rad/s; default: found from the state"},
+        Option{"--equilibrium", "", "start from the static equilibrium, as `lockstep statics` finds it"}.without(
+            "--spin"),
         {"--frozen", "", "use the coefficients of a state that is neither an equilibrium nor steady"}}});
 }
 
@@ -22,11 +26,19 @@ LinearMotionOptions motion_options(const Arguments& args) {
   return options;
 }
 
+MechanismAt motion_state(std::unique_ptr<Mechanism> mechanism, const Registry& registry, const Arguments& args) {
+  MechanismAt at = state_at(std::move(mechanism), registry, instant_of(args));
+  if (args.has("--equilibrium"))
+    CommandFindings::add(find_equilibrium(*at.dynamics, at.state, {.friction = false}).notes);
+  return at;
+}
+
 const Fields<StateFound>& state_fields() {
   static const Fields<StateFound> kState{
       {"spin", "rad/s", "spin of the axes", [](const StateFound& s) { return s.spin; }},
       {"still", "", "at rest there", [](const StateFound& s) { return s.unrest.is_still(); }},
-      {"acceleration", "m/s^2", "residual acceleration", [](const StateFound& s) { return s.unrest.acceleration; }},
+      {"acceleration", "m/s^2", "residual acceleration", [](const StateFound& s) { return s.unrest.acceleration; },
+       [](const Json& a) { return a < kRoundOff ? std::string("0 m/s^2") : number_text(a) + " m/s^2"; }},
       {"acceleration_limit", "m/s^2", "  limit", [](const StateFound& s) { return s.unrest.acceleration_limit; }},
       {"accelerates", "", "  of", [](const StateFound& s) { return s.unrest.accelerates; }},
       {"speed", "m/s", "residual speed", [](const StateFound& s) { return s.unrest.speed; }},

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lockstep/linearization.h>
+#include "framework/tools/commands/state_at.h"
 #include "framework/tools/program/options.h"
 
 namespace lockstep {
@@ -11,6 +12,8 @@ namespace lockstep {
 Options motion_command_options();
 /// --spin and --frozen. Throws UsageError.
 LinearMotionOptions motion_options(const Arguments&);
+/// --at: the state to which a mechanism is run; with --equilibrium the static equilibrium that is found from there.
+MechanismAt motion_state(std::unique_ptr<Mechanism>, const Registry&, const Arguments&);
 
 /// The state of an analysis.
 struct StateFound {
@@ -29,9 +32,10 @@ auto with_words_of_program(Analysis&& analysis) {
   } catch (const ModelError& error) {
     const std::string words = error.what();
     if (words.find("neither an equilibrium") == std::string::npos) throw;
-    throw ModelError(words +
-                     " (`lockstep statics` finds the equilibrium; --at T: another time; --spin x,y,z: rotating "
-                     "axes; --frozen: this state)");
+    throw ModelError(
+        words.substr(0, words.find("; use an equilibrium")) +
+        "\n  hint: --equilibrium takes the static equilibrium (lockstep statics prints it), --at T another time,"
+        "\n  --spin X,Y,Z a steady rotation, --frozen this state");
   }
 }
 

@@ -42,6 +42,7 @@ struct Linearized {
 std::string small_matrix(const Json& A) {
   constexpr std::size_t kMost = 12;
   const std::size_t columns = A.empty() ? 0 : A[0].size();
+  if (columns == 0) return "";
   std::string text = fmt::format("{} x {}", A.size(), columns);
   if (A.size() > kMost || columns > kMost) return text;
   for (const Json& row : A) {
@@ -77,7 +78,7 @@ Result linearize_scene(const Arguments& args) {
   std::vector<Channel> outputs;
   for (const std::string& name : args.all("--outputs"))
     outputs.push_back(make_channel(system_of(*built.mechanism), name));
-  const MechanismAt at = state_at(std::move(built.mechanism), loaded.registry, instant_of(args));
+  const MechanismAt at = motion_state(std::move(built.mechanism), loaded.registry, args);
   const StateSpace s = with_words_of_program(
       [&] { return linearize(*at.dynamics, at.state, built.inputs, outputs, motion_options(args)); });
   CommandFindings::add(s.notes);

@@ -5,9 +5,8 @@
 int main(int argc, char* argv[]) {
   using namespace lockstep;
   const auto commands = [] {
-    return std::vector{mobility_command(),   assemble_command(),  statics_command(),
-                       kinematics_command(), inverse_command(),   explain_command(),
-                       modes_command(),      linearize_command(), matrices_command()};
+    return std::vector{assemble_command(), statics_command(), kinematics_command(), inverse_command(),
+                       explain_command(),  modes_command(),   linearize_command(),  matrices_command()};
   };
   return run_program(commands, false, argc, argv);
 }

@@ -180,7 +180,8 @@ Result analyse_modes(const Arguments& args) {
   options.motion = motion_options(args);
   if (!args["--csv"].empty()) check_overwrites(args["--csv"], loaded.scene);
   const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], args["--csv"], loaded.scene);
-  const MechanismAt at = state_at(loaded, instant_of(args));
+  const MechanismAt at =
+      motion_state(std::make_unique<Mechanism>(build_mechanism(loaded.scene, loaded.registry)), loaded.registry, args);
   const Modes found = with_words_of_program([&] { return find_modes(*at.dynamics, at.state, options); });
   CommandFindings::add(found.notes);
   Result result(loaded, modes_fields(), FoundModes{{at.state.t, found.spin, found.unrest}, found});
@@ -199,7 +200,7 @@ Command modes_command() {
              {"--csv", "FILE.csv", "one row per mode, with its shape"},
              {"--report", "FILE.html", "one HTML file that animates each mode"}}}),
       analyse_modes,
-      R"(The state must be an equilibrium (`lockstep statics` finds one) or a steady rotation. Modes are in space, also
+      R"(The state must be an equilibrium (--equilibrium finds one) or a steady rotation. Modes are in space, also
 of a planar motion, unless the key "planar" or --planar gives a plane. The largest rotation of a shape, or translation
 over the length of the mechanism, is 1. The pendulum of the example hangs, because gravity acts along its arm.
 

@@ -27,8 +27,10 @@ LinkWrench wrench_of(const Lock& link, int part, const Evaluated& v) {
 std::vector<std::pair<std::string, NamedReaction>> reactions_of(const System& system, const Evaluated& v) {
   std::vector<std::pair<std::string, NamedReaction>> all;
   for_each_reaction(system, [&](const Lock& link, const std::string& name, int part) {
-    if (Reactions(v).in_force(link))
-      all.push_back({name, {name, link.pairs().front().first->body->name, wrench_of(link, part, v)}});
+    const bool holds = Reactions(v).in_force(link);
+    if (holds || system.left_out(link) != 0)
+      all.push_back(
+          {name, {name, link.pairs().front().first->body->name, wrench_of(link, part, v), holds ? "" : "left out"}});
   });
   return all;
 }
@@ -51,6 +53,20 @@ std::vector<PoseNumber> pose_numbers(const System& system, const State& state, c
   return all;
 }
 
+std::vector<PoseNumber> force_numbers(const System& system, const Inputs& in) {
+  std::vector<PoseNumber> all;
+  for (const auto& force : system.forces()) {
+    const Observable* shows = force->reacting() == nullptr ? force->observable() : nullptr;
+    if (shows == nullptr) continue;
+    const std::vector<Quantity> own = shows->quantities();
+    for (int k = 0; k < static_cast<int>(own.size()); ++k)
+      if (const std::string& unit = own[k].unit; unit != "W" && !unit.ends_with("/s"))
+        all.push_back({force->name() + "." + own[k].name, unit,
+                       unit.starts_with("N") && !force->acts(in) ? 0 : shows->quantity(k, in)});
+  }
+  return all;
+}
+
 NamedPoses poses_of(const System& system, const State& state) {
   NamedPoses all;
   for (const Body& body : system.bodies())
@@ -67,7 +83,15 @@ const Fields<NamedReaction>& reaction_fields() {
   static const Fields<NamedReaction> kFields{
       {"on", "", "on", &NamedReaction::body},
       {"force", "N", "force", [](const NamedReaction& r) { return r.wrench.force; }},
-      {"moment", "N m", "moment", [](const NamedReaction& r) { return r.wrench.moment; }}};
+      {"moment", "N m", "moment", [](const NamedReaction& r) { return r.wrench.moment; }},
+      {"note", "", "note", &NamedReaction::note}};
+  return kFields;
+}
+
+const Fields<PoseNumber>& number_fields() {
+  static const Fields<PoseNumber> kFields{{"name", "", "name", &PoseNumber::name},
+                                          {"value", "", "value", &PoseNumber::value},
+                                          {"unit", "", "unit", &PoseNumber::unit}};
   return kFields;
 }
 

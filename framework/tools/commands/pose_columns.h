@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Poses of bodies and reactions of joints as numbers with the names of their channels, for analyses without a run.
+// Poses of bodies, loads of forces and reactions of joints as numbers with the names of their channels, for analyses
+// without a run.
 #pragma once
 
 #include <string>
@@ -17,6 +18,7 @@ inline constexpr int kMostStarts = 1'000'000;  ///< of one call
 struct NamedReaction {
   std::string name, body;  ///< "A", "A.drive"; the body of P
   LinkWrench wrench;       ///< world axes
+  std::string note{};      ///< "left out", of a joint without constraints; "not unique"
 };
 
 /// Of all active joints, by their names.
@@ -29,11 +31,14 @@ struct PoseNumber {
 };
 /// Those of the poses of all moving bodies and of the reactions of all joints, which are zero for inactive joints.
 std::vector<PoseNumber> pose_numbers(const System&, const State&, const Evaluated&);
+/// Lengths, angles and loads that forces show at rest.
+std::vector<PoseNumber> force_numbers(const System&, const Inputs&);
 
 /// Poses by the names of moving bodies, and reactions by the names of joints and drives, as results.
 using NamedPoses = std::vector<std::pair<std::string, Pose>>;
 NamedPoses poses_of(const System&, const State&);
 const Fields<Pose>& pose_fields();
 const Fields<NamedReaction>& reaction_fields();
+const Fields<PoseNumber>& number_fields();
 
 }  // namespace lockstep

@@ -2,44 +2,71 @@
 // The command statics: the equilibrium of a scene under its loads.
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <lockstep/analysis.h>
 #include <lockstep/equilibrium.h>
+#include <lockstep/text.h>
 #include "framework/dynamics/simulate/start_positions.h"
+#include "framework/foundation/math/limits.h"
+#include "framework/foundation/support/lines.h"
+#include "framework/tools/analysis/wild_starts.h"
 #include "framework/tools/commands/pose_columns.h"
 #include "framework/tools/commands/state_at.h"
 #include "framework/tools/commands/tool_commands.h"
+#include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/method_specs.h"
-#include "framework/tools/record/csv_lines.h"
+#include "framework/tools/program/terminal.h"
+#include "framework/tools/rank/cause.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {
 
+/// The lengths and angles that a scene records, but for places of bodies: those are printed in any case.
+std::vector<Channel> lengths_and_angles(Mechanism& m) {
+  std::vector<Channel> all;
+  for (const ChannelRequest& request : m.run.record) {
+    Channel c = channel_of(m, request.channel);
+    c.name = request.column();
+    if (c.unit == "rad" || (c.unit == "m" && owner_of(request.channel, m.system).first != "body"))
+      all.push_back(std::move(c));
+  }
+  return all;
+}
+
 /// A scene at rest. It must not be moved in memory.
 struct Resting {
   Mechanism m;
+  std::vector<Channel> recorded;
   Dynamics dynamics;
+  NearRows near{};
   State state;
-  EquilibriumReport report;
+  EquilibriumReport report{};
 
   Resting(const Scene& scene, const Registry& registry)
-      : m(build_mechanism(scene, registry)), dynamics(make_dynamics(m, registry)), state(decided_start(dynamics, m)) {}
+      : m(build_observed(scene, registry)),
+        recorded(lengths_and_angles(m)),
+        dynamics(make_dynamics(m, registry)),
+        state(decided_start(dynamics, m, &near)) {}
 
   /// Takes the assembled start, or the poses of `before`, if it has as many.
   void begin(const Arguments& args, const State* before = nullptr) {
     state.t = instant_of(args);
     if (before != nullptr && before->q.size() == state.q.size()) state.q = before->q, state.s = before->s;
     state.v.setZero();
-    if (m.run.assemble || before != nullptr)
+    if (before == nullptr && !m.run.assemble) return begin_turns(dynamics, state);
+    try {
       assemble(dynamics, state, {}, before == nullptr ? m.assembly : AssemblyOptions());
-    else
-      begin_turns(dynamics, state);
+    } catch (const AssemblyError& error) {
+      rethrow_with(cause_of_start(dynamics, state), error);
+    }
   }
   /// From there. `friction`: whether it may hold the poses.
   void find(const Arguments& args, const State* before, bool friction) {
@@ -52,6 +79,28 @@ struct Resting {
     none_.setZero(6 * m.system.n_slots());
     return {e.inputs(), none_, report.lambda, e.rows()};
   }
+  /// What the scene records of it, and what forces show.
+  std::vector<PoseNumber> quantities() {
+    std::vector<PoseNumber> all;
+    const StepReport none{};
+    const Sample sample(dynamics, state, none);
+    for (const Channel& c : recorded) try {
+        all.push_back({c.name, c.unit, c.value(sample)});
+      } catch (const Error&) {  // it needs accelerations, which are not defined here
+        all.push_back({c.name, c.unit, NAN});
+      }
+    for (PoseNumber& n : force_numbers(m.system, dynamics.inputs(state))) all.push_back(std::move(n));
+    for (PoseNumber& n : all) n.value = without_rounding(n.value, n.unit);
+    return all;
+  }
+  double without_rounding(double x, std::string_view unit) const {
+    const double force = kNegligible * report.largest_force, length = m.system.length();
+    const double least = unit == "N"     ? force
+                         : unit == "N m" ? force * length
+                         : unit == "m"   ? kRoundOff * length
+                                         : kRoundOff;
+    return std::abs(x) <= least ? 0 : x;  // of other units: quaternions, angles
+  }
 
  private:
   VecX none_;
@@ -62,26 +111,50 @@ struct AtRest {
   EquilibriumReport report;
   NamedPoses poses;
   std::vector<std::pair<std::string, NamedReaction>> reactions;
+  std::vector<PoseNumber> quantities;
   int found = 1;  // by how many starts
 };
-AtRest found_of(Resting& r) {
-  CommandFindings::add(r.report.notes);
-  return {r.report, poses_of(r.m.system, r.state), reactions_of(r.m.system, r.values())};
+
+bool is_unique(const UniquenessReport& unique, const std::string& reaction) {
+  for (const char* what : {".force_on_p_world_", ".torque_on_p_world_"})
+    for (const char axis : {'x', 'y', 'z'})
+      if (!unique.unique(reaction + what + axis)) return false;
+  return true;
 }
 
-// "8.1 rad/s (1.3 Hz)" of a stiffness.
+/// `tells`: whether its notes are findings of the command.
+AtRest found_of(Resting& r, bool tells = true) {
+  AtRest found{r.report, poses_of(r.m.system, r.state), reactions_of(r.m.system, r.values()), r.quantities()};
+  const UniquenessReport unique = uniqueness(r.dynamics, r.state);
+  for (auto& [name, reaction] : found.reactions) {
+    for (double& x : reaction.wrench.force) x = r.without_rounding(x, "N");
+    for (double& x : reaction.wrench.moment) x = r.without_rounding(x, "N m");
+    if (reaction.note.empty() && !is_unique(unique, name)) reaction.note = "not unique";
+  }
+  if (!tells) return found;
+  CommandFindings::add(r.report.notes);
+  for (const NearDependency& d : r.near.all) CommandFindings::add(finding_of(d, r.m.run.nearly_redundant));
+  note_not_unique(unique);
+  return found;
+}
+
 std::string frequency_text(const Json& stiffness) {
-  const double k = stiffness.is_null() ? 0 : stiffness.get<double>(), omega = std::sqrt(std::abs(k));
-  if (k == 0) return "";
-  return k > 0 ? fmt::format("{:.6g} rad/s ({:.6g} Hz) without damping", omega, omega / (2 * std::numbers::pi))
-               : fmt::format("grows by a factor e in {:.3g} s", 1 / omega);
+  const double omega = stiffness.is_number() ? std::sqrt(std::max(stiffness.get<double>(), 0.0)) : 0;
+  return omega > 0 ? fmt::format("{:.4g} Hz ({:.4g} rad/s), undamped", omega / (2 * std::numbers::pi), omega) : "";
+}
+
+double growth_time(double stiffness) { return stiffness < 0 ? 1 / std::sqrt(-stiffness) : NAN; }
+std::string growth_text(const Json& time) {
+  return time.is_number() ? fmt::format("by a factor e in {:.3g} s", time.get<double>()) : "";
 }
 
 const Fields<EquilibriumReport>& report_fields() {
   using Report = EquilibriumReport;
-  static const Fields<FreeMotion> kMotion{{"motion", "", "moves", &FreeMotion::words},
-                                          {"stiffness", "1/s^2", "frequency", &FreeMotion::stiffness, frequency_text},
-                                          {"zero_below", "1/s^2", "", &FreeMotion::bound}};
+  static const Fields<FreeMotion> kNeutral{{"motion", "", "moves", &FreeMotion::words},
+                                           {"stiffness", "1/s^2", "", &FreeMotion::stiffness},
+                                           {"zero_below", "1/s^2", "", &FreeMotion::bound}};
+  static const Fields<FreeMotion> kMotion = kNeutral.with(
+      {{"growth_time", "s", "grows", [](const FreeMotion& m) { return growth_time(m.stiffness); }, growth_text}});
   static const Fields<GripReport> kGrip{{"force", "", "of", &GripReport::force},
                                         {"what", "", "motion", &GripReport::what},
                                         {"carries", "", "load", &GripReport::carries},
@@ -90,18 +163,22 @@ const Fields<EquilibriumReport>& report_fields() {
   static const Fields<Stability> kStability{
       {"stability", "", "stability", [](const Stability& s) { return to_string(s.kind); }},
       {"freedoms", "", "degrees of freedom", &Stability::freedoms},
-      {"softest", "1/s^2", "lowest stiffness", &Stability::softest, frequency_text},
+      {"softest", "1/s^2", "lowest natural frequency", &Stability::softest, frequency_text},
+      {"growth_time", "s", "fastest growth", [](const Stability& s) { return growth_time(s.softest); }, growth_text},
       {"has_potential", "", "potential", &Stability::has_potential,
        [](const Json& v) { return v.get<bool>() ? std::string() : "none: damping may decide the stability"; }},
       {"unstable", "unstable motions", &Stability::unstable, kMotion},
-      {"not_held", "neutral motions", &Stability::neutral, kMotion}};
+      {"not_held", "neutral motions", &Stability::neutral, kNeutral}};
   static const Fields<Report> kFields = Fields<Report>{
-      {"method", "", "equilibrium", &Report::method},
+      {"method", "", "found by", &Report::method},
       {"by_friction", "", "held by friction", &Report::by_friction},
       {"relaxed", "", "", &Report::relaxed},
       {"iterations", "", "", &Report::iterations},
       {"relaxation_steps", "", "", &Report::relaxation_steps},
-      {"unbalanced", "", "relative unbalance", &Report::unbalanced},
+      {"unbalanced", "", "unbalanced force", &Report::unbalanced,
+       [](const Json& share) {
+         return share < kRoundOff ? std::string("0") : fmt::format("{} of the largest", number_text(share));
+       }},
       {"largest_force", "N", "largest force", &Report::largest_force},
       {"largest_move", "m", "largest move", &Report::largest_move},
       {"moved_most", "", "  of", &Report::moved_most},
@@ -113,13 +190,16 @@ const Fields<EquilibriumReport>& report_fields() {
   return kFields;
 }
 
+Fields<AtRest> fields_at_rest(const char* label_of_found) {
+  return Fields<AtRest>{}
+      .with(&AtRest::report, report_fields())
+      .with({{"found", "", label_of_found, &AtRest::found},
+             {"bodies", "bodies", &AtRest::poses, pose_fields()},
+             {"quantities", "forces and recorded quantities", &AtRest::quantities, number_fields()},
+             {"reactions", "reactions at P, world", &AtRest::reactions, reaction_fields()}});
+}
 const Fields<AtRest>& rest_fields() {
-  static const Fields<AtRest> kFields =
-      Fields<AtRest>{}
-          .with(&AtRest::report, report_fields())
-          .with({{"found", "", "", &AtRest::found},
-                 {"bodies", "bodies", &AtRest::poses, pose_fields()},
-                 {"reactions", "reactions at P, world", &AtRest::reactions, reaction_fields()}});
+  static const Fields<AtRest> kFields = fields_at_rest("");
   return kFields;
 }
 
@@ -129,9 +209,12 @@ struct AllAtRest {
   std::vector<AtRest> all;
 };
 const Fields<AllAtRest>& all_fields() {
-  static const Fields<AllAtRest> kFields{{"starts", "", "starts", &AllAtRest::starts},
-                                         {"failed", "", "  failed", &AllAtRest::failed},
-                                         {"equilibria", "equilibrium", &AllAtRest::all, rest_fields()}};
+  static const Fields<AtRest> kEach = fields_at_rest("starts that lead here");
+  static const Fields<AllAtRest> kFields{
+      {"starts", "", "starts", &AllAtRest::starts,
+       [](const Json& n) { return fmt::format("{} random ones, and the given one", n.get<int>() - 1); }},
+      {"failed", "", "  failed", &AllAtRest::failed},
+      {"equilibria", "equilibrium", &AllAtRest::all, kEach}};
   return kFields;
 }
 
@@ -146,77 +229,108 @@ const Fields<Varied>& varied_fields() {
   return kFields;
 }
 
-/// Adds an equilibrium to a table, whose columns come with the first: values of the variables, what was found, poses
-/// and reactions.
-void add_row(Table& table, const std::vector<Variable>& variables, std::vector<double> row, Resting& r) {
-  const auto numbers = pose_numbers(r.m.system, r.state, r.values());
+/// An equilibrium as numbers: what was found, poses and reactions, what is recorded.
+std::vector<PoseNumber> numbers_of(Resting& r) {
   const Stability& s = r.report.stability;
-  row.push_back(s.kind == Stability::Kind::stable || s.kind == Stability::Kind::gripped ? 1
-                : s.kind == Stability::Kind::neutral                                    ? 0
-                : s.kind == Stability::Kind::unstable                                   ? -1
-                                                                                        : std::nan(""));
-  row.push_back(s.softest), row.push_back(r.report.unbalanced);
-  const bool first = table.n_columns() == 0;
-  if (first) {
-    for (const Variable& v : variables) table.add_column(v.path, v.unit);
-    table.add_column("stable");  // 1; 0 neutral; -1 unstable
-    table.add_column("softest", "1/s^2");
-    table.add_column("unbalanced");
-  }
-  for (const PoseNumber& n : numbers) {
-    if (first) table.add_column(n.name, n.unit);
-    row.push_back(n.value);
-  }
-  table.add_row(row);
+  const double stable = s.kind == Stability::Kind::stable || s.kind == Stability::Kind::gripped ? 1
+                        : s.kind == Stability::Kind::neutral                                    ? 0
+                        : s.kind == Stability::Kind::unstable                                   ? -1
+                                                                                                : NAN;
+  std::vector<PoseNumber> all{{"stable", "", stable},
+                              {"softest", "1/s^2", s.softest},
+                              {"unbalanced", "", r.report.unbalanced},
+                              {"move", "m", r.report.largest_move}};
+  for (PoseNumber& n : pose_numbers(r.m.system, r.state, r.values()))
+    n.value = r.without_rounding(n.value, n.unit), all.push_back(std::move(n));
+  for (PoseNumber& n : r.quantities()) all.push_back(std::move(n));
+  return all;
 }
 
-std::vector<double> numbers_of(const std::vector<Variable>& variables, const std::vector<std::size_t>& choice) {
-  std::vector<double> values;
-  for (std::size_t k = 0; k < variables.size(); ++k) values.push_back(*variables[k].values[choice[k]].number());
-  return values;
+using Cells = std::vector<std::string>;
+
+/// More cells of a line: titles, or values.
+void add_titles(Cells& line, const std::vector<PoseNumber>& numbers) {
+  for (const PoseNumber& n : numbers) line.push_back(column_title({n.name, n.unit, {}}));
+}
+void add_values(Cells& line, const std::vector<PoseNumber>& numbers) {
+  for (const PoseNumber& n : numbers) line.push_back(text::number(n.value));
+}
+
+/// "another branch: ..." if the way back from an equilibrium does not lead to the one before, else "ok". `before` then
+/// holds other poses.
+std::string branch_status(const Arguments& args, Resting& before, const Resting& now) {
+  const State was = before.state;
+  if (now.state.q.size() != was.q.size() || !before.report.stability.neutral.empty() ||
+      !now.report.stability.neutral.empty())
+    return "ok";
+  try {
+    before.find(args, &now.state, false);
+  } catch (const Error&) {
+    return "ok";
+  }
+  if (apart(before.m.system, was, before.state) <= kSlight * before.m.system.length()) return "ok";
+  return fmt::format("another branch: '{}' moved by {:.3g} m", now.report.moved_most, now.report.largest_move);
 }
 
 Result vary(const Arguments& args, const Loaded& loaded) {
   const std::vector<Variable> variables =
       as_usage("--vary", [&] { return read_variables(args.all("--vary"), loaded.scene, loaded.registry); });
   std::vector<std::size_t> sizes;
+  Cells titles;
   for (const Variable& v : variables) {
     for (const auto& value : v.values)
       if (value.number() == nullptr)
         throw UsageError("--vary: \"" + v.path + "\" has no numbers; statics varies numbers only");
     sizes.push_back(v.values.size());
+    titles.push_back(column_title({v.path, v.unit, {}}));
   }
   const Grid grid(sizes);
   const std::string& record = args["--record"];
   GrowingFile file(record.empty() ? "-" : record);
-  Table table;
-  GrowingCsv rows(file, table);
-  file.clear();  // rows of an interrupted run
-  std::unique_ptr<Resting> before;
-  long failed = 0;
+  file.clear();                     // rows of an interrupted run
+  Cells header;                     // of the first equilibrium
+  std::vector<Cells> lines;         // that wait for it
+  std::unique_ptr<Resting> before;  // on the same line of the grid
+  Varied varied;
   for (long run = 1; run <= grid.n_runs(); ++run) {
     const std::vector<std::size_t> choice = grid.at(run);
+    const std::string setting = setting_text(variables, choice);
+    Cells& line = lines.emplace_back();
+    for (std::size_t k = 0; k < choice.size(); ++k) line.push_back(plain_text(variables[k].values[choice[k]]));
+    if (choice.back() == 0) before.reset();
+    std::optional<FindingScope> unheard;
+    if (run > 1) unheard.emplace();  // the first found the same
     try {
       auto now =
           std::make_unique<Resting>(vary_scene(loaded.scene, variables, choice, loaded.registry), loaded.registry);
       now->find(args, before ? &before->state : nullptr, false);
-      add_row(table, variables, numbers_of(variables, choice), *now);
-      before = std::move(now);
+      const std::vector<PoseNumber> numbers = numbers_of(*now);
+      const std::string status = before ? branch_status(args, *before, *now) : "ok";
+      if (header.empty()) {
+        found_of(*now);
+        header = titles, add_titles(header, numbers), header.emplace_back("status");
+        file.append(csv_of({header}));
+      }
+      if (status != "ok") tell(fmt::format("warning: {}: {}\n", setting, status));
+      add_values(line, numbers), line.push_back(status);
+      ++varied.found, before = std::move(now);
     } catch (const Error& error) {
-      ++failed;
-      fmt::print(stderr, "lockstep: {}: {}\n", setting_text(variables, choice), error.what());
-      continue;
+      ++varied.failed;
+      tell_error(setting + ": " + error.what());
+      line.push_back("failed: " + first_line(error.what()));
     }
-    if (table.n_rows() == 1) rows.begin();
-    rows.take(), file.write();
+    if (header.empty()) continue;
+    for (Cells& each : lines) each.insert(each.end() - 1, header.size() - each.size(), "");
+    file.append(csv_of(lines)), file.write();
+    lines.clear();
   }
-  if (before) file.commit();
+  if (varied.found > 0) file.commit();
   Result result;
-  if (!record.empty() && before) {
-    result = {loaded, varied_fields(), {table.n_rows(), failed}};
+  if (!record.empty() && varied.found > 0) {
+    result = {loaded, varied_fields(), varied};
     result.files = {record};
   }
-  result.code = failed > 0 ? kExitFailure : kExitOk;
+  result.code = varied.failed > 0 ? kExitFailure : kExitOk;
   return result;
 }
 
@@ -229,7 +343,7 @@ Result find_all(const Arguments& args, const Loaded& loaded) {
   AllAtRest found{report.starts, report.failed, {}};
   for (Equilibrium& e : report.all) {
     first.state = std::move(e.state), first.report = std::move(e.report);
-    found.all.push_back(found_of(first));
+    found.all.push_back(found_of(first, found.all.empty()));
     found.all.back().found = e.found;
   }
   return {loaded, all_fields(), found};
@@ -249,12 +363,10 @@ Result find_rest(const Arguments& args) {
   resting.find(args, nullptr, true);
   Result result(loaded, rest_fields(), found_of(resting));
   if (record.empty()) return result;
-  Table table;
-  add_row(table, {}, {}, resting);
-  std::string text;
-  append_csv_header(text, table);
-  append_csv_row(text, table, 0);
-  result.write(record, text);
+  std::vector<Cells> lines(2);
+  const std::vector<PoseNumber> numbers = numbers_of(resting);
+  add_titles(lines[0], numbers), add_values(lines[1], numbers);
+  result.write(record, csv_of(lines));
   return result;
 }
 
@@ -265,16 +377,21 @@ Command statics_command() {
       "statics",
       join({scene_options(),
             {kJson,
-             {"--at", "T", "time of laws and drives, s; default 0"},
+             {"--at", "TIME", "time of laws and drives, s; default 0"},
              {"--nearest", "", "accept the first equilibrium found, stable or not"},
              Option{"--all", "N", "find all equilibria, unstable ones too, from N random starts"}.without("--nearest"),
              Option{"--vary", "NAME=...",
-                    "NAME=a:b:n or NAME=v1,v2,...: follow the equilibrium over a parameter, one CSV row each"}
+                    "NAME=a:b:n or NAME=v1,v2,...: follow the equilibrium over a parameter, one CSV row each; may be "
+                    "repeated"}
                  .repeated(),
-             {"--record", "FILE.csv", "write poses and reactions as CSV"}}}),
+             {"--record", "FILE.csv", "write poses, reactions, loads of forces and recorded quantities as CSV"}}}),
       find_rest,
       "Newton's method reduces the potential energy; if it fails, dynamic relaxation follows. Velocities are zero, "
       "drives hold their coordinates.\n\n"
+      "Each value of --vary begins at the equilibrium of the value before. With several --vary each line of the grid\n"
+      "begins at the start of the scene. A row with the status `another branch` does not lead back to the row before.\n"
+      "Columns of the CSV: `stable` is 1, 0 if neutral, -1 if unstable. `softest` is the square of the lowest natural\n"
+      "frequency. `unbalanced` is the remaining force relative to the largest. `move` is the longest way of a body.\n\n"
       "Example:\n  lockstep statics samples/scenes/double_pendulum.json",
       {&rest_fields().schema(), &all_fields().schema(), &varied_fields().schema()}};
 }

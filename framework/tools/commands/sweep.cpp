@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <filesystem>
 #include <map>
@@ -17,6 +18,7 @@
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
 #include "framework/description/scene/write.h"
+#include "framework/foundation/support/lines.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/commands/run_queue.h"
 #include "framework/tools/commands/sweep_plan.h"
@@ -37,9 +39,9 @@
 namespace lockstep {
 namespace {
 
-constexpr long kMostReasons = 5;  // failures that are printed
-constexpr long kLanes = 8;        // runs per vectorised batch
-constexpr long kFewestLanes = 3;  // fewer runs are faster one by one
+constexpr std::size_t kMostReasons = 5;  // of failures, that are printed
+constexpr long kLanes = 8;               // runs per vectorised batch
+constexpr long kFewestLanes = 3;         // fewer runs are faster one by one
 
 /// A run as a result.
 struct SweepRow {
@@ -85,6 +87,8 @@ struct Tally {
   std::vector<std::string> notes{};  // on the report
   std::map<std::string_view, std::pair<Finding, long>>
       found{};  // by code: the first warning, and how many runs have one
+  std::map<std::string, std::pair<std::string, std::vector<long>>>
+      reasons{};  // without their digits: the first reason, and the runs that failed by it
 };
 
 // Whoever shares out runs has a process for each processor.
@@ -126,11 +130,18 @@ class Sweep {
   }
   /// All rows are complete and have their name.
   void committed() const { mark_.remove(); }
-  /// Of each kind the first warning, and how many runs have one.
-  void tell_warnings() const {
+  /// Of each kind the first warning, and how many runs have one; of each reason of failures the runs.
+  void tell_findings() const {
+    std::size_t n_told = 0;
+    for (const auto& [kind, of] : tally_.reasons) {
+      tell(fmt::format("error: {} failed: {}\n", plan_.runs_text(of.second), of.first));
+      n_told += of.second.size();
+    }
+    if (n_told < static_cast<std::size_t>(tally_.failed - kept_.failed))
+      tell("note: further failures are listed in the table only\n");
     for (const auto& [code, of] : tally_.found)
       if (!plan_.arguments.has("--quiet"))
-        tell(fmt::format("lockstep: warning: {}{}\n", of.first.text(),
+        tell(fmt::format("warning: {}{}\n", of.first.text(),
                          of.second > 1 ? fmt::format(" (in {} runs)", of.second) : ""));
   }
   long n_runs() const { return n_runs_; }
@@ -235,7 +246,7 @@ class Sweep {
       scene = plan_.scene(number);
     } catch (const std::exception& error) {
       SweepRun failed;
-      failed.failed = true, failed.status = what_of(error);
+      failed.failed = true, failed.status = first_line(what_of(error));
       return failed;
     }
     const auto go_on = watch(share, scene.run.until, 1);
@@ -256,7 +267,7 @@ class Sweep {
     if (done.in_lanes) ++tally_.in_lanes;
     if (done.kept) ++tally_.histories;
     ++tally_.done;
-    if (done.run.failed) report(n, done.run.status);
+    if (done.run.failed) add_failure(n, done.run.status);
     if (!done.run.failed && done.run.wrong) ++tally_.wrong;
     std::set<std::string_view> codes;
     for (const Finding& f : done.run.findings)
@@ -295,11 +306,12 @@ class Sweep {
     return true;
   }
 
-  void report(long number, const std::string& reason) {
-    if (++tally_.failed > kMostReasons) return;
-    progress_.finish();
-    tell(fmt::format("lockstep: run {} ({}) failed: {}\n", number, plan_.setting(number), reason));
-    if (tally_.failed == kMostReasons) tell("lockstep: further failures are listed in the table only\n");
+  void add_failure(long number, const std::string& reason) {
+    ++tally_.failed;
+    std::string kind = reason;
+    std::erase_if(kind, [](unsigned char c) { return std::isdigit(c) != 0; });
+    if (tally_.reasons.size() < kMostReasons || tally_.reasons.contains(kind))
+      tally_.reasons.try_emplace(kind, reason, std::vector<long>()).first->second.second.push_back(number);
   }
 
   const SweepPlan& plan_;
@@ -348,15 +360,15 @@ Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
   bool has_name = false, told = false;
   try {
     const Tally tally = sweep.go();
-    sweep.tell_warnings(), told = true;
+    sweep.tell_findings(), told = true;
     if (tally.done < sweep.n_runs()) return tally;
     rows.commit();
     has_name = true;
     sweep.committed();
     return tally;
   } catch (const std::exception&) {
-    if (!told) sweep.tell_warnings();
-    if (!has_name) tell(fmt::format("lockstep: rows saved in {}\n", rows.partial()));
+    if (!told) sweep.tell_findings();
+    if (!has_name) tell(fmt::format("note: rows saved in {}\n", rows.partial()));
     throw;
   }
 }
@@ -401,7 +413,10 @@ Result sweep_scene(const Arguments& args) {
   tally.asked = sweep.n_runs();
   if (plan.shard.count > 1)
     tally.share = fmt::format("{}/{} of {}", plan.shard.index, plan.shard.count, plan.grid.n_runs());
-  if (tally.in_lanes > 0) tally.alone.clear();
+  if (tally.in_lanes > 0)
+    tally.alone.clear();
+  else if (tally.alone.empty() && tally.done - tally.kept >= kFewestLanes)
+    tally.alone = "their ends, outputs or settings differ, or some fail";
   const bool interrupted = tally.done < sweep.n_runs();  // its results replace nothing then
   const std::string table = interrupted && csv != "-" ? rows.partial() : csv;
   if (!report.empty())
@@ -411,7 +426,7 @@ Result sweep_scene(const Arguments& args) {
   result.files = {table};
   if (!report.empty()) result.files.push_back(interrupted ? unfinished_report(report) : report);
   if (interrupted)
-    tell(fmt::format("lockstep: interrupted; the rows of {} of {} runs are in {}{}\n", tally.done, sweep.n_runs(),
+    tell(fmt::format("note: interrupted; the rows of {} of {} runs are in {}{}\n", tally.done, sweep.n_runs(),
                      rows.partial(), rows.in_place() ? "" : "; continue with the same command and --resume"));
   result.code = interrupted        ? kExitInterrupted
                 : tally.failed > 0 ? kExitFailure
@@ -440,7 +455,7 @@ Command sweep_command() {
              {"--jobs", "N",
               "threads, 1 to 1024; default: the available processors, 1 with --shard. Plugins that share data among "
               "runs need --jobs 1"},
-             {"--histories", "DIR", "folder for the columns of each run, <its number>.csv"},
+             {"--histories", "DIR", "folder for the columns of each run, <its number>.csv with leading zeros"},
              kHeaders,
              {"--quiet", "", "print errors only"},
              kJson.without("--quiet"),
@@ -451,9 +466,9 @@ Command sweep_command() {
 run.tolerance. An item of a list has its name, or its number from 0. Units are those of scenes:
 bodies.arm.mass=200g:1kg:5. Several --vary give the full grid. Each run is one row: number, values, final, min and max
 of each recorded column, energy verdict and imbalance, largest violation, steps, CPU seconds, status. A run that fails is
-a row with its reason, and the exit code is 1. The exit code is 9 if the energy error or the constraint violation of a
-run is beyond its limit. In vectorised batches the energy is not checked if a law may move a joint (--lanes off). Ctrl-C
-keeps the rows so far.
+a row with its reason, and the exit code is 1. Equal reasons are printed once, with the range of their values. The exit
+code is 9 if the energy error or the constraint violation of a run is beyond its limit. In vectorised batches the energy
+is not checked if a law may move a joint (--lanes off). Ctrl-C keeps the rows so far.
 
 Example:
   lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --vary gravity.1=-9.81,-1.62 --record moon.csv

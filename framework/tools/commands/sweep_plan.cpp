@@ -5,6 +5,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -82,7 +83,20 @@ Scene SweepPlan::scene(long run) const {
   return s;
 }
 
-std::string SweepPlan::setting(long run) const { return setting_text(variables, grid.at(run)); }
+std::string SweepPlan::runs_text(const std::vector<long>& runs) const {
+  if (runs.size() == 1) return fmt::format("run {} ({})", runs[0], setting_text(variables, grid.at(runs[0])));
+  std::string ranges;
+  for (std::size_t k = 0; k < variables.size(); ++k) {
+    const Variable& v = variables[k];
+    double least = HUGE_VAL, most = -HUGE_VAL;
+    for (const long run : runs)
+      if (const double* x = v.values[grid.at(run)[k]].number()) least = std::min(least, *x), most = std::max(most, *x);
+    if (!(least <= most)) continue;  // words
+    ranges += fmt::format("{}{} = {:.4g}", ranges.empty() ? " (" : ", ", v.path, least) +
+              (least < most ? fmt::format(" ... {:.4g}", most) : "") + (v.unit.empty() ? "" : " " + v.unit);
+  }
+  return fmt::format("{} runs{}", runs.size(), ranges.empty() ? "" : ranges + ")");
+}
 
 SweepPlan make_sweep_plan(const Arguments& args) {
   Loaded loaded = read_with_plugins(args);

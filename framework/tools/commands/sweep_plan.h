@@ -22,8 +22,8 @@ struct SweepPlan {
   bool plain_headers;
 
   Scene scene(long run) const;
-  /// "crank = 0.1, gravity.1 = -9.81".
-  std::string setting(long run) const;
+  /// "run 2 (crank = 0.1 m)", "12 runs (crank = 0.1 ... 0.15 m)".
+  std::string runs_text(const std::vector<long>& runs) const;
 };
 
 /// Throws UsageError if a setting that varies is given by an option, too.

@@ -6,7 +6,6 @@
 
 namespace lockstep {
 
-Command mobility_command();
 Command assemble_command();
 Command statics_command();
 Command kinematics_command();
@@ -22,6 +21,6 @@ Command certify_command();  ///< `run` with --certify
 Command sweep_command();
 Command import_command();
 
-inline constexpr Option kAt{"--at", "T", "time, s, to which the scene is run; default 0, its assembled start"};
+inline constexpr Option kAt{"--at", "TIME", "time, s, to which the scene is run; default 0, its assembled start"};
 
 }  // namespace lockstep

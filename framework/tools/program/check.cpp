@@ -56,7 +56,7 @@ struct OwnedChannel {
   std::string owner;
 };
 
-// Of the object of this name; "": of all.
+// Of the object of this name; "": of all but the markers that joints and forces make, "A.P".
 std::vector<OwnedChannel> channels_of(const System& system, const std::string& of) {
   std::vector<OwnedChannel> all;
   Names owners;
@@ -64,7 +64,7 @@ std::vector<OwnedChannel> channels_of(const System& system, const std::string& o
     if (of != "ground" && c.name.starts_with("ground.")) continue;  // it never moves
     const auto [kind, owner] = owner_of(c.name, system);
     if (!owner.empty() && (owners.empty() || owners.back() != owner)) owners.push_back(owner);
-    if (of.empty() || owner == of)
+    if (of.empty() ? kind != "marker" || owner.find('.') == std::string::npos : owner == of)
       all.push_back({std::move(c), owner.empty() ? "the whole mechanism" : fmt::format("{} '{}'", kind, owner)});
   }
   if (all.empty())
@@ -284,12 +284,16 @@ std::string freedom_words(const MobilityReport& r) {
 std::string redundant_words(const Findings& f) {
   const MobilityReport& r = f.moves.mobility;
   const std::string where = f.moves.plane.empty() ? "" : " in the plane (--full counts in space)";
-  if (r.redundant == 0) return "none" + where;
-  return fmt::format("{}, of joints {}", counted(r.redundant, "constraint"), first_of(r.redundant_links)) + where;
+  std::string words;
+  for (const Dependency& d : r.dependencies)
+    if (d.too_many > 0)
+      words +=
+          fmt::format("{}{} of {}", words.empty() ? "" : "\n" + std::string(22, ' '), d.too_many, by_joint(d.rows));
+  return (words.empty() ? "none" : words) + where;
 }
 
 // The facts that matter before a run.
-std::string brief_text(const System& system, const Findings& f) {
+std::string brief_text(const System& system, const Findings& f, bool in_space) {
   const MobilityReport& r = f.moves.mobility;
   std::string text;
   if (f.error.empty())
@@ -307,18 +311,29 @@ std::string brief_text(const System& system, const Findings& f) {
   line("degrees of freedom", freedom_words(r));
   line("redundant", redundant_words(f));
   line("solved as", f.formulation);
-  return text + "\n  More: --verbose, --channels, --full\n";
+  return text + "\n  More: --verbose, --channels" + (in_space ? "\n" : ", --full\n");
 }
 
 int refused(const Error& error) {
-  fmt::print(stderr, "{} {}\n", error_mark(), error.what());
+  tell_error(error.what());
   return exit_code_of(error);
+}
+
+// Degrees of freedom are counted in space if the scene's plane leaves none.
+Mechanism build_to_count(const Loaded& loaded) {
+  Mechanism m = build_observed(loaded.scene, loaded.registry);
+  if (!m.system.plane() || loaded.scene.root.find("planar") != nullptr) return m;
+  Dynamics dynamics = make_dynamics(m, loaded.registry);
+  State start = m.system.start();
+  dynamics.to_slots(start);
+  const MobilityReport r = mobility(dynamics, start);
+  return r.freedoms + r.driven > 0 ? std::move(m) : build_observed(in_space(loaded.scene), loaded.registry);
 }
 
 // The exit code of a run of it, as far as its start: the findings precede the error of the start.
 Result check_scene(const Arguments& args) {
   const Loaded loaded = load(args);
-  Mechanism m = build_observed(loaded.scene, loaded.registry);
+  Mechanism m = build_to_count(loaded);
   if (args.has("--channels")) return {loaded, channel_fields(), channels_of(m.system, args["--of"])};
   Findings found = found_in(args, loaded, m);
   int code = kExitOk;
@@ -328,7 +343,7 @@ Result check_scene(const Arguments& args) {
       code = refused(error), found.error = error.what();
     }
   Result result(loaded, check_fields(), found);
-  if (!args.has("--verbose")) result.brief = brief_text(m.system, found);
+  if (!args.has("--verbose")) result.brief = brief_text(m.system, found, args.has("--full"));
   result.code = code;
   return result;
 }
@@ -370,16 +385,18 @@ std::pair<std::string, std::string> owner_of(const std::string& channel, const S
 }
 
 Command check_command() {
-  return {"check",
-          join({scene_options(),
-                {kJson,
-                 {"--verbose,-v", "", "print all counts, the start, the coordinates, possible simplifications"},
-                 {"--channels", "", "list every channel of the scene, with unit and meaning"},
-                 Option{"--of", "NAME", "only channels of this body, marker, joint or force"}.along("--channels"),
-                 Option{"more", "SCENE", "further scenes"}.repeated()}}),
-          check,
-          "Example:\n  lockstep check samples/scenes/four_bar.json --json",
-          {&check_fields().schema(), &channel_fields().schema()}};
+  return {
+      "check",
+      join({scene_options(),
+            {kJson,
+             {"--verbose,-v", "", "print all counts, the start, the coordinates, possible simplifications"},
+             {"--channels", "", "list the channels of the scene, with unit and meaning"},
+             Option{"--of", "NAME", "only channels of this body, marker (also those of a joint: A.P), joint or force"}
+                 .along("--channels"),
+             Option{"more", "SCENE", "further scenes"}.repeated()}}),
+      check,
+      "Example:\n  lockstep check samples/scenes/four_bar.json --json",
+      {&check_fields().schema(), &channel_fields().schema()}};
 }
 
 }  // namespace lockstep

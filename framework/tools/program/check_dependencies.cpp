@@ -4,6 +4,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "framework/tools/program/findings.h"
+
 namespace lockstep {
 namespace {
 
@@ -13,22 +15,23 @@ std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
     return fmt::format("not decided: {}, so solvers may differ; correct the geometry, or remove one", d.undecided);
   if (choice == NearlyRedundant::told || !d.decided)
     return "solvers may differ; choose \"nearly_redundant\": \"held\" or \"free\" (--nearly-redundant)";
-  const char* const are = d.left_out.size() == 1 ? "is" : "are";
+  const std::string left_out =
+      d.left_out.empty() ? "" : fmt::format(". Left out, because others imply them: {}", by_joint(d.left_out));
   if (choice != NearlyRedundant::free)
-    return (d.left_out.empty() ? "kept"
-                               : fmt::format("kept, and {} {} dropped as redundant", first_of(d.left_out), are)) +
-           (choice == NearlyRedundant::held ? "" : "; to drop: \"nearly_redundant\": \"free\" (--nearly-redundant)");
-  return fmt::format("{} {} dropped, and violated by about {:.1g} m in motion; to keep: \"nearly_redundant\": \"held\"",
-                     first_of(d.left_out), are, d.violation);
+    return "it holds, so the mechanism may be locked" + left_out +
+           (choice == NearlyRedundant::held ? "" : ". To release it: --nearly-redundant free");
+  return fmt::format(
+      "it is released{}. Violation after a motion of 0.3 rad: {:.1g} m. To hold it: --nearly-redundant held", left_out,
+      d.violation);
 }
 
 }  // namespace
 
 Finding finding_of(const NearDependency& d, NearlyRedundant choice) {
-  Finding f{&finding::nearly_redundant, first_of(d.rows)};
-  f.message =
-      fmt::format("{}: {} nearly redundant (singular value {:.2g}): ", first_of(d.rows), d.nearly, d.singular_value) +
-      decided_words(d, choice);
+  Finding f{&finding::nearly_redundant, by_joint(d.rows)};
+  f.message = fmt::format("{} of the constraints {} is redundant but for a relative singular value of {:.2g}; ",
+                          d.nearly, by_joint(d.rows), d.singular_value) +
+              decided_words(d, choice);
   f.value = d.singular_value;
   return f;
 }
@@ -60,6 +63,13 @@ const Fields<DecidedNear>& near_fields() {
                                     {"violation", "m", "", [](const Near& n) { return n.first.violation; }},
                                     {"left_out", "", "", [](const Near& n) { return n.first.left_out; }}};
   return kFields;
+}
+
+void note_not_unique(const UniquenessReport& reactions) {
+  if (reactions.all_unique()) return;
+  const std::string names = by_joint(reactions.rows);
+  CommandFindings::add({&finding::reactions_not_unique, names,
+                        "reactions are not unique, because constraints are redundant or left out: " + names});
 }
 
 std::vector<std::string> columns_not_unique(const RunSettings& run, const UniquenessReport& reactions) {

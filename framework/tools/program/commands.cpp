@@ -3,6 +3,7 @@
 #include "framework/tools/program/commands.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/logger.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -15,6 +16,7 @@
 #include <new>
 
 #include <lockstep/error.h>
+#include <lockstep/log.h>
 #include <lockstep/text.h>
 #include <lockstep/version.h>
 #include "framework/foundation/support/thrown.h"
@@ -47,22 +49,36 @@ std::string command_words(int argc, const char* const* argv, const Arguments& ar
   return line;
 }
 
+// The help of an option without the notation of the parser: "--set NAME=VALUE ...".
+class HelpFormat final : public CLI::Formatter {
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    return CLI::detail::find_and_replace(Formatter::make_help(app, std::move(name), mode), "\n\n\n", "\n\n");
+  }
+  std::string make_option_opts(const CLI::Option* o) const override {
+    const bool many = o->get_expected_max() == CLI::detail::expected_max_vector_size;
+    return (o->get_type_name().empty() ? "" : " " + o->get_type_name()) + (many ? " ..." : "") +
+           (o->get_required() && o->nonpositional() ? " (required)" : "");
+  }
+};
+
 void add_option(CLI::App& app, const Option& o, std::map<std::string, CLI::Option*, std::less<>>& known) {
-  const std::string name(o.name), help(o.help);
+  const std::string name(o.name);
   const bool names = o.type == "A,B";
   CLI::Option* option = nullptr;
   if (o.flag()) {
-    option = app.add_flag(name, help)->check(CLI::TypeValidator<bool>("BOOL"));
+    option = app.add_flag(name)->check(CLI::TypeValidator<bool>(""));
   } else {
-    option = app.add_option(name, help)->type_name(std::string(o.type))->expected(1);
+    option = app.add_option(name)->type_name(std::string(o.type))->expected(1);
     if (o.repeats || names)
       option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args(o.positional());
     if (names) option->delimiter(',');
-    if (!o.choices.empty()) option->check(CLI::IsMember(words_of(o.choices)));
+    if (!o.choices.empty()) option->check(CLI::IsMember(words_of(o.choices)).description(""));
   }
-  option->required(o.required);
-  for (const std::string& other : words_of(o.excludes))
-    if (known.contains(other)) option->excludes(known.at(other));
+  option->required(o.required)->group(std::string(o.group));
+  std::vector<std::string> excluded = words_of(o.excludes);
+  std::erase_if(excluded, [&](const std::string& other) { return !known.contains(other); });
+  for (const std::string& other : excluded) option->excludes(known.at(other));
+  option->description(o.words() + (excluded.empty() ? "" : " (not with " + text::join(excluded, " or ") + ")"));
   if (!o.needs.empty()) option->needs(known.find(o.needs)->second);
   known.emplace(o.key(), option);
 }
@@ -130,7 +146,7 @@ int print_usage_error(const CLI::App& app, const CLI::ParseError& error) {
 
 // Without a further request for memory.
 int out_of_memory() {
-  tell("lockstep: out of memory; record less (output, record), or run fewer instances at once\n");
+  tell("error: out of memory; record less (output, record), or run fewer instances at once\n");
   return kExitMemory;
 }
 
@@ -156,12 +172,12 @@ int guarded(const std::function<int()>& command) {
     return command();
   } catch (const Error& error) {
     tell(text_of(CommandFindings::added()));
-    tell(fmt::format("{} {}\n", error_mark(), error.what()));
+    tell_error(error.what());
     return exit_code_of(error);
   } catch (const std::bad_alloc&) {
     return out_of_memory();
   } catch (...) {
-    tell(fmt::format("lockstep: {}\n", thrown_words(std::current_exception())));
+    tell_error(thrown_words(std::current_exception()));
     return kExitFailure;
   }
 }
@@ -179,12 +195,17 @@ int run_words(const Program& program, int argc, const char* const* argv) {
   if (argc == 3 && std::string_view(argv[1]) == "plugin-answer")
     return guarded([&] { return answer_for_plugin(argv[2]); });
   CLI::App app("lockstep: simulates mechanisms of rigid bodies with the lock formulation", "lockstep");
+  app.formatter(std::make_shared<HelpFormat>());
+  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   app.set_version_flag("--version", fmt::format("lockstep {}{}{}{}", kVersion, commit_of_build().empty() ? "" : " (",
                                                 commit_of_build(), commit_of_build().empty() ? "" : ")"));
   app.require_subcommand(1);
-  app.footer(
-      std::string("Example:\n  lockstep run samples/scenes/four_bar.json\nOptions: lockstep COMMAND --help\n\n") +
-      "Exit codes:\n" + kExitCodes);
+  std::string first = "Example:\n  lockstep run samples/scenes/four_bar.json\nOptions: lockstep COMMAND --help\n";
+  if (const std::string scenes = shared_folder("lockstep/scenes"); !scenes.empty())
+    first += "samples/scenes: " + scenes + "\n";
+  if (const std::string pages = shared_folder("doc/lockstep/framework/docs"); !pages.empty())
+    first += "Pages: " + pages + ", first_steps.md first\n";
+  app.footer(first + "\nExit codes:\n" + kExitCodes);
   std::vector<std::pair<const CLI::App*, const Command*>> commands;
   for (const Verb& verb : verbs()) {
     const auto own = std::ranges::find(program.commands, verb.name, &Command::name);
@@ -216,7 +237,7 @@ int run_words(const Program& program, int argc, const char* const* argv) {
 // The exit code of what was printed, which may be waiting in memory still.
 int printed(int code) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  tell("lockstep: standard output cannot be written; the printed text is incomplete\n");
+  tell("error: standard output cannot be written; the printed text is incomplete\n");
   return code == kExitOk || code == kExitFailure ? kExitFile : code;  // a failed write may have ended the command
 }
 
@@ -270,10 +291,17 @@ Arguments read_run_words(const std::vector<std::string>& words) {
 
 int run_program(std::vector<Command> (*commands)(), bool calls_tools, int argc, const char* const* argv) {
   usual_end = std::set_terminate(end_without_memory);
+  logger()->set_pattern("%l: %v");
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit (ulimit -f) is a write that fails
   try {
     const std::vector<Command> made = commands();
-    return printed(run_words({made, calls_tools}, argc, argv));
+    std::vector<const char*> words(argv, argv + argc);
+    if (argc > 1 && std::string_view(argv[1]) == "mobility") {
+      tell(
+          "warning: `lockstep mobility` is now `lockstep check --verbose`; the next release reads only the new name\n");
+      words[1] = "check", words.push_back("--verbose");
+    }
+    return printed(run_words({made, calls_tools}, static_cast<int>(words.size()), words.data()));
   } catch (const std::bad_alloc&) {
     return out_of_memory();
   }

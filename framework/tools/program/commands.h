@@ -105,6 +105,8 @@ int exit_code_of(const Error&);
 
 /// A hidden command: answers `plugins list` about one file, whose code may end this process.
 int answer_for_plugin(const char* file);
+/// The advice to load the installed plugin that brings this type; "" if none does.
+std::string plugin_advice(const std::string& type);
 
 struct Command;
 

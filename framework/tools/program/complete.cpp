@@ -144,7 +144,7 @@ Completion of_value(const Line& line, const Option& option, SceneAtHand& scene) 
   if (line.command->name == "check" && name == "--of") return {scene.things()};
   if (name == "--inputs" || name == "--outputs") return {scene.channels()};
   if (Words all = names_on(make_registry(line.plugins), name); !all.empty()) return {std::move(all)};
-  return {{}, option.type.find("FILE") != option.type.npos || option.type == "DIR" || option.type == "P"};
+  return {{}, option.type.find("FILE") != option.type.npos || option.type == "DIR" || option.is("--plugin")};
 }
 
 Completion of_positional(const Line& line, SceneAtHand& scene) {

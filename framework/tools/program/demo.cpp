@@ -15,36 +15,32 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// An existing scene, with the changes made to it, stays.
-std::string scene_in(const fs::path& folder) {
-  make_folder(folder.string(), "go to another folder, or name one (--into)");
-  const std::string file = (folder / "four_bar.json").string();
-  std::error_code error;
-  if (!fs::exists(file, error))
-    Result().write(file, demo_scene());
-  else if (contents_of(file) != demo_scene())
-    fmt::print("{} exists and is shown unchanged\n", file);
-  return file;
-}
-
 Result show_demo(const Arguments& args) {
   const fs::path folder = args["--into"].empty() ? (fs::path(output_folder()) / "lockstep_demo").lexically_normal()
                                                  : fs::path(args["--into"]);
+  make_folder(folder.string(), "go to another folder, or name one (--into)");
+  const std::string scene = (folder / "four_bar.json").string();
+  std::error_code error;
+  Result written;
+  if (!fs::exists(scene, error))
+    written.write(scene, demo_scene());
+  else if (contents_of(scene) != demo_scene())  // it stays, with the changes made to it
+    fmt::print("{} exists and is shown unchanged\n", scene);
   Arguments run = args;
-  const std::string scene = scene_in(folder);
   run.set("scene", scene);
   run.set("--record", (folder / "four_bar.csv").string());
   run.set("--report", (folder / "four_bar.html").string());
   if (!args.has("--no-open")) run.set("--open", "");
-  if (contents_of(scene) == demo_scene()) run.set("--until", "2.5");  // some revolutions
-  const Result result = run_scene(run);
+  Result result = run_scene(run);
+  result.files.insert(result.files.begin(), written.files.begin(), written.files.end());
+  print(result, args);
   fmt::print(
       "\nNext:\n"
-      "  lockstep report {0} --set crank=\"80 mm\" --open     change the crank\n"
-      "  lockstep check {0}                              bodies, joints, degrees of freedom\n"
-      "  lockstep describe scene                         keys of a scene\n",
-      scene);
-  return result;
+      "  change the crank   lockstep report {0} --set crank=\"80 mm\" --open\n"
+      "  check the scene    lockstep check {0}\n"
+      "  list its keys      lockstep describe scene\n",
+      in_quotes(scene));
+  return result.code;
 }
 
 }  // namespace

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/program/files.h"
 
+#include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <boost/dll/runtime_symbol_info.hpp>
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
@@ -50,6 +52,26 @@ std::string standard_input() {
     text.append(part, n);
   }
   return text;
+}
+
+std::string shared_folder(const std::string& name) {
+  std::error_code error;
+  const fs::path own = boost::dll::program_location(error).parent_path();
+  for (const char* prefix : {"../share", "../../share"})  // of lockstep, and of a program that it calls
+    if (const fs::path folder = own / prefix / name; fs::is_directory(folder, error))
+      return folder.lexically_normal().string();
+  return {};
+}
+
+std::string scene_or_sample(const std::string& named) {
+  constexpr std::string_view kSamples = "samples/scenes/";
+  std::error_code error;
+  const std::string folder = shared_folder("lockstep/scenes");
+  if (folder.empty() || fs::exists(named, error) || error) return named;
+  if (named.starts_with(kSamples))
+    if (const fs::path sample = fs::path(folder) / named.substr(kSamples.size()); fs::exists(sample, error))
+      return sample.string();
+  throw FileError("there is no scene '" + named + "'; check the path, samples are in " + folder);
 }
 
 std::string stem_of(const std::string& scene) { return scene == "-" ? "stdin" : fs::path(scene).stem().string(); }
@@ -223,18 +245,23 @@ std::string report_path(const std::string& report, const std::string& csv, const
   return file.string();
 }
 
-// xdg-open may stay until the browser is closed: it is waited for as long as it takes to fail.
+// xdg-open may stay until the browser is closed: it is waited for as long as it takes to fail. Its messages are dropped.
 std::string open_in_browser(const std::string& file) {
   std::string program = "xdg-open", path = fs::absolute(file).string();
   char* const words[] = {program.data(), path.data(), nullptr};
   pid_t child = 0;
-  const int failed = posix_spawnp(&child, program.c_str(), nullptr, nullptr, words, environ);
-  if (failed == ENOENT) return "xdg-open is not installed (apt install xdg-utils); open the file with a browser";
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  for (const int stream : {1, 2}) posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_WRONLY, 0);
+  const int failed = posix_spawnp(&child, program.c_str(), &actions, nullptr, words, environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed == ENOENT) return "xdg-open is not installed (apt install xdg-utils); open " + file + " with a browser";
   if (failed != 0) return std::string("xdg-open cannot be started: ") + std::strerror(failed);
   for (int tenths = 0; tenths < 15; ++tenths) {
     int status = 0;
     if (waitpid(child, &status, WNOHANG) == child)
-      return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? "" : "xdg-open found no browser; open the file with one";
+      return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? ""
+                                                           : "xdg-open found no browser; open " + file + " with one";
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   return "";

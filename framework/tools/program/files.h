@@ -21,6 +21,13 @@ std::string in_quotes(const std::string& word);
 /// LOCKSTEP_OUTPUT, or "." if it is not set: the folder of results without a name.
 std::string output_folder();
 
+/// A folder below share/ of the installation that this program belongs to, such as "lockstep/scenes"; "" if there is
+/// none.
+std::string shared_folder(const std::string& name);
+/// The file of a scene. "samples/scenes/x.json" is that of the installation if there is no such file. Throws FileError,
+/// which names the folder of the samples, for a scene that does not exist in an installation.
+std::string scene_or_sample(const std::string& named);
+
 /// The name of a scene's file without folder and ending; "stdin" for standard input.
 std::string stem_of(const std::string& scene);
 

@@ -28,7 +28,12 @@ std::vector<Finding> CommandFindings::all() {
   return under_way != nullptr ? under_way->scope_.found : std::vector<Finding>();
 }
 std::vector<Finding> CommandFindings::added() {
-  return under_way != nullptr ? under_way->added_ : std::vector<Finding>();
+  if (under_way == nullptr) return {};
+  std::vector<Finding> unlogged = under_way->added_;
+  for (const Finding& f : under_way->scope_.found)
+    if (f.severity() == Severity::note && std::ranges::find(unlogged, f.text(), &Finding::text) == unlogged.end())
+      unlogged.push_back(f);
+  return unlogged;
 }
 
 const Fields<Finding>& finding_fields() {
@@ -68,12 +73,13 @@ std::string findings_page() {
        "The result may be wrong: with `--strict` the program ends with exit code 11. `not-certified` and `start-far` "
        "give that code without `--strict`."},
       {Severity::warning,
-       "Probably not intended. The exit code does not change, except that of `assemble`: 11 if the start differs from "
-       "the given one."},
+       "Probably not intended. The exit code does not change, except that of `assemble`: 11 for a warning about the "
+       "start."},
       {Severity::note, "Information."}};
   std::string page =
-      "# Findings\n\nThis page lists everything that lockstep reports of a model, a run or an analysis and that is no "
-      "error. It is for users\nwho look up a code, and for authors of host programs.\n\nA code never changes. "
+      "# Findings\n\nThis page lists the findings: everything that lockstep reports about a model, a run or an "
+      "analysis, except errors.\nErrors have no code; see [Find and fix modelling errors](find_errors.md). The page is "
+      "for users who look up a code,\nand for authors of host programs.\n\nA code never changes. "
       "`lockstep describe CODE` prints its entry, `--json` lists the findings of a run under `findings`,\nand hosts "
       "read `SimulationReport::findings`, `RunVerdict::findings` and `FindingScope` (`<lockstep/finding.h>`).\n"
       "The page is written by `lockstep reference findings`.\n";

@@ -13,8 +13,8 @@ namespace lockstep {
 /// A finding as a result; fields that do not apply are absent.
 const Fields<Finding>& finding_fields();
 
-/// The findings of the present command: those that are reported as long as it exists, and those that are added, which
-/// are not logged.
+/// The findings of the present command: those that are reported as long as it exists, and those that are added. Added
+/// ones and notes are not logged.
 class CommandFindings {
  public:
   CommandFindings();
@@ -22,7 +22,7 @@ class CommandFindings {
   static void add(Finding);
   static void add(const std::vector<Finding>&);
   static std::vector<Finding> all();    ///< none outside of a command
-  static std::vector<Finding> added();  ///< those of them that were added
+  static std::vector<Finding> added();  ///< those of them that were not logged, each once
 
  private:
   FindingScope scope_{true};

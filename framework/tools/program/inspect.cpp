@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <map>
 
+#include <lockstep/recorder.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/write.h"
+#include "framework/foundation/support/lines.h"
 #include "framework/tools/program/describe_scene.h"
 #include "framework/tools/program/findings.h"
+#include "framework/tools/program/manual.h"
 #include "framework/tools/program/options.h"
 
 namespace lockstep {
@@ -72,7 +75,7 @@ const Fields<const FindingKind*>& kind_fields() {
 
 using Kinds = std::vector<const FindingKind*>;
 const Fields<Kinds>& kinds_fields() {
-  static const Fields<Kinds> kFields{Field<Kinds>("findings", "findings", std::identity(), kind_fields()).whole()};
+  static const Fields<Kinds> kFields{Field<Kinds>("codes", "findings", std::identity(), kind_fields()).whole()};
   return kFields;
 }
 
@@ -137,14 +140,38 @@ Result describe_in_scene(const Arguments& args) {
 /// The meaning of a name.
 struct Described {
   std::vector<Description> types;
-  std::string word;  ///< a word of scenes, "orientation"; "" for none
+  std::string word;  ///< a word of scenes, "orientation", or an exit code; "" for none
   Kinds findings;
 };
 const Fields<Described>& described_fields() {
   static const Fields<Described> kFields{{"types", "type", &Described::types, description_fields()},
                                          {"help", "", "", &Described::word},
-                                         {"findings", "finding", &Described::findings, kind_fields()}};
+                                         {"codes", "finding", &Described::findings, kind_fields()}};
   return kFields;
+}
+
+std::string exit_code_words(const std::string& code) {
+  for (const std::string& line : lines_of(kExitCodes))
+    if (const std::string_view words = text::trimmed(line); words.starts_with(code + " "))
+      return fmt::format("exit code {}\n", words);
+  return "";
+}
+
+// The channels of a force, by its example.
+std::string channel_lines(const Description& d, const Registry& registry) try {
+  const std::string force = d.shelf == "forces" ? example_of(d) : "";
+  if (force.empty()) return "";
+  const Scene scene = scene_from_text(
+      R"({"lockstep": 1, "bodies": [{"name": "arm", "sphere": {"mass": 1, "radius": 0.1}}], "joints": [{"name": "A",
+          "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0]}], "forces": [)" +
+          force + "]}",
+      "example of " + d.info.name);
+  std::string lines = "channels:\n";
+  for (const ChannelHelp& c : channel_help(build_mechanism(scene, registry).system))
+    if (c.name.starts_with("F.")) lines += fmt::format("  {:20}  {:6}  {}\n", c.name, c.unit, c.help);
+  return lines;
+} catch (const Error&) {  // a plugin may need more than its example has
+  return "";
 }
 
 Result describe_name(const Arguments& args) {
@@ -154,7 +181,10 @@ Result describe_name(const Arguments& args) {
   Described found{find_descriptions(registry, args["name"]), describe_word(registry, args["name"]), {}};
   std::ranges::copy_if(finding_kinds(), std::back_inserter(found.findings),
                        [&](const FindingKind* kind) { return kind->code == args["name"]; });
+  found.word += exit_code_words(args["name"]);
   if (found.types.empty() && found.word.empty() && found.findings.empty()) {
+    if (const std::string advice = plugin_advice(args["name"]); !advice.empty())
+      throw UsageError("describe: unknown name \"" + args["name"] + "\"" + advice);
     std::vector<std::string> known = known_words(registry);
     for (const FindingKind* kind : finding_kinds()) known.emplace_back(kind->code);
     throw UsageError("describe: unknown name \"" + args["name"] + "\"" + text::suggestion(args["name"], known));
@@ -164,7 +194,7 @@ Result describe_name(const Arguments& args) {
   result.printed = true;
   for (const FindingKind* kind : found.findings) fmt::print("{}", text_of(*kind));
   for (const Description& d : found.types) {
-    fmt::print("{}", describe(d));
+    fmt::print("{}{}", describe(d), channel_lines(d, registry));
     if (is_default(d)) fmt::print("the default of a run\n");
   }
   fmt::print("{}{}", found.types.empty() || found.word.empty() ? "" : "\n", found.word);
@@ -195,16 +225,18 @@ Command list_command() {
           {&shelf_fields().schema(), &kinds_fields().schema()}};
 }
 Command describe_command() {
-  return {"describe",
-          {{"name", "NAME",
-            "a name of `lockstep list`; an object of scenes: body, marker, link, force, event, run, ...; a key; or "
-            "orientation, axis, law, formula, unit, channel, ...; with --scene a parameter or point"},
-           {"--scene", "FILE.json", "describe a parameter or point of this scene, or all of them: value, place, uses"},
-           kPlugin,
-           kJson},
-          describe_name,
-          "Example:\n  lockstep describe revolute\n  lockstep describe crank --scene samples/scenes/four_bar.json",
-          {&described_fields().schema(), &parameter_fields().schema()}};
+  return {
+      "describe",
+      {{"name", "NAME",
+        "a name of `lockstep list`; an object of scenes: body, marker, link, force, event, run, ...; a key; or "
+        "orientation, axis, law, formula, unit, channel, ...; a code of `lockstep list findings`; an exit code; with "
+        "--scene a parameter or point"},
+       {"--scene", "FILE.json", "describe a parameter or point of this scene, or all of them: value, place, uses"},
+       kPlugin,
+       kJson},
+      describe_name,
+      "Example:\n  lockstep describe revolute\n  lockstep describe crank --scene samples/scenes/four_bar.json",
+      {&described_fields().schema(), &parameter_fields().schema()}};
 }
 Command schema_command() {
   return {"schema",

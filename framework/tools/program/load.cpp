@@ -125,7 +125,7 @@ Registry make_registry(const std::vector<std::string>& plugins, const std::vecto
 Loaded read_with_plugins(const Arguments& args) {
   refuse_picture(args["--record"]);
   const bool piped = args["scene"] == "-";
-  const std::string file = piped ? "standard input" : args["scene"];
+  const std::string file = piped ? "standard input" : scene_or_sample(args["scene"]);
   IncludeRule rule;
   if (!args.has("--allow-files"))
     rule = [&](const Value& named, const std::string& path) { check_file(file, named, path, *named.text()); };

@@ -5,7 +5,6 @@
 
 #include <sstream>
 
-#include <lockstep/text.h>
 #include <lockstep/version.h>
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/tools.h"
@@ -47,10 +46,7 @@ void write_command(std::ostringstream& out, const Command& command) {
   for (const Option& o : command.options)
     if (o.positional()) out << (o.required ? " " : " [") << escaped(o.type) << (o.required ? "" : "]");
   out << "\"\n" << escaped(verb_of(command.name)->help) << ".\n";
-  for (const Option& o : command.options) {
-    const std::string choices = o.choices.empty() ? "" : " (" + text::join(words_of(o.choices)) + ")";
-    out << ".TP\n" << form_of(o) << "\n" << escaped(std::string(o.help) + choices) << "\n";
-  }
+  for (const Option& o : command.options) out << ".TP\n" << form_of(o) << "\n" << escaped(o.words()) << "\n";
   if (!command.footer.empty()) out << ".PP\n" << verbatim(command.footer);
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/program/mobility_findings.h"
-#include "framework/foundation/support/finding_kinds.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -12,6 +11,9 @@
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/findings.h"
+#include "framework/tools/program/run_warnings.h"
+#include "framework/tools/rank/cause.h"
+#include "framework/tools/rank/doubts.h"
 #include "framework/tools/rank/motion_words.h"
 #include "framework/tools/rank/unknowns.h"
 
@@ -20,6 +22,14 @@ namespace {
 
 constexpr int kMostMotions = 12;        // reported in words
 constexpr double kNearPosition = 1e-2;  // singular value of rows of length 1
+
+void evaluate_first(Dynamics& dynamics, const State& start) {
+  try {
+    dynamics.evaluate(start);
+  } catch (const Error& error) {
+    rethrow_with(cause_of_stop(dynamics, start, 0), error);
+  }
+}
 
 State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, MobilityFindings& found) {
   NearRows& near = found.near;
@@ -31,8 +41,10 @@ State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, Mobili
       check_start(dynamics, start, StepLoopOptions().start_limit);
     refuse_locked(dynamics, start);
     refuse_driven_lock(dynamics, start);
+    refuse_short_laws(m, dynamics, start);
     StepLoop run(dynamics, make_integrator(m.run, *m.methods), loop_options(m.run));
     run.set_state(start), run.run_until(start.t);  // as a run begins
+    evaluate_first(dynamics, run.state());
   } catch (const Error&) {
     found.refused = std::current_exception();
     if (dynamics.violation(start) > StepLoopOptions().start_limit) start = typed;
@@ -47,6 +59,8 @@ std::string plane_text(const Json& normal) {
   if (normal.get_ref<const std::string&>().empty()) return "";
   return "normal " + normal.get<std::string>() + "; out-of-plane constraints are not counted (--full counts them)";
 }
+
+std::string grouped_text(const Json& constraints) { return by_joint(constraints.get<std::vector<std::string>>()); }
 
 std::string unique_text(const Json& all) { return all.get<bool>() ? "all are unique" : ""; }
 
@@ -67,9 +81,7 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   if (r.redundant > 0 || !found.near.all.empty()) found.reactions = uniqueness(dynamics, counted);
   for (const NearDependency& d : found.near.all) CommandFindings::add(finding_of(d, m.run.nearly_redundant));
   found.columns_not_unique = columns_not_unique(m.run, found.reactions);
-  if (!found.reactions.all_unique())
-    CommandFindings::add({&finding::reactions_not_unique, first_of(found.reactions.rows),
-                          "reactions are not unique, because constraints are redundant"});
+  note_not_unique(found.reactions);
   found.position = branch_point(dynamics, counted);
   State at = counted;
   dynamics.to_slots(at);
@@ -83,7 +95,7 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
 
 const Fields<MobilityFindings>& mobility_fields() {
   using Found = MobilityFindings;
-  static const Fields<Dependency> kDependency{{"rows", "", "constraints", &Dependency::rows},
+  static const Fields<Dependency> kDependency{{"rows", "", "constraints", &Dependency::rows, grouped_text},
                                               {"too_many", "", "redundant", &Dependency::too_many},
                                               {"nearly", "", "nearly redundant", &Dependency::nearly},
                                               {"pivot", "", "", &Dependency::pivot}};
@@ -115,7 +127,8 @@ const Fields<MobilityFindings>& mobility_fields() {
                  {"singular_position", "singular configuration", position, kPosition, position_text},
                  {"nearly_redundant", "", near, near_fields()},
                  {"reactions_unique", "", "reactions", all_unique, unique_text},
-                 {"rows_not_unique", "", "reactions not unique", [](const Found& f) { return f.reactions.rows; }},
+                 {"rows_not_unique", "", "reactions not unique", [](const Found& f) { return f.reactions.rows; },
+                  grouped_text},
                  {"columns_not_unique", "", "  recorded", &Found::columns_not_unique}});
   return kFields;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include <lockstep/text.h>
 #include "framework/foundation/support/lines.h"
 #include "framework/tools/program/tools.h"
 
@@ -29,69 +30,89 @@ std::vector<std::string> words_of(std::string_view choices) {
   return all;
 }
 
+Options grouped(std::string_view heading, Options options) {
+  for (Option& o : options) o.group = heading;
+  return options;
+}
+
+std::string Option::words() const {
+  std::string all(help);
+  if (!choices.empty()) all += " (" + text::join(words_of(choices), " or ") + ")";
+  return needs.empty() ? all : all + " (with " + std::string(needs) + ")";
+}
+
 const Options& scene_options() {
-  static const Options kOptions{
-      Option{"scene", "SCENE", "the scene file (JSON); -: standard input"}.needed(),
-      kPlugin,
-      Option{"--planar", "AXIS", "normal of planar motion; auto: if planar motion is exact"}.among("off,auto,x,y,z"),
-      Option{"--set", "NAME=VALUE",
-             "another value of a parameter (crank=\"120 mm\") or of a path, as in `lockstep sweep --help`; repeatable"}
-          .repeated(),
-      {"--allow-files", "", "let the scene read files outside its folder"},
-      Option{"--nearly-redundant", "WORD",
-             "nearly dependent constraints (relative singular value below 1e-3): held: keep; free: drop; told: report "
-             "only; auto: keep if possible"}
-          .among("auto,told,free,held"),
-      {"--full", "", "no simplifications: motion in space, no merged bodies, absolute coordinates"}};
+  static const Options kOptions = grouped(
+      "Scene",
+      {Option{"scene", "SCENE", "scene file (JSON); -: standard input"}.needed(),
+       Option{"--set", "NAME=VALUE",
+              "another value of a parameter (crank=\"120 mm\") or of a path (bodies.arm.mass=2); may be repeated"}
+           .repeated(),
+       kPlugin,
+       {"--allow-files", "", "let the scene read files outside its folder"},
+       Option{"--planar", "AXIS", "normal of planar motion; auto: if planar motion is exact"}.among("off,auto,x,y,z"),
+       {"--full", "", "no simplifications: motion in space, no merged bodies, absolute coordinates"},
+       Option{"--nearly-redundant", "CHOICE",
+              "nearly dependent constraints (relative singular value below 1e-3): held: keep; free: drop; told: report "
+              "only; auto: keep if possible"}
+           .among("auto,told,free,held")});
   return kOptions;
 }
 
 const Options& settings_options() {
   static const Options kOptions = join(
       {scene_options(),
-       {{"--integrator", "N", "see `lockstep list integrators`; with keys: dopri5:fixed=true"},
-        {"--step", "H", "fixed step, or the largest step of an adaptive integrator, s"},
-        Option{"--tolerance", "T", "relative tolerance of adaptive integrators"}.without("--step"),
-        {"--until", "T", "end of the run, s"},
-        Option{"--formulation", "F",
-               "coordinates: joint (relative), omega (6 velocities per body), quaternion (7 per body); auto: joint if "
-               "possible, else omega"}
-            .among(kFormulations),
-        Option{"--stabilization", "S", "constraint stabilisation"}.among(kStabilizations),
-        {"--solver", "N", "see `lockstep list solvers`"}}});
+       grouped("Method",
+               {{"--until", "TIME", "end of the run, in s or with a unit (\"50 ms\")"},
+                {"--integrator", "NAME", "see `lockstep list integrators`; with keys: dopri5:fixed=true"},
+                {"--step", "TIME", "fixed step, or the largest step of an adaptive integrator, in s or with a unit"},
+                Option{"--tolerance", "NUMBER", "relative tolerance of adaptive integrators"}.without("--step"),
+                Option{"--formulation", "NAME",
+                       "coordinates: joint (relative), omega (6 velocities per body), quaternion (7 per body); auto: "
+                       "joint if possible, else omega"}
+                    .among(kFormulations),
+                {"--solver", "NAME", "see `lockstep list solvers`"},
+                Option{"--stabilization", "NAME", "constraint stabilisation"}.among(kStabilizations)})});
   return kOptions;
 }
 
 Options run_outputs() {
-  return {
-      {"--record", "FILE.csv",
-       "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, messages to standard error"},
-      {"--strict", "",
-       "exit code 11 for a doubtful result: singular configuration passed, tolerance not reached, uncertain reactions"},
-      kHeaders,
-      {"--at-jumps", "", "also write rows just before and after events, impacts and jumps of laws"},
-      Option{"--picture", "X:Y", "one more picture: column Y against column X (the path of a point); may be repeated"}
-          .repeated(),
-      Option{"--no-picture", "", "draw no picture"}.without("--picture"),
-      {"--summary", "", "print the extremes of all recorded columns"},
-      Option{"--verbose,-v", "", "print assembly, method, steps, energy by source, violation"}.without("--summary"),
-      {"--quiet", "", "print errors only; the energy balance is not computed"},
-      kJson.without("--quiet,--certify")};
+  return grouped(
+      "Results",
+      {{"--record", "FILE.csv",
+        "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, messages to standard "
+        "error"},
+       {"--summary", "", "print the extremes of all recorded columns, with their times"},
+       {"--verbose,-v", "", "also print assembly, method and energy by source"},
+       {"--quiet", "", "print errors only"},
+       kJson.without("--quiet,--certify"),
+       {"--strict", "",
+        "exit code 11 for a doubtful result: singular configuration passed, tolerance not reached, uncertain "
+        "reactions"},
+       Option{"--picture", "X:Y", "one more picture: column Y against column X (the path of a point); may be repeated"}
+           .repeated(),
+       Option{"--no-picture", "", "draw no picture"}.without("--picture"),
+       kHeaders,
+       {"--at-jumps", "", "also write rows just before and after events, impacts and jumps of laws"}});
 }
 
 const Options& run_options() {
   static const Options kOptions = join(
       {settings_options(),
-       {{"--report", "FILE.html", "one HTML file with the moving mechanism and its plots"},
-        {"--certify", "",
-         "repeat with a tighter tolerance and with a second method; report in how many digits each column agrees; exit "
-         "code 11 if it is none"},
-        Option{"--budget", "T", "CPU time for all runs of --certify together; default 60 s"}.along("--certify")},
+       grouped("Results", {{"--report", "FILE.html", "one HTML file with the moving mechanism and its plots"}}),
+       grouped("Verified digits",
+               {{"--certify", "",
+                 "repeat with a tighter tolerance and with a second method; report to how many digits each column "
+                 "agrees; exit code 11 if one agrees in no digit"},
+                Option{"--budget", "TIME", "CPU time for all runs of --certify together; default 60 s"}.along(
+                    "--certify")}),
        run_outputs(),
-       {Option{"--checkpoint", "FILE",
-               "write checkpoints to this file, for `lockstep resume`; it is removed when the run is done"}
-            .without("--certify,--report"),
-        Option{"--every", "T", "wall-clock time between checkpoints; default 60 s"}.along("--checkpoint")}});
+       grouped(
+           "Checkpoints",
+           {Option{"--checkpoint", "FILE",
+                   "write checkpoints to this file, for `lockstep resume`; it is removed when the run is done"}
+                .without("--certify,--report"),
+            Option{"--every", "TIME", "wall-clock time between checkpoints; default 60 s"}.along("--checkpoint")})});
   return kOptions;
 }
 

@@ -14,11 +14,12 @@ namespace lockstep {
 /// An option, or a positional argument.
 struct Option {
   std::string_view name;  ///< "--until"; "scene", a positional; "--a,--b": with a second name
-  std::string_view type;  ///< what its value is, "T", "FILE.csv"; "": a flag; "A,B": names with commas between them
+  std::string_view type;  ///< what its value is, "TIME", "FILE.csv"; "": a flag; "A,B": names with commas between them
   std::string_view help{};
   std::string_view choices{};            ///< with commas between them; "": anything
   std::string_view needs{}, excludes{};  ///< another option
   bool required = false, repeats = false;
+  std::string_view group = "Options";  ///< heading in the help
 
   /// The same with another value of a member.
   template <class T>
@@ -30,6 +31,8 @@ struct Option {
   constexpr bool positional() const { return !name.starts_with('-'); }
   constexpr bool flag() const { return type.empty(); }
   constexpr std::string_view key() const { return name.substr(0, name.find(',')); }
+  /// Its help with its choices, and with the option that it needs.
+  std::string words() const;
   /// Whether "--a" is one of its names.
   constexpr bool is(std::string_view word) const {
     return word == key() || (name.size() > key().size() && word == name.substr(key().size() + 1));
@@ -47,6 +50,8 @@ using Options = std::vector<Option>;
 
 /// Several lists as one.
 Options join(std::initializer_list<Options> lists);
+/// The same options under this heading.
+Options grouped(std::string_view heading, Options);
 
 /// A command.
 struct Command {
@@ -102,7 +107,8 @@ std::vector<std::string> words_of(std::string_view choices);
 inline constexpr std::string_view kStabilizations = "project,baumgarte,none",
                                   kFormulations = "omega,quaternion,joint,auto";
 inline constexpr Option kJson{"--json", "", "print the result as JSON only"};
-inline constexpr Option kPlugin = Option{"--plugin", "P", "load a plugin, by name or path; may be repeated"}.repeated();
+inline constexpr Option kPlugin =
+    Option{"--plugin", "PLUGIN", "load a plugin, by name or path; may be repeated"}.repeated();
 inline constexpr Option kHeaders =
     Option{"--headers", "KIND", "column names of the CSV file: with units, \"x [m]\", or plain, \"x\""}.among(
         "units,plain");

@@ -122,6 +122,13 @@ int answer_for_plugin(const char* file) {
   return kExitOk;
 }
 
+std::string plugin_advice(const std::string& type) {
+  for (const PluginCandidate& c : survey_plugins(plugin_folders(), ask_process))
+    for (const auto& [kind, name] : c.brings)
+      if (name == type) return fmt::format("; plugin {} brings this {}: add --plugin {}", c.name, kind, c.name);
+  return "";
+}
+
 namespace {
 
 Result list_plugins(const Arguments& args) {

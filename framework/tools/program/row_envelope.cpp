@@ -8,10 +8,10 @@ namespace lockstep {
 
 namespace {
 
-void widen(ColumnRange& range, double x) {
+void widen(RowRange& range, double x, double t) {
   range.last = x;
-  if (!(range.least <= x) && !std::isnan(range.least)) range.least = x;  // a NaN stays
-  if (!(range.most >= x) && !std::isnan(range.most)) range.most = x;
+  if (!(range.least <= x) && !std::isnan(range.least)) range.least = x, range.t_least = t;  // a NaN stays
+  if (!(range.most >= x) && !std::isnan(range.most)) range.most = x, range.t_most = t;
 }
 
 }  // namespace
@@ -32,9 +32,9 @@ void RowEnvelope::clear() {
 
 void RowEnvelope::add(const Table& table, std::size_t i) {
   for (std::size_t k = 0; k < width_; ++k) {
-    const double x = last_[k] = table.columns()[k].values[i];
-    if (n_rows_ == 0) ranges_[k] = {x, x, x};
-    widen(ranges_[k], x);
+    const double x = last_[k] = table.columns()[k].values[i], t = last_[0];
+    if (n_rows_ == 0) ranges_[k] = {{x, x, x}, t, t};
+    widen(ranges_[k], x, t);
   }
   ++n_rows_;
   if (per_pair_ == 1) {
@@ -113,27 +113,20 @@ Table RowEnvelope::path_table() const {
   return table;
 }
 
-SweepRun RowEnvelope::ranges() const {
-  SweepRun run;
-  run.status = "ok";
-  if (n_rows_ == 0) return run;
-  run.t = ranges_.front().last;
-  run.columns.assign(ranges_.begin() + 1, ranges_.end());
-  return run;
-}
-
 void RowEnvelope::save(Snapshot& out) const {
   for (const long n : {per_pair_, path_every_, n_rows_, n_open_}) out.put(static_cast<double>(n));
   for (const std::vector<double>* v : {&kept_, &path_, &least_, &most_of_, &last_}) out.put_all(*v);
   for (const std::vector<long>* v : {&least_at_, &most_at_}) out.put_all(*v);
-  for (const ColumnRange& r : ranges_) out.put(r.last), out.put(r.least), out.put(r.most);
+  for (const RowRange& r : ranges_)
+    for (const double x : {r.last, r.least, r.most, r.t_least, r.t_most}) out.put(x);
 }
 
 void RowEnvelope::load(SnapshotReader& in) {
   for (long* n : {&per_pair_, &path_every_, &n_rows_, &n_open_}) *n = in.get_count();
   for (std::vector<double>* v : {&kept_, &path_, &least_, &most_of_, &last_}) in.get_all(*v);
   for (std::vector<long>* v : {&least_at_, &most_at_}) in.get_all(*v);
-  for (ColumnRange& r : ranges_) r.last = in.get(), r.least = in.get(), r.most = in.get();
+  for (RowRange& r : ranges_)
+    for (double* x : {&r.last, &r.least, &r.most, &r.t_least, &r.t_most}) *x = in.get();
 }
 
 }  // namespace lockstep

@@ -74,18 +74,6 @@ Ended go(StepLoop& sim, double until, bool quiet, Checkpoints& checkpoints, doub
   return ended;
 }
 
-// Without a report no energies are integrated, and drift alone is judged.
-Audit drift_alone(const StepLoop& sim, const AuditLimits& limits) {
-  Audit audit;
-  audit.limits = limits.of(sim.system().length());
-  audit.violation = sim.report().largest_violation;
-  audit.drifted = !(audit.violation <= audit.limits.violation);
-  if (audit.drifted)
-    tell(fmt::format("lockstep: the constraint violation reached {:.2g} m (limit {:.2g} m)\n", audit.violation,
-                     audit.limits.violation));
-  return audit;
-}
-
 /// A run that did not reach its end.
 struct FailedRun {
   std::string status = "failed";
@@ -106,16 +94,16 @@ void write_unfinished(const RunReport& report, const StepLoop& sim, const std::e
   if (!report) return;
   try {
     const std::string why = fmt::format("the run ended at t = {:.9g} s: {}", sim.state().t, thrown_words(error));
-    tell(fmt::format("lockstep: unfinished report: {}\n", report.write_unfinished(sim, "", why)));
+    tell(fmt::format("note: unfinished report: {}\n", report.write_unfinished(sim, "", why)));
   } catch (const std::exception& second) {
-    tell(fmt::format("lockstep: no report: {}\n", second.what()));
+    tell(fmt::format("note: no report: {}\n", second.what()));
   }
 }
 
 void show(const Arguments& args, const RunReport& report) {
   if (!args.has("--open")) return;
   const std::string problem = open_in_browser(report.file());
-  if (!problem.empty()) tell(fmt::format("lockstep: {}\n", problem));
+  if (!problem.empty()) tell(fmt::format("note: {}\n", problem));
 }
 
 Loaded load_for(const Arguments& args, const RunCheckpoint* from) {
@@ -170,7 +158,7 @@ class ProgramRun {
         details_(picture_rows(m_, csv_, *recorder_, outputs_, args)),
         at_jumps_([this](const Sample& s) { recorder_->output(s); }, *recorder_),
         singular_(system_of(m_)),
-        audit_(args.has("--quiet") ? nullptr : std::make_unique<EnergyAudit>(system_of(m_), m_.run.limits)),
+        audit_(system_of(m_), m_.run.limits),
         dynamics_(make_dynamics(m_, loaded_.registry)),
         sim_(dynamics_, make_integrator(m_.run, loaded_.registry), loop_options(m_.run)),
         doubts_(records_reactions(m_.run), sim_.integrator().info().adaptive ? m_.run.tolerance.relative : 0.0) {}
@@ -185,7 +173,7 @@ class ProgramRun {
     const Ended ended = lockstep::go(sim_, m_.run.until, args_.has("--quiet"), checkpoints_, seconds);
     const std::exception_ptr unwritten = write_rest(file_);
     if (ended.error) fail(ended.error, unwritten);
-    const Audit found = audit_ ? audit_->result() : drift_alone(sim_, m_.run.limits);
+    const Audit found = audit_.result();
     EndedRun end{sim_,
                  m_.run,
                  found,
@@ -230,6 +218,7 @@ class ProgramRun {
     tell_near(start);
     refuse_locked(dynamics_, start);
     if (m_.system.n_velocities() <= kFewVelocities) refuse_driven_lock(dynamics_, start);
+    refuse_short_laws(m_, dynamics_, start);
     if (args_.has("--quiet")) return start;
     not_unique_ = columns_not_unique(dynamics_, start, m_.run);
     if (!not_unique_.empty()) {
@@ -257,7 +246,7 @@ class ProgramRun {
 
   Result result_of(const EndedRun& end) const {
     Result result(loaded_, run_fields(), end);
-    if (!args_.has("--verbose")) result.brief = brief_text(end, args_.has("--summary"));
+    result.brief = run_text(end, args_.has("--summary"), args_.has("--verbose"));
     return result;
   }
 
@@ -271,7 +260,7 @@ class ProgramRun {
     if (judged()) sim_.add_observer(doubts_);
     if (judged() && SingularWatch::is_needed(dynamics_, start, sim_.integrator().info())) sim_.add_observer(singular_);
     if (details_) sim_.add_observer(*details_);
-    if (audit_) sim_.add_observer(*audit_);
+    sim_.add_observer(audit_);
     report_.watch(sim_);
     for (Event& event : events_) sim_.add_event(std::move(event));
   }
@@ -347,13 +336,12 @@ class ProgramRun {
   // Files, pictures, report and verified digits of a run that reached its end; of one that was interrupted, its rows.
   std::vector<std::string> conclude(EndedRun& end, const std::exception_ptr& unwritten) {
     try {
-      if (audit_ && m_.system.n_velocities() > kFewVelocities && is_as_given(m_.system, sim_.state()))
+      if (judged() && m_.system.n_velocities() > kFewVelocities && is_as_given(m_.system, sim_.state()))
         warn_of_no_freedom(m_, dynamics_, sim_, kManyVelocities);
     } catch (const std::exception&) {  // results are written even if this warning fails
     }
     if (unwritten) std::rethrow_exception(unwritten);
-    const std::string lines =
-        audit_ && report_ ? text_of(run_fields().schema(), run_fields()(end)) + text_of(end.findings) : "";
+    const std::string lines = report_ ? run_text(end, true, true) + text_of(end.findings) : "";
     if (end.interrupted) return leave_unfinished(lines);
     file_.commit();
     checkpoints_.remove();
@@ -361,7 +349,7 @@ class ProgramRun {
     if (!args_.has("--no-picture") && csv_ != "-" &&
         !draw_run(csv_, loaded_.title(), rows_.rows(), details_.get(), m_.run, outputs_, files, end.notes) &&
         args_.has("--quiet"))
-      tell(fmt::format("lockstep: {}\n", end.notes.front()));
+      tell(fmt::format("note: {}\n", end.notes.front()));
     if (report_) {
       report_.write(sim_, lines);
       files.push_back(report_.file());
@@ -377,14 +365,16 @@ class ProgramRun {
   int exit_code(const EndedRun& end) {
     if (end.interrupted) {
       tell(fmt::format(
-          "lockstep: interrupted at t = {:.9g} s; rows saved in {}{}\n", sim_.state().t, file_.partial(),
+          "note: interrupted at t = {:.9g} s; rows saved in {}{}\n", sim_.state().t, file_.partial(),
           checkpoints_ ? "; continue with: lockstep resume " + in_quotes(checkpoints_.file()) : std::string()));
       return kExitInterrupted;
     }
-    if (args_.has("--strict"))
-      for (const Finding& f : of_severity(end.findings, Severity::doubt))
-        tell(fmt::format("lockstep: --strict: {}\n", f.text()));
-    if (!uncertified_.empty()) tell(fmt::format("lockstep: --certify: {}\n", uncertified_));
+    for (const Finding& f : end.findings)
+      if (args_.has("--quiet") && f.severity() == Severity::wrong)
+        tell_error(f.text());
+      else if (args_.has("--strict") && f.severity() == Severity::doubt)
+        tell_error("--strict: " + f.text());
+    if (!uncertified_.empty()) tell_error("--certify: " + uncertified_);
     const Exit code = exit_code_of(end.findings, args_.has("--strict"));
     return code == kExitOk && !uncertified_.empty() ? kExitDoubtful : code;
   }
@@ -411,7 +401,7 @@ class ProgramRun {
   RowsAtJumps at_jumps_;
   SingularWatch singular_;
   FormulationSeen formulation_;
-  const std::unique_ptr<EnergyAudit> audit_;  // energies are integrated only if they are printed
+  EnergyAudit audit_;
   Dynamics dynamics_;
   StepLoop sim_;
   Doubts doubts_;

@@ -78,7 +78,7 @@ std::vector<std::pair<std::string, std::string>> marked_links(const UniquenessRe
     else
       links.back().second += ", " + own;
   }
-  for (auto& [link, why] : links) why += "; constraints are redundant (lockstep mobility lists them)";
+  for (auto& [link, why] : links) why += "; constraints are redundant (lockstep check lists them)";
   return links;
 }
 

@@ -12,6 +12,7 @@
 #include <lockstep/author/lock.h>
 #include <lockstep/error.h>
 #include <lockstep/step_loop.h>
+#include <lockstep/text.h>
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/program/check_dependencies.h"
@@ -118,6 +119,23 @@ void refuse_impossible_formulation(const RunSettings& run, const Loaded& loaded)
   refuse_joint(why);
 }
 
+// Other errors than those of laws are left to the run.
+void refuse_short_laws(const Mechanism& m, Dynamics& dynamics, const State& start) {
+  if (std::ranges::any_of(m.events, [](const EventRequest& e) { return e.event.stop || !e.event.deactivate.empty(); }))
+    return;
+  State end = start;
+  dynamics.to_slots(end);
+  end.t = std::max(start.t, m.run.until);
+  try {
+    dynamics.gather(end);
+  } catch (const ModelError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (...) {
+  }
+}
+
 void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
   State start = sim.state();
   dynamics.to_slots(start);
@@ -147,6 +165,10 @@ void warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, i
   dynamics.to_slots(state);
   if (const System::InSpace look = dynamics.look_in_space(); mobility(dynamics, state).freedoms > 0)
     return;  // along the plane's normal
+  if (mobile.driven > 0)
+    return sim.add_finding({&finding::no_freedom, "",
+                            "no degree of freedom is left: constant laws hold " + text::join(mobile.drives),
+                            "for a constant speed, give the drive \"speed\" instead of \"law\""});
   const std::vector<std::string> links = holding(system, sim.state());
   sim.add_finding({&finding::no_freedom, "",
                    fmt::format("no degree of freedom: joints {} constrain all {} unknown velocities{}", first_of(links),
@@ -154,7 +176,7 @@ void warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, i
                                mobile.redundant > 0 ? fmt::format(", with {} redundant constraint{}", mobile.redundant,
                                                                   mobile.redundant > 1 ? "s" : "")
                                                     : ""),
-                   "use a joint that leaves the motion free (lockstep mobility)"});
+                   "use a joint that leaves the motion free (lockstep check)"});
 }
 
 std::vector<std::string> columns_not_unique(Dynamics& dynamics, const State& start, const RunSettings& run) {

@@ -20,6 +20,9 @@ std::string why_not_joint(const RunSettings&, Dynamics&, const State& start, con
 /// Throws ModelError if joint coordinates are requested and not possible, before a run opens a file. Other errors of
 /// the scene are left to the run.
 void refuse_impossible_formulation(const RunSettings&, const Loaded&);
+/// Throws the error of a law that has no value at the end of the run, such as a table that is shorter, unless an event
+/// may stop the run or release a joint before.
+void refuse_short_laws(const Mechanism&, Dynamics&, const State& start);
 /// Warns of a mechanism without a degree of freedom, unless a law moves it, an event releases a joint or a joint is
 /// one-sided. Not of one with more unknown velocities than `most`, as the count costs too much.
 void warn_of_no_freedom(const Mechanism&, Dynamics&, StepLoop&, int most);

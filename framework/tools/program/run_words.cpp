@@ -89,8 +89,8 @@ const Fields<EndedRun>& energy_fields() {
                                         {"last", "s", "to", &Instant::last},
                                         {"energy", "J", "energy", &Instant::energy}};
   static const Fields<Run> kFields{
-      {"verdict", "", "verdict", [](const Run& r) { return r.audit.verdict(); }},
-      {"imbalance", "J", "imbalance", [](const Run& r) { return r.audit.imbalance; }},
+      {"verdict", "", "", [](const Run& r) { return r.audit.verdict(); }},
+      {"imbalance", "J", "error", [](const Run& r) { return r.audit.imbalance; }},
       {"exchanged", "J", "exchanged", [](const Run& r) { return r.audit.scale; }},
       {"limit", "", "", [](const Run& r) { return r.audit.limits.energy; }},
       {"change", "J", "change", [](const Run& r) { return r.audit.end - r.audit.start; }},
@@ -120,24 +120,25 @@ const Fields<MissedEvent>& missed_fields() {
   return kFields;
 }
 
-struct ColumnEnds {
+struct ColumnEnds : RowRange {
   std::string name, unit;
-  ColumnRange range;
 };
 const Fields<ColumnEnds>& column_fields() {
-  static const Fields<ColumnEnds> kFields{{"name", "", "", &ColumnEnds::name},
-                                          {"unit", "", "", &ColumnEnds::unit},
-                                          {"final", "", "", [](const ColumnEnds& c) { return c.range.last; }},
-                                          {"min", "", "", [](const ColumnEnds& c) { return c.range.least; }},
-                                          {"max", "", "", [](const ColumnEnds& c) { return c.range.most; }}};
+  constexpr auto number = +[](const Json& x) { return number_text(x); };  // units differ by column
+  static const Fields<ColumnEnds> kFields{
+      {"name", "", "column", &ColumnEnds::name},    {"unit", "", "unit", &ColumnEnds::unit},
+      {"final", "", "", &ColumnEnds::last},         {"min", "", "least", &ColumnEnds::least, number},
+      {"t_min", "s", "at t", &ColumnEnds::t_least}, {"max", "", "greatest", &ColumnEnds::most, number},
+      {"t_max", "s", "at t", &ColumnEnds::t_most}};
   return kFields;
 }
 std::vector<ColumnEnds> columns_of(const EndedRun& run) {
   std::vector<ColumnEnds> all;
-  const SweepRun ranges = run.rows->ranges();
   const Table table = run.rows->table();
-  for (std::size_t k = 0; k < ranges.columns.size(); ++k)
-    all.push_back({table.columns()[k + 1].name, table.columns()[k + 1].unit, ranges.columns[k]});
+  for (const RowRange& range : run.rows->ranges()) {
+    const Column& column = table.columns()[all.size() + 1];
+    all.push_back({range, column.name, column.unit});
+  }
   return all;
 }
 
@@ -174,17 +175,13 @@ const Fields<EndedRun>& run_fields() {
   constexpr auto method = +[](const Json& m) {
     return m["integrator"].get<std::string>() + ", formulation " + m["formulation_used"].get<std::string>();
   };
-  constexpr auto drift = +[](const Json& d) {
-    return d["violation"] == 0 ? std::string()
-                               : fmt::format("violation of at most {} m after a step", number_text(d["violation"]));
-  };
   static const Fields<Run> kFields{
       {"status", "", "", status},
-      {"assembled", "", "assembled", &Run::assembled},
-      {"resumed_at", "s", "resumed at t", &Run::resumed_at},
-      {"t", "s", "t", [](const Run& r) { return r.sim.state().t; }},
+      {"assembled", "", "", &Run::assembled},
+      {"resumed_at", "s", "", &Run::resumed_at},
+      {"t", "s", "", [](const Run& r) { return r.sim.state().t; }},
       {"until", "s", "", [](const Run& r) { return r.settings.until; }},
-      {"seconds", "s", "computed in", &Run::seconds},
+      {"seconds", "s", "", &Run::seconds},
       {"method", "method", std::identity(), method_fields(), method},
       {"steps", "", "steps", [](const Run& r) { return r.sim.report().steps; }},
       {"rejected", "", "rejected steps", [](const Run& r) { return r.sim.report().rejected; }, unless_zero},
@@ -192,20 +189,20 @@ const Fields<EndedRun>& run_fields() {
        unless_zero},
       {"evaluations", "", "", [](const Run& r) { return r.sim.dynamics().work().evaluations; }},
       {"factors", "", "", [](const Run& r) { return r.sim.dynamics().work().factors; }},
-      {"impacts", "", "impacts", [](const Run& r) { return r.sim.report().impacts; }, unless_zero},
+      {"impacts", "", "", [](const Run& r) { return r.sim.report().impacts; }},
       {"in_contact", "", "in contact", in_contact},
-      {"stopped_by", "", "stopped by", [](const Run& r) { return r.interrupted ? "" : r.sim.report().stopped_by; }},
+      {"stopped_by", "", "", [](const Run& r) { return r.interrupted ? "" : r.sim.report().stopped_by; }},
       {"missed_events", "", &Run::missed, missed_fields()},
       {"energy", "energy", std::identity(), energy_fields()},
-      {"drift", "constraints", std::identity(), kDrift, drift},
+      {"drift", "", std::identity(), kDrift},
       {"warnings", "", "", [](const Run& r) { return texts_of(r.sim.report().findings); }},
       {"doubts", "", "", [](const Run& r) { return texts_of(of_severity(r.findings, Severity::doubt)); }},
       {"singular_positions", "", [](const Run& r) { return r.passed; }, kPassed},
       {"rows", "", "rows", [](const Run& r) { return r.rows->n_rows(); }},
       {"columns", "", columns_of, column_fields()},
       {"frames_taken", "", "places assumed", &Run::frames_taken, first_places},
-      {"notes", "", "pictures", &Run::notes},
-      Field<Run>("certificate", "", "verified digits", &Run::certificate).optional(),
+      {"notes", "", "", &Run::notes},
+      Field<Run>("certificate", "", "", &Run::certificate).optional(),
       {"not_unique", "", "", &Run::not_unique},
       {"nearly_redundant", "", &Run::near, near_fields()}};
   return kFields;
@@ -243,28 +240,50 @@ std::string checks(const EndedRun& run) {
          fmt::format("   constraints {} (at most {:.2g} m)", audit.drifted ? "VIOLATED" : "ok", audit.violation);
 }
 
-// "-1.76 ... 2.70 N m" of each column; rounding relative to the largest of its unit is printed as 0.
-std::vector<std::string> extremes(const std::vector<ColumnEnds>& columns, double rounding) {
-  std::map<std::string, double> largest;
-  for (const ColumnEnds& c : columns)
-    largest[c.unit] = std::max({largest[c.unit], std::abs(c.range.least), std::abs(c.range.most)});
-  std::vector<std::string> all;
-  for (const ColumnEnds& c : columns) {
-    const auto number = [&](double x) {
-      return fmt::format("{:.4g}", std::abs(x) <= rounding * largest[c.unit] ? 0.0 : x);
-    };
-    const std::string least = number(c.range.least), most = number(c.range.most);
-    all.push_back(c.name + "  " + least + (least == most ? "" : " ... " + most) + (c.unit.empty() ? "" : " " + c.unit));
-  }
-  return all;
+// Energy that a law, an event or an impact changed at a single time, beyond rounding.
+std::string energy_jumps(const EndedRun& run) {
+  std::string text;
+  for (const Audit::Instant& i : run.audit.instants)
+    if (std::abs(i.energy) > run.settings.tolerance.relative * run.audit.scale)
+      text += line_of(
+          text.empty() ? "energy" : "",
+          fmt::format("{:.3g} J at {}, {}", i.energy, i.cause,
+                      i.count == 1 ? fmt::format("t = {:.6g} s", i.first)
+                                   : fmt::format("{} times from t = {:.6g} s to {:.6g} s", i.count, i.first, i.last)));
+  return text;
 }
 
-// As many cells as three lines hold, in columns of one width, and how many there are; or all, a line each.
-std::string table_of(const std::vector<std::string>& cells, bool all) {
-  std::size_t width = 0;
-  for (const std::string& cell : cells) width = std::max(width, cell.size() + 3);
-  const std::size_t per_line = all ? 1 : std::max<std::size_t>(1, 88 / std::max<std::size_t>(1, width));
-  const std::size_t n = all ? cells.size() : std::min(cells.size(), 3 * per_line);
+// The recorded columns; rounding relative to the largest number of its unit is 0.
+std::vector<ColumnEnds> rounded_columns(const EndedRun& run) {
+  std::vector<ColumnEnds> columns = columns_of(run);
+  std::map<std::string, double> largest;
+  for (const ColumnEnds& c : columns)
+    largest[c.unit] = std::max({largest[c.unit], std::abs(c.least), std::abs(c.most)});
+  for (ColumnEnds& c : columns)
+    for (double* x : {&c.least, &c.most})
+      if (std::abs(*x) <= run.settings.tolerance.relative * largest[c.unit]) *x = 0;
+  return columns;
+}
+
+// A line for each column, with the times of its extremes.
+std::string summary_of(const EndedRun& run) {
+  using Columns = std::vector<ColumnEnds>;
+  static const Fields<Columns> kTable{
+      Field<Columns>("columns", "extremes of the rows", std::identity(), column_fields()).whole()};
+  return text_of(kTable.schema(), kTable(rounded_columns(run)));
+}
+
+// As many columns as three lines hold, "-1.764 ... 2.698 N m", in cells of one width, and how many there are.
+std::string short_results(const EndedRun& run) {
+  std::vector<std::string> cells;
+  std::size_t width = 1;
+  for (const ColumnEnds& c : rounded_columns(run)) {
+    const std::string least = fmt::format("{:.4g}", c.least), most = fmt::format("{:.4g}", c.most);
+    cells.push_back(c.name + "  " + least + (least == most ? "" : " ... " + most) +
+                    (c.unit.empty() ? "" : " " + c.unit));
+    width = std::max(width, cells.back().size() + 3);
+  }
+  const std::size_t per_line = std::max<std::size_t>(1, 88 / width), n = std::min(cells.size(), 3 * per_line);
   std::string text;
   for (std::size_t k = 0; k < n; k += per_line) {
     std::string line;
@@ -278,15 +297,15 @@ std::string table_of(const std::vector<std::string>& cells, bool all) {
 
 }  // namespace
 
-std::string brief_text(const EndedRun& run, bool all_columns) {
+std::string run_text(const EndedRun& run, bool all_columns, bool verbose) {
   std::string text;
-  if (run.moved) text += line_of("assembled", run.assembled);
+  if (run.moved || (verbose && !run.assembled.empty())) text += line_of("start", run.assembled);
   if (std::isfinite(run.resumed_at)) text += line_of("resumed", fmt::format("at t = {:.6g} s", run.resumed_at));
-  text += line_of("simulated", simulated(run)) + line_of("checks", checks(run));
-  text += table_of(extremes(columns_of(run), run.settings.tolerance.relative), all_columns);
+  text += line_of("simulated", simulated(run)) + line_of("checks", checks(run)) + energy_jumps(run);
+  text += all_columns ? summary_of(run) : short_results(run);
   for (const std::string& note : run.notes) text += line_of("pictures", note);
   for (const std::string& line : lines_of(run.certificate)) text += line_of("", line);
-  return text;
+  return verbose ? text + text_of(run_fields().schema(), run_fields()(run)) : text;
 }
 
 }  // namespace lockstep

@@ -56,7 +56,7 @@ Finding finding_of(const MissedEvent&);
 const Fields<EndedRun>& run_fields();
 
 /// What the run answers: time and steps, one line of checks, the extremes of the recorded columns in three lines, or
-/// all of them.
-std::string brief_text(const EndedRun&, bool all_columns);
+/// of all in a table with their times. `verbose`: also the start, the method and the energies.
+std::string run_text(const EndedRun&, bool all_columns, bool verbose);
 
 }  // namespace lockstep

@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <sstream>
 #include <string_view>
 
 namespace lockstep {
@@ -23,6 +24,14 @@ const char* error_mark() {
   const bool coloured =
       isatty(STDERR_FILENO) != 0 && !set("NO_COLOR") && terminal != nullptr && std::string_view(terminal) != "dumb";
   return coloured ? "\033[1;31merror:\033[0m" : "error:";
+}
+
+void tell_error(std::string_view sentence) {
+  std::string words;
+  std::istringstream lines{std::string(sentence)};
+  for (std::string line; std::getline(lines, line);)
+    words += (line.starts_with(' ') ? "" : error_mark() + std::string(" ")) + line + "\n";
+  tell(words);
 }
 
 }  // namespace lockstep

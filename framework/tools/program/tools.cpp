@@ -33,7 +33,6 @@ constexpr Verb kVerbs[] = {
     {"sweep", "sweep", kSimulate, "Run a scene many times with varied values; one table row per run"},
     {"demo", "", kSimulate, "Show a moving four-bar in the browser, and leave its scene to edit"},
     {"check", "", kAnalyse, "Assemble a scene; report degrees of freedom and redundant constraints"},
-    {"mobility", "analyses", kAnalyse, "Report free motions, redundant constraints and reactions that are not unique"},
     {"assemble", "analyses", kAnalyse, "Assemble the start of a scene; report which bodies move and how far"},
     {"statics", "analyses", kAnalyse, "Find the static equilibrium: poses, reactions, stability"},
     {"kinematics", "analyses", kAnalyse, "Compute the motion of a fully driven scene, without integration"},
@@ -97,7 +96,7 @@ std::optional<int> call_tool(int argc, const char* const* argv) {
   const std::string state = why == ENOENT ? fmt::format("which is neither '{}' nor on the PATH", file)
                                           : fmt::format("but '{}' cannot be started: {}", file, std::strerror(why));
   tell(
-      fmt::format("lockstep: {} needs the program lockstep-{}, {}; build it (cmake --build build/release --target "
+      fmt::format("error: {} needs the program lockstep-{}, {}; build it (cmake --build build/release --target "
                   "lockstep_{}), or install the package lockstep\n",
                   certifies ? "--certify" : "'" + std::string(verb) + "'", program, state, program));
   return kExitUsage;

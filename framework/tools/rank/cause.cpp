@@ -131,7 +131,7 @@ std::string asked_rate(const NamedRow& row, double t) {
 
 /// A combination of rows that is zero, although laws prescribe its change: the drives, stops and joints in it.
 struct Contradiction {
-  Names drives, rates, stops, joints;
+  Names drives, rates, stops, joints, guides;  // guides: joints with a free translation
 };
 
 std::optional<Contradiction> contradiction(const System& system, const Evaluation& e, const VecX& rates, double t) {
@@ -155,6 +155,8 @@ std::optional<Contradiction> contradiction(const System& system, const Evaluatio
           who.drives.push_back(drive_name(row)), who.rates.push_back(asked_rate(row, t));
         } else {
           add_name(row.link->name(), row.link->unilateral() != nullptr ? who.stops : who.joints);
+          const Jointed* joint = row.link->jointed();
+          if (joint != nullptr && (joint->mask() & Mask::xyz) != Mask::xyz) add_name(row.link->name(), who.guides);
         }
       }
       return who;
@@ -202,21 +204,43 @@ std::optional<Cause> locked(Dynamics& dynamics, const State& state, const Mobili
     cause.hint =
         fmt::format("release one constraint of joints {}, or correct their axes", text::join(mobile.redundant_links));
   else
-    cause.hint = "release a constraint, or remove a joint (lockstep mobility)";
+    cause.hint = "release a constraint, or remove a joint (lockstep check --verbose)";
   return cause;
 }
 
+// Qhat, 1 per row.
+VecX accelerations_asked(const Evaluation& e) {
+  VecX asked = VecX::Zero(e.rows().n_rows);
+  for (const RowEntry& entry : e.rows().entries)
+    for (int k = 0; k < entry.m; ++k) asked[entry.first_row + k] = e.rows().block(entry).Qhat(k);
+  return asked;
+}
+
 std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
-  State still = at;
-  dynamics.to_slots(still);
+  State still = at, moving = at;
+  dynamics.to_slots(still), dynamics.to_slots(moving);
   still.v.setZero();
   const Evaluation& e = dynamics.gather_rows(still);
   VecX C, rates;
   e.residuals(C, rates);
   const System& system = dynamics.system();
-  const std::optional<Contradiction> who = contradiction(system, e, rates, at.t);
-  if (!who || who->drives.empty()) return {};
+  std::optional<Contradiction> who = contradiction(system, e, rates, at.t);
+  Names leading;  // joints whose laws change them
+  for (int k = 0; k < rates.size(); ++k)
+    if (rates[k] != 0) add_name(NamedRow(system, e.rows(), k).link->name(), leading);
+  if (!who) {
+    const Evaluation& of_motion = dynamics.gather_rows(moving);
+    who = contradiction(system, of_motion, accelerations_asked(of_motion), at.t);
+  }
+  if (!who) return {};
   const std::string when = fmt::format("at t = {:.4g} s", at.t);
+  const std::string other_lengths =
+      "change the lengths" + (who->guides.empty() ? "" : " or the axis of " + text::join(who->guides));
+  if (who->drives.empty())
+    return Cause{fmt::format("{}the loop of joints {} allows no further motion {}: the configuration is singular",
+                             leading.empty() ? "" : fmt::format("the law of '{}' cannot continue: ", leading.front()),
+                             text::join(who->joints), when),
+                 other_lengths};
   if (!who->stops.empty())
     return Cause{fmt::format("drive {} runs into stop {} {}", who->drives.front(), who->stops.front(), when),
                  "end the motion before the stop, or move the stop"};
@@ -227,9 +251,10 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
   const MobilityReport mobile = mobility(dynamics, still);
   if (std::optional<Cause> cause = locked(dynamics, still, mobile)) return cause;
   return Cause{
-      fmt::format("drive {} has reached a limit position (dead centre) {}: joints {} allow no further motion that way",
-                  who->drives.front(), when, text::join(who->joints)),
-      "end the motion before it, or change the lengths"};
+      fmt::format(
+          "drive {} has reached a limit position (dead centre) {}: the loop of joints {} allows no further motion",
+          who->drives.front(), when, text::join(who->joints)),
+      "end the motion before it, or " + other_lengths};
 }
 
 // -- steps that are too long
@@ -265,7 +290,7 @@ std::optional<Cause> long_step(Dynamics& dynamics, const State& at, double step)
   return Cause{
       fmt::format("the step of {:.3g} s is too long: the fastest motion of the mechanism has a rate of {:.3g} 1/s",
                   step, rate),
-      fmt::format("take a step below {:.2g} s, or an implicit or adaptive method", 1 / rate)};
+      fmt::format("take a step below {:.2g} s, or an implicit or adaptive method", 1 / rate), true};
 }
 
 using CauseFinder = std::function<std::optional<Cause>()>;
@@ -299,7 +324,8 @@ void rethrow_with(const Cause& cause, const Error& error, const std::string& lin
   std::string sentence = error.what();
   if (!cause.fact.empty()) {
     about.problem = cause.fact, about.advice = cause.hint;
-    sentence = fmt::format("{}\n  hint: {}\n{}  solver: {}", cause.fact, cause.hint, lines, sentence);
+    const std::string own = cause.possible ? sentence : sentence.substr(0, sentence.find("; "));  // without its advice
+    sentence = fmt::format("{}\n  hint: {}\n{}  solver: {}", cause.fact, cause.hint, lines, own);
   } else if (!lines.empty()) {
     sentence += "\n" + lines.substr(0, lines.size() - 1);
   }

@@ -13,6 +13,7 @@ namespace lockstep {
 /// A fact about a mechanism, and what to do about it; both empty if there is none.
 struct Cause {
   std::string fact, hint;
+  bool possible = false;  ///< it may have another cause: the error's advice is kept
 };
 
 /// What is wrong with a start that cannot be assembled. `given`: the start as it was given.

@@ -85,6 +85,20 @@ std::string first_of(const std::vector<std::string>& names) {
   return fmt::format("{} and {} more", fmt::join(names.begin(), names.begin() + kMost, ", "), names.size() - kMost);
 }
 
+std::string by_joint(const std::vector<std::string>& constraints) {
+  std::vector<std::pair<std::string, std::string>> joints;
+  for (const std::string& name : constraints) {
+    const std::size_t dot = std::min(name.rfind('.'), name.size());
+    const auto [joint, own] = std::pair(name.substr(0, dot), dot < name.size() ? " " + name.substr(dot + 1) : "");
+    auto found = std::ranges::find(joints, joint, &std::pair<std::string, std::string>::first);
+    if (found == joints.end()) found = joints.insert(found, {joint, ""});
+    found->second += own;
+  }
+  std::string words;
+  for (const auto& [joint, own] : joints) words += (words.empty() ? "" : "; ") + joint + own;
+  return words;
+}
+
 bool records_reactions(const RunSettings& run) {
   constexpr std::string_view kParts[] = {"_on_p_", "_on_s_", ".lambda_", "friction", ".normal_force", ".drive"};
   return std::ranges::any_of(run.record, [&](const ChannelRequest& r) {

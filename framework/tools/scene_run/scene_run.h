@@ -23,7 +23,7 @@ LOCKSTEP_API std::unique_ptr<Recorder> make_recorder(Mechanism&, const std::set<
 
 /// Makes a channel of the scene's system; an angle that the start asks for begins in the turn that is asked for. Throws
 /// ModelError for an unknown name.
-Channel channel_of(Mechanism&, const std::string& name);
+LOCKSTEP_API Channel channel_of(Mechanism&, const std::string& name);
 
 /// Makes the scene's events with their conditions; `recorder` keeps their channels up to date. Make them before the
 /// StepLoop too. Throws SceneError with the place in the file of a channel that does not exist.

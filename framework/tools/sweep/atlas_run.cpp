@@ -85,8 +85,8 @@ std::vector<double> atlas_instants(const RunSettings& run, bool adaptive) {
   std::vector<double> all;
   const double apart =
       adaptive || !(run.step > 0) ? run.until / kInstants : std::ceil(run.until / run.step / kInstants) * run.step;
-  for (int k = 1; k * apart <= run.until * (1 + 1e-12); ++k) all.push_back(std::min(k * apart, run.until));
-  if (all.empty()) all.push_back(run.until);
+  for (int k = 0; k * apart <= run.until * (1 + 1e-12); ++k) all.push_back(std::min(k * apart, run.until));
+  if (all.size() < 2) all.push_back(run.until);
   return all;
 }
 
@@ -140,13 +140,12 @@ AtlasCell atlas_run(const Scene& scene, const Registry& registry, const AtlasRef
     cell.error = HUGE_VAL;
     return cell;
   }
-  const bool told = ran.audit.energy == Audit::Energy::not_conserved || ran.audit.drifted || ran.passed > 0 ||
-                    ran.report.largest_turn > kLongTurn;
+  const bool wrong = ran.audit.is_wrong(), told = wrong || ran.passed > 0 || ran.report.largest_turn > kLongTurn;
   const double relative = reference.size > 0 ? cell.error / reference.size : 0;
-  cell.outcome = relative <= limits.works   ? AtlasOutcome::works
-                 : relative <= limits.wrong ? AtlasOutcome::inaccurate
-                 : told                     ? AtlasOutcome::wrong_told
-                                            : AtlasOutcome::wrong_untold;
+  cell.outcome = relative <= limits.works && !wrong ? AtlasOutcome::works
+                 : relative <= limits.wrong         ? AtlasOutcome::inaccurate
+                 : told                             ? AtlasOutcome::wrong_told
+                                                    : AtlasOutcome::wrong_untold;
   return cell;
 }
 

@@ -35,7 +35,8 @@ struct AtlasCell {
   std::string reason;  ///< of a run that stopped
 };
 
-/// Errors relative to the largest displacement: up to `works` a run is accurate, beyond `wrong` it is wrong.
+/// Errors relative to the largest displacement: up to `works` a run is accurate if its energy balance and constraints are
+/// within their limits too, beyond `wrong` it is wrong.
 struct AtlasLimits {
   double works = 1e-2, wrong = 0.5;
 };

@@ -9,8 +9,10 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/support/csv_cells.h"
+#include "framework/foundation/support/lines.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/precision/work_precision.h"
+#include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/rank/singular_watch.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
@@ -87,9 +89,9 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   const SimulationReport& report = sim.report();
   try {
     sim.run_until(m.run.until);
-  } catch (...) {
+  } catch (const Error& error) {
     result.steps = report.steps;
-    throw;
+    rethrow_with(cause_of_stop(dynamics, sim.state(), sim.integrator().info().adaptive ? 0 : m.run.step), error);
   }
   result.steps = report.steps;
   if (!singular.passed().empty())
@@ -181,7 +183,7 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     end();
   } catch (const std::exception& error) {
     result.failed = true;
-    result.status = what_of(error);
+    result.status = first_line(what_of(error));
   }
   result.findings.insert(result.findings.begin(), scope.found.begin(), scope.found.end());
   result.cpu = thread_seconds() - begin;

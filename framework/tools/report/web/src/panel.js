@@ -3,6 +3,9 @@
 import { button, factsTable, make, press } from './dom.js';
 import { number } from './plots.js';
 
+// Whether the checks of a run failed, by their words.
+export const isBad = (checks) => /\bnot conserved|VIOLATED/.test(checks);
+
 const vector = (v, unit) => `${Array.from(v, number).join(', ')} ${unit}`;
 
 export class Panel {
@@ -168,12 +171,16 @@ export class Panel {
     if (text.command) holder.append(make('pre', text.command));
   }
 
-  // The verdict on the energy is coloured.
+  // The verdict on the energy is coloured. A line without a name is one of a table: its columns stay.
   facts(facts) {
     const table = factsTable(facts);
-    facts.forEach(([, value], i) => {
-      if (/\bnot conserved/.test(value)) table.rows[i].className = 'bad';
-      else if (/\bconserved/.test(value)) table.rows[i].className = 'good';
+    facts.forEach(([name, value], i) => {
+      const row = table.rows[i];
+      if (isBad(value)) row.className = 'bad';
+      else if (/\b(energy ok|conserved)\b/.test(value)) row.className = 'good';
+      if (name) return;
+      row.cells[0].remove();
+      Object.assign(row.cells[0], { colSpan: 2, className: 'line' });
     });
     return table;
   }

@@ -196,7 +196,7 @@ export class Plots {
       },
       scales: { x: { time: false }, y: group.log ? { distr: 3 } : {} },
       axes: [
-        { ...axisStyle(), size: 26 },
+        { ...axisStyle(), size: 26, label: 't [s]', labelSize: 14 },
         { ...axisStyle(), size: 62 },
       ],
       series: [
@@ -204,6 +204,7 @@ export class Plots {
         ...columns.map((column, i) => ({
           label: column.name.length > 60 ? `${column.name.slice(0, 59)}\u2026` : column.name,
           stroke: theme.color(i),
+          dash: i > 6 ? [6, 3] : undefined, // the colours begin again
           width: 1.6,
           pxAlign: 0,
           paths: this.pathsOf(group, i),

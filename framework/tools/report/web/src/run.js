@@ -4,7 +4,7 @@ import { Against } from './against.js';
 import { Clock } from './clock.js';
 import { addKeys } from './keys.js';
 import { Motion } from './motion.js';
-import { Panel } from './panel.js';
+import { isBad, Panel } from './panel.js';
 import { Plots } from './plots.js';
 import { Stage } from './stage.js';
 import { addTabs } from './tabs.js';
@@ -18,6 +18,7 @@ export class RunPage {
     this.data = data;
     this.elements = Object.fromEntries([...document.querySelectorAll('[id]')].map((e) => [e.id, e]));
     this.elements.heading.textContent = data.text.title || 'lockstep report';
+    this.showChecks(data.text.facts.find(([name]) => name === 'checks')?.[1] ?? '');
     this.motion = new Motion(data);
     this.clock = new Clock(data.frames.times);
     this.world = new World(data, this.motion);
@@ -34,6 +35,12 @@ export class RunPage {
     this.listen();
     this.tools.show();
     this.begin();
+  }
+
+  // "energy ok, constraints ok"; the numbers are in the tab of the run.
+  showChecks(checks) {
+    const words = checks.replace(/ \([^)]*\)/g, '').replace(/ {2,}/g, ', ');
+    Object.assign(this.elements.checks, { textContent: words, title: checks, className: isBad(checks) ? 'bad' : '' });
   }
 
   // Where the browser cannot draw in space, plots and numbers are shown all the same.
