@@ -241,23 +241,24 @@ TEST_CASE("every promise names tests that exist", "[pages]") {
   std::string tests;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(std::string(paths::kSource) + "/tests"))
     if (entry.path().extension() == ".cpp") tests += file_text(entry.path().string());
-  const Page& of = page("framework/docs/promises.md");
-  // A promise is an item of a list, which may go on in further lines.
-  int n_promises = 0;
-  for (std::size_t k = 0; k < of.lines.size(); ++k) {
-    if (!of.lines[k].starts_with("- ")) continue;
-    std::string promise = of.lines[k];
-    while (k + 1 < of.lines.size() && of.lines[k + 1].starts_with("  ")) promise += of.lines[++k];
-    const std::vector<std::string> names = words_of(promise, "\\*\"([^\"]+)\"\\*");
-    INFO(promise);
+  // A promise is a numbered item of its section; "- Memory 2: " begins the item with the tests of the second of Memory.
+  std::vector<std::string> promises, tested;
+  std::string section;
+  for (const std::string& line : page("framework/docs/promises.md").lines) {
+    if (line.starts_with("## ")) section = line.substr(3);
+    for (const std::string& number : words_of(line, "^([0-9]+)\\. ")) promises.push_back(section + " " + number);
+    if (!line.starts_with("- ")) continue;
+    tested.push_back(line.substr(2, line.find(':') - 2));
+    const std::vector<std::string> names = words_of(line, "\\*\"([^\"]+)\"\\*");
+    INFO(line);
     CHECK_FALSE(names.empty());
     for (const std::string& name : names) {
       INFO("no test is called " << name);
       CHECK(tests.find("TEST_CASE(\"" + name + '"') != std::string::npos);
     }
-    ++n_promises;
   }
-  CHECK(n_promises > 20);
+  CHECK(promises.size() > 20);
+  CHECK(promises == tested);
 }
 
 TEST_CASE("the packages that README installs are those that the set-up looks for", "[pages]") {
