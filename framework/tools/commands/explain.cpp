@@ -60,8 +60,6 @@ std::string units_of(const RowAccount& r) {
   return r.kind == RowKind::translation ? "m, m/s, N" : r.kind == RowKind::rotation ? "1, 1/s, N m" : "";
 }
 
-std::string grouped_text(const Json& constraints) { return by_joint(constraints.get<std::vector<std::string>>()); }
-
 const Fields<LinkAccount>& link_fields() {
   using Account = LinkAccount;
   static const Fields<RowAccount> kRow{{"row", "", "constraint", &RowAccount::name},
@@ -71,9 +69,6 @@ const Fields<LinkAccount>& link_fields() {
                                        {"multiplier", "", "multiplier", &RowAccount::multiplier},
                                        {"units", "", "units", units_of},
                                        {"drive", "", "driven", &RowAccount::is_drive}};
-  static const Fields<Dependency> kDependency{{"rows", "", "constraints", &Dependency::rows, grouped_text},
-                                              {"too_many", "", "redundant", &Dependency::too_many},
-                                              {"nearly", "", "nearly redundant", &Dependency::nearly}};
   static const Fields<Account> kFields{
       {"link", "", "joint", &Account::name},
       {"type", "", "type", &Account::type},
@@ -88,7 +83,8 @@ const Fields<LinkAccount>& link_fields() {
       {"drive_force_on_p", "N", "force of the drives", [](const Account& a) { return a.drives.force; }},
       {"drive_moment_on_p", "N m", "  moment about P", [](const Account& a) { return a.drives.moment; }},
       {"laws", "laws", &Account::laws, law_fields()},
-      {"dependencies", "dependent constraints, which share loads arbitrarily", &Account::dependencies, kDependency}};
+      {"dependencies", "dependent constraints, which share loads arbitrarily", &Account::dependencies,
+       dependency_fields()}};
   return kFields;
 }
 

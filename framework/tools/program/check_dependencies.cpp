@@ -29,8 +29,8 @@ std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
 
 Finding finding_of(const NearDependency& d, NearlyRedundant choice) {
   Finding f{&finding::nearly_redundant, by_joint(d.rows)};
-  f.message = fmt::format("{} of the constraints {} is redundant but for a relative singular value of {:.2g}; ",
-                          d.nearly, by_joint(d.rows), d.singular_value) +
+  f.message = fmt::format("{} of the constraints {} {} redundant but for a relative singular value of {:.2g}; ",
+                          d.nearly, by_joint(d.rows), d.nearly == 1 ? "is" : "are", d.singular_value) +
               decided_words(d, choice);
   f.value = d.singular_value;
   return f;
@@ -62,6 +62,16 @@ const Fields<DecidedNear>& near_fields() {
                                     {"undecided", "", "", [](const Near& n) { return n.first.undecided; }},
                                     {"violation", "m", "", [](const Near& n) { return n.first.violation; }},
                                     {"left_out", "", "", [](const Near& n) { return n.first.left_out; }}};
+  return kFields;
+}
+
+std::string grouped_text(const Json& constraints) { return by_joint(constraints.get<std::vector<std::string>>()); }
+
+const Fields<Dependency>& dependency_fields() {
+  static const Fields<Dependency> kFields{{"rows", "", "constraints", &Dependency::rows, grouped_text},
+                                          {"too_many", "", "redundant", &Dependency::too_many},
+                                          {"nearly", "", "nearly redundant", &Dependency::nearly},
+                                          {"pivot", "", "", &Dependency::pivot}};
   return kFields;
 }
 

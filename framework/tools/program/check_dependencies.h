@@ -18,6 +18,10 @@ Finding finding_of(const NearDependency&, NearlyRedundant);
 using DecidedNear = std::pair<NearDependency, NearlyRedundant>;
 std::vector<DecidedNear> decided(const std::vector<NearDependency>&, NearlyRedundant);
 const Fields<DecidedNear>& near_fields();
+/// The names of constraints, grouped by joint.
+std::string grouped_text(const Json& constraints);
+/// Constraints that depend on one another, as a table.
+const Fields<Dependency>& dependency_fields();
 /// Adds the finding that reactions are not unique, if some are not.
 void note_not_unique(const UniquenessReport&);
 /// Names of the recorded columns that hold reactions which are not unique.

@@ -13,7 +13,6 @@
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/run_warnings.h"
 #include "framework/tools/rank/cause.h"
-#include "framework/tools/rank/doubts.h"
 #include "framework/tools/rank/motion_words.h"
 #include "framework/tools/rank/unknowns.h"
 
@@ -60,8 +59,6 @@ std::string plane_text(const Json& normal) {
   return "normal " + normal.get<std::string>() + "; out-of-plane constraints are not counted (--full counts them)";
 }
 
-std::string grouped_text(const Json& constraints) { return by_joint(constraints.get<std::vector<std::string>>()); }
-
 std::string unique_text(const Json& all) { return all.get<bool>() ? "all are unique" : ""; }
 
 std::string position_text(const Json& position) {
@@ -95,10 +92,6 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
 
 const Fields<MobilityFindings>& mobility_fields() {
   using Found = MobilityFindings;
-  static const Fields<Dependency> kDependency{{"rows", "", "constraints", &Dependency::rows, grouped_text},
-                                              {"too_many", "", "redundant", &Dependency::too_many},
-                                              {"nearly", "", "nearly redundant", &Dependency::nearly},
-                                              {"pivot", "", "", &Dependency::pivot}};
   static const Fields<MobilityReport> kReport{
       {"bodies", "", "moving bodies", &MobilityReport::bodies},
       {"unknowns", "", "unknown velocities", &MobilityReport::unknowns},
@@ -109,7 +102,7 @@ const Fields<MobilityFindings>& mobility_fields() {
       {"drives", "", "  drives", &MobilityReport::drives},
       {"redundant", "", "redundant constraints", &MobilityReport::redundant},
       {"redundant_links", "", "  of joints", &MobilityReport::redundant_links},
-      {"dependencies", "dependent constraints", &MobilityReport::dependencies, kDependency}};
+      {"dependencies", "dependent constraints", &MobilityReport::dependencies, dependency_fields()}};
   static const Fields<Found> kPosition{{"in", "", "", [](const Found& f) { return f.position.singular; }},
                                        {"near", "", "", [](const Found& f) { return is_near(f.position); }},
                                        {"what", "", "", &Found::position_words},

@@ -95,9 +95,9 @@ std::optional<int> call_tool(int argc, const char* const* argv) {
   if (completes) return kExitOk;
   const std::string state = why == ENOENT ? fmt::format("which is neither '{}' nor on the PATH", file)
                                           : fmt::format("but '{}' cannot be started: {}", file, std::strerror(why));
-  tell(
-      fmt::format("error: {} needs the program lockstep-{}, {}; build it (cmake --build build/release --target "
-                  "lockstep_{}), or install the package lockstep\n",
+  tell_error(
+      fmt::format("{} needs the program lockstep-{}, {}; build it (cmake --build build/release --target "
+                  "lockstep_{}), or install the package lockstep",
                   certifies ? "--certify" : "'" + std::string(verb) + "'", program, state, program));
   return kExitUsage;
 }

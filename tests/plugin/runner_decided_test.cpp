@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the program decides and reports about constraints that nearly depend on one another.
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+#include "tests/support/program.h"
+
+namespace runner_decided_test {
+
+using namespace lockstep;
+using namespace lockstep::testing;
+using Json = nlohmann::json;
+
+TEST_CASE("runner: rows that nearly depend hold as they are written, and are free or told where that is asked for",
+          "[plugin][runner]") {
+  const std::string door = "'" + std::string(paths::kSource) + "/tests/stability/scenes/door.json'";
+  const Json free = Json::parse(call("check " + door + " --nearly-redundant free --json").text);
+  CHECK(free["freedoms"] == 1);
+  REQUIRE(free["nearly_redundant"].size() == 1);
+  CHECK(free["nearly_redundant"][0]["decided"] == "free");
+  CHECK(free["nearly_redundant"][0]["left_out"].size() == 5);
+  CHECK(free["nearly_redundant"][0]["singular_value"].get<double>() < 1e-6);
+  const auto after_warnings = [](const std::string& words) {  // that assembly took the start velocities away
+    const std::string text = call(words).text;
+    REQUIRE(text.find('{') != std::string::npos);
+    return Json::parse(text.substr(text.find('{')));
+  };
+  const Json by_itself = after_warnings("check " + door + " --json");
+  CHECK(by_itself["freedoms"] == 0);
+  REQUIRE(by_itself["nearly_redundant"].size() == 1);
+  CHECK(by_itself["nearly_redundant"][0]["decided"] == "held");
+  CHECK(by_itself["nearly_redundant"][0]["left_out"].size() == 4);
+  const Json told = after_warnings("check " + door + " --nearly-redundant told --json");
+  CHECK(told["freedoms"] == 0);
+  REQUIRE(told["nearly_redundant"].size() == 1);
+  CHECK(told["nearly_redundant"][0]["decided"] == "told");
+  CHECK(told["nearly_redundant"][0]["left_out"].empty());
+  CHECK(told["nearly_redundant"][0]["rows"] == Json{"low.y", "low.e1", "high.y", "high.e1"});
+  const Json held = after_warnings("check " + door + " --nearly-redundant held --json");
+  CHECK(held["freedoms"] == 0);
+  CHECK(held["nearly_redundant"][0]["decided"] == "held");
+  for (const std::string solver : {"schur", "block", "sparse", "dense"}) {
+    const Json turned = after_warnings(  // which reactions are not unique
+        "run " + door + " --no-picture --record door_free.csv --json --nearly-redundant free --solver " + solver);
+    CAPTURE(solver);
+    CHECK(turned["status"] == "ok");
+    CHECK(turned["steps"].get<long>() < 200);
+    CHECK(std::abs(turned["columns"][0]["final"].get<double>() - 1) < 1e-6);  // turns on at 1 rad/s
+    CHECK(turned["nearly_redundant"].size() == 1);
+    for (const std::string choice : {" --nearly-redundant held", ""}) {
+      const Json still =
+          after_warnings("run " + door + " --no-picture --record door_held.csv --json --solver " + solver + choice);
+      CHECK(still["status"] == "ok");
+      CHECK(still["nearly_redundant"][0]["decided"] == "held");
+      CHECK(std::abs(still["columns"][0]["final"].get<double>()) < 1e-6);
+    }
+  }
+  CHECK(contains(call("run " + door + " --no-picture --record door_free.csv --nearly-redundant free").text,
+                 "it is released. Left out, because others imply them: high x y"));
+  CHECK(contains(call("check " + door + " --nearly-redundant held").text, "it holds, so the mechanism may be locked"));
+}
+
+// Whether its solver then refuses the start or not.
+TEST_CASE("runner: a run names rows that nearly depend, their singular value and both next moves", "[plugin][runner]") {
+  const std::string door = "'" + std::string(paths::kSource) + "/tests/stability/scenes/door.json'";
+  for (const std::string& words : {"check " + door, "run " + door + " --until 0.001 --no-picture --record door_told.csv"})
+    for (const bool told : {true, false}) {
+      const Called called = call(words + (told ? " --nearly-redundant told" : ""));
+      INFO(called.text);
+      CHECK(contains(
+          called.text,
+          "1 of the constraints low y e1; high y e1 is redundant but for a relative singular value of 6.9e-08"));
+      CHECK(
+          contains(called.text, told ? "e-08; solvers may differ" : "e-08; it holds, so the mechanism may be locked"));
+      CHECK(contains(called.text,
+                     told ? "\"nearly_redundant\": \"held\" or \"free\"" : "To release it: --nearly-redundant free"));
+      if (!told) CHECK(called.exit == 0);
+    }
+}
+
+TEST_CASE("runner: what is decided at the start does not go with events that switch its links", "[plugin][runner]") {
+  std::ifstream in(std::string(paths::kSource) + "/tests/stability/scenes/door.json");
+  Json scene = Json::parse(in);
+  scene["events"] = Json::parse(R"([{"name": "open", "at": 0.5, "deactivate": ["low"]}])");
+  std::ofstream(kRunnerFolder + "/door_opens.json") << scene;
+  for (const std::string choice : {"free", "held"})
+    for (const std::string verb : {"check", "run --no-picture --record door_opens.csv"}) {
+      const Called called = call(verb + " door_opens.json --nearly-redundant " + choice);
+      INFO(called.text);
+      CHECK(called.exit != 0);
+      CHECK(contains(called.text, "event 'open' switches joint 'low'"));
+      CHECK(contains(called.text, "\"" + choice + "\""));
+    }
+  const Called by_itself = call("check door_opens.json");  // which decides nothing then, and says why
+  INFO(by_itself.text);
+  CHECK(by_itself.exit == 0);
+  CHECK(contains(by_itself.text, "not decided: event 'open' switches joints of such a loop"));
+}
+
+TEST_CASE("runner: rows hold by themselves beside other events, and are told beside one-sided links",
+          "[plugin][runner]") {
+  std::ifstream in(std::string(paths::kSource) + "/tests/stability/scenes/door.json");
+  const Json door = Json::parse(in);
+  const auto check = [&](const std::string& name, const Json& scene) {
+    std::ofstream(kRunnerFolder + "/" + name + ".json") << scene;
+    const Called called = call("check " + name + ".json --json");
+    INFO(called.text);
+    const Json found = Json::parse(called.text.substr(called.text.find('{')));
+    REQUIRE(found["nearly_redundant"].size() == 1);
+    return found["nearly_redundant"][0]["decided"].get<std::string>();
+  };
+  Json knob = door;
+  knob["bodies"].push_back(
+      Json::parse(R"({"name": "knob", "mass": 1, "inertia": [0.01, 0.01, 0.01], "position": [0.9, 0, 1]})"));
+  knob["links"].push_back(
+      Json::parse(R"({"name": "shaft", "type": "revolute", "p": "knob", "s": "door", "at": [0.9, 0, 1]})"));
+  knob["events"] = Json::parse(R"([{"name": "off", "at": 0.5, "deactivate": ["shaft"]}])");
+  CHECK(check("door_knob", knob) == "held");
+  Json stop = door;
+  stop["links"].push_back(Json::parse(
+      R"({"name": "stop", "type": "stop", "p": "door", "s": "ground", "at": [0, 0, 0.2], "coordinate": "rz", "high": 1})"));
+  CHECK(check("door_stop", stop) == "told");
+  // With 60 rods on it 310 rows in space, 124 in its plane.
+  Json rods = door;
+  for (int k = 0; k < 60; ++k) {
+    const std::string name = "rod_" + std::to_string(k), before = k == 0 ? "door" : "rod_" + std::to_string(k - 1);
+    const Json from = {0.9 + k, 0, 1}, to = {1.9 + k, 0, 1};
+    rods["bodies"].push_back({{"name", name}, {"rod", {{"mass", 0.1}, {"from", from}, {"to", to}}}});
+    rods["links"].push_back(
+        {{"name", name + "_hinge"}, {"type", "revolute"}, {"p", name}, {"s", before}, {"at", from}});
+  }
+  rods["planar"] = "off", rods["gravity"] = {0, 2, 0};
+  CHECK(check("door_rods", rods) == "told");
+  rods["planar"] = "z";
+  CHECK(check("door_rods_flat", rods) == "held");
+}
+
+}  // namespace runner_decided_test
