@@ -56,7 +56,7 @@ Draft chain_draft(const Mechanism& m) {
   Draft d;
   const bool spatial = m.kind == Kind::spatial_chain;
   d.title = m.name == "pendulum" ? "a rod swings from the horizontal, long enough for errors to grow"
-            : spatial ? std::to_string(m.n) + " rods end to end, joints about z and y by turns, tilted gravity"
+            : spatial ? std::to_string(m.n) + " rods end to end, joints alternately about z and y, tilted gravity"
                       : std::to_string(m.n) + " rods end to end fall from the horizontal";
   for (int k = 0; k < m.n; ++k) {
     d.rod(numbered("rod", k + 1), 1, {double(k), 0, 0}, {double(k + 1), 0, 0}, 0.01);
@@ -70,7 +70,7 @@ Draft chain_draft(const Mechanism& m) {
 
 Draft four_bars_draft(const Mechanism& m) {
   Draft d;
-  d.title = std::to_string(m.n) + " four-bars in a row fall through their flat position";
+  d.title = std::to_string(m.n) + " four-bars in series fall through their flat configuration";
   const std::string spin = ", \"velocity\": [0.5, 0, 0], \"omega_world\": [0, 0, -1]";
   for (int k = 0; k <= m.n; ++k) d.rod(numbered("upright", k), 1, {double(k), 0, 0}, {double(k), 1, 0}, 0.01, spin);
   for (int k = 0; k < m.n; ++k)
