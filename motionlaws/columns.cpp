@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <lockstep/splines.h>
+#include "motionlaws/spline_curve.h"
 
 #include <cmath>
 
@@ -44,7 +44,9 @@ double number_of(CsvReader& lines, const std::vector<std::string>& cells, const 
   return si.value;
 }
 
-Columns table_of(const std::vector<std::vector<double>>& rows, std::size_t n_y) {
+}  // namespace
+
+Columns columns_of(const std::vector<std::vector<double>>& rows, std::size_t n_y) {
   Columns table;
   table.y.resize(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(n_y));
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -54,8 +56,6 @@ Columns table_of(const std::vector<std::vector<double>>& rows, std::size_t n_y) 
   }
   return table;
 }
-
-}  // namespace
 
 Columns read_columns(const std::string& path, const std::string& t_column, const std::vector<std::string>& y_columns) {
   CsvReader lines(path);
@@ -77,7 +77,7 @@ Columns read_columns(const std::string& path, const std::string& t_column, const
     rows.push_back(std::move(row));
   }
   if (rows.empty()) throw FileError(path + ": has no rows of numbers");
-  return table_of(rows, y_columns.size());
+  return columns_of(rows, y_columns.size());
 }
 
 }  // namespace lockstep

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "motionlaws/law_types.h"
+#include "motionlaws/side.h"
 
 namespace lockstep {
 namespace {
@@ -49,64 +50,46 @@ class ProductLaw final : public OfLaws {
   }
 };
 
-class ScaledLaw final : public MotionLaw {
+// y = offset + factor law(t - delay): what scale and shift have in common.
+class MappedLaw final : public MotionLaw {
  public:
-  ScaledLaw(LawPtr<MotionLaw> law, double factor, double offset)
-      : law_(std::move(law)), factor_(factor), offset_(offset) {
-    require_law("scale", "law", law_);
-    require_finite("scale", "factor", factor);
-    require_finite("scale", "offset", offset);
-  }
+  MappedLaw(LawPtr<MotionLaw> law, double factor, double offset, double delay)
+      : law_(std::move(law)), factor_(factor), offset_(offset), delay_(delay) {}
   LawValue at(double t) const override {
-    const LawValue v = law_->at(t);
+    const LawValue v = law_->at(t - delay_);
     return {offset_ + factor_ * v.y, factor_ * v.yd, factor_ * v.ydd};
   }
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
-    if (factor_ != 0.0) law_->breakpoints(t0, t1, out);
+    if (factor_ != 0.0) append_breakpoints(*law_, t0 - delay_, t1 - delay_, delay_, out);
   }
 
  private:
   LawPtr<MotionLaw> law_;
-  double factor_, offset_;
-};
-
-class ShiftedLaw final : public MotionLaw {
- public:
-  ShiftedLaw(LawPtr<MotionLaw> law, double delay) : law_(std::move(law)), delay_(delay) {
-    require_law("shift", "law", law_);
-    require_finite("shift", "delay", delay);
-  }
-  LawValue at(double t) const override { return law_->at(t - delay_); }
-  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
-    const std::size_t n = out.size();
-    law_->breakpoints(t0 - delay_, t1 - delay_, out);
-    for (std::size_t i = n; i < out.size(); ++i) out[i] += delay_;
-  }
-
- private:
-  LawPtr<MotionLaw> law_;
-  double delay_;
+  double factor_, offset_, delay_;
 };
 
 }  // namespace
 
-namespace laws {
-LawPtr<MotionLaw> sum(std::vector<LawPtr<MotionLaw>> laws) { return std::make_shared<const SumLaw>(std::move(laws)); }
-LawPtr<MotionLaw> product(std::vector<LawPtr<MotionLaw>> laws) {
+LawPtr<MotionLaw> laws::sum(std::vector<LawPtr<MotionLaw>> laws) {
+  return std::make_shared<const SumLaw>(std::move(laws));
+}
+LawPtr<MotionLaw> laws::product(std::vector<LawPtr<MotionLaw>> laws) {
   return std::make_shared<const ProductLaw>(std::move(laws));
 }
-LawPtr<MotionLaw> scale(LawPtr<MotionLaw> law, double factor, double offset) {
-  return std::make_shared<const ScaledLaw>(std::move(law), factor, offset);
+LawPtr<MotionLaw> laws::scale(LawPtr<MotionLaw> law, double factor, double offset) {
+  require_law("scale", "law", law);
+  require_finite("scale", "factor", factor);
+  require_finite("scale", "offset", offset);
+  return std::make_shared<const MappedLaw>(std::move(law), factor, offset, 0);
 }
-LawPtr<MotionLaw> shift(LawPtr<MotionLaw> law, double delay) {
-  return std::make_shared<const ShiftedLaw>(std::move(law), delay);
+LawPtr<MotionLaw> laws::shift(LawPtr<MotionLaw> law, double delay) {
+  require_law("shift", "law", law);
+  require_finite("shift", "delay", delay);
+  return std::make_shared<const MappedLaw>(std::move(law), 1, 0, delay);
 }
-}  // namespace laws
 
 void add_combine(LawTypes& types) {
-  types.laws.add({"sum",
-                  "y = y_1 + y_2 + ...",
-                  {{"laws", Form::laws, Unit::none, kRequired, "the addends", {}, LawQuantity::value}}},
+  types.laws.add({"sum", "y = y_1 + y_2 + ...", {value_key("laws", Form::laws, kRequired, "the addends")}},
                  [](const Params& p) { return laws::sum(p.laws("laws")); });
   types.laws.add({"product", "y = y_1 y_2 ...", {{"laws", Form::laws, Unit::none, kRequired, "the factors"}}},
                  [](const Params& p) { return laws::product(p.laws("laws")); });
@@ -114,11 +97,11 @@ void add_combine(LawTypes& types) {
                   "y = offset + factor law(t)",
                   {{"law", Form::law, Unit::none, kRequired, "the law that is scaled"},
                    {"factor", Form::number, Unit::any, 1, "factor of its value"},
-                   {"offset", Form::number, Unit::any, 0, "added to the product", {}, LawQuantity::value}}},
+                   value_key("offset", Form::number, 0, "added to the product")}},
                  [](const Params& p) { return laws::scale(p.law("law"), p.number("factor"), p.number("offset")); });
   types.laws.add({"shift",
                   "y(t) = law(t - delay)",
-                  {{"law", Form::law, Unit::none, kRequired, "the law that is delayed", {}, LawQuantity::value},
+                  {value_key("law", Form::law, kRequired, "the law that is delayed"),
                    {"delay", Form::number, Unit::time, kRequired, "delay; negative: earlier"}}},
                  [](const Params& p) { return laws::shift(p.law("law"), p.number("delay")); });
 }

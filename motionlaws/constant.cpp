@@ -18,20 +18,12 @@ class Constant final : public MotionLaw {
 
 }  // namespace
 
-namespace laws {
-LawPtr<MotionLaw> constant(double value) { return std::make_shared<const Constant>(value); }
-}  // namespace laws
+LawPtr<MotionLaw> laws::constant(double value) { return std::make_shared<const Constant>(value); }
 
 void add_constant(LawTypes& types) {
   types.laws.add({"constant",
                   "y = value",
-                  {{"value",
-                    Form::number,
-                    Unit::any,
-                    kRequired,
-                    "the value, in the unit of the driven quantity",
-                    {},
-                    LawQuantity::value}}},
+                  {value_key("value", Form::number, kRequired, "the value, in the unit of the driven quantity")}},
                  [](const Params& p) { return laws::constant(p.number("value")); });
 }
 

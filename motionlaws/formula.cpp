@@ -26,13 +26,8 @@ class FormulaLaw final : public MotionLaw {
 void add_formula(LawTypes& types) {
   types.laws.add({"formula",
                   "y by a formula of time",
-                  {{"y",
-                    Form::text,
-                    Unit::none,
-                    kRequired,
-                    "formula of t, as in \"=0.1*sin(3*t)\"; all numbers in SI, or all with units",
-                    {},
-                    LawQuantity::value},
+                  {value_key("y", Form::text, kRequired,
+                             "formula of t, as in \"=0.1*sin(3*t)\"; all numbers in SI, or all with units"),
                    expression::constants_key()}},
                  [](const Params& p) -> LawPtr<MotionLaw> {
                    const std::vector<expression::Constant> constants = expression::read_constants(p, "parameters");

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include <lockstep/math.h>
-
 #include "motionlaws/law_types.h"
 
 namespace lockstep {
@@ -43,9 +41,7 @@ class Fourier final : public MotionLaw {
 
 }  // namespace
 
-namespace laws {
-LawPtr<MotionLaw> fourier(FourierSettings k) { return std::make_shared<const Fourier>(std::move(k)); }
-}  // namespace laws
+LawPtr<MotionLaw> laws::fourier(FourierSettings k) { return std::make_shared<const Fourier>(std::move(k)); }
 
 void add_fourier(LawTypes& types) {
   types.laws.add(
@@ -53,15 +49,11 @@ void add_fourier(LawTypes& types) {
        "y = offset + sum a_k cos(k omega t) + b_k sin(k omega t), k = 1, 2, ...",
        {{"omega", Form::number, Unit::angular_speed, kOptional, "base circular frequency; this or frequency"},
         {"frequency", Form::number, Unit::frequency, kOptional, "base cycles per second; this or omega"},
-        {"offset", Form::number, Unit::any, 0, "mean value", {}, LawQuantity::value},
-        {"cosines", Form::numbers, Unit::any, Value::List{}, "a_1, a_2, ...", {}, LawQuantity::value},
-        {"sines", Form::numbers, Unit::any, Value::List{}, "b_1, b_2, ...", {}, LawQuantity::value}}},
+        value_key("offset", Form::number, 0, "mean value"),
+        value_key("cosines", Form::numbers, Value::List{}, "a_1, a_2, ..."),
+        value_key("sines", Form::numbers, Value::List{}, "b_1, b_2, ...")}},
       [](const Params& p) {
-        if (p.has("omega") && p.has("frequency"))
-          p.refuse("frequency", "is given as well as omega; give one of the two");
-        if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
-        const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
-        return laws::fourier({omega, p.number("offset"), p.numbers("cosines"), p.numbers("sines")});
+        return laws::fourier({omega_of(p), p.number("offset"), p.numbers("cosines"), p.numbers("sines")});
       });
 }
 

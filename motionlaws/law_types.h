@@ -25,6 +25,16 @@ struct LawTypes {
   TypesOf<RotationLaw> rotation_laws;
 };
 
+/// A key in the dimension of the law that it is of, or of a rate of that: numbers, inner laws, a formula.
+inline Key value_key(const char* name, Form form, Default fallback, const char* help,
+                     LawQuantity quantity = LawQuantity::value) {
+  const bool numbers = form == Form::number || form == Form::numbers || form == Form::points;
+  return {name, form, numbers ? Unit::any : Unit::none, std::move(fallback), help, {}, quantity};
+}
+
+/// The circular frequency, rad/s, from the one of the keys "omega" and "frequency" that is given.
+double omega_of(const Params&);
+
 // Of each file of the room.
 void add_constant(LawTypes&);
 void add_ramp(LawTypes&);

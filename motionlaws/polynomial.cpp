@@ -34,19 +34,16 @@ class Polynomial final : public MotionLaw {
 
 }  // namespace
 
-namespace laws {
-LawPtr<MotionLaw> polynomial(std::vector<double> coefficients, double t0) {
+LawPtr<MotionLaw> laws::polynomial(std::vector<double> coefficients, double t0) {
   return std::make_shared<const Polynomial>(std::move(coefficients), t0);
 }
-}  // namespace laws
 
 void add_polynomial(LawTypes& types) {
-  types.laws.add(
-      {"polynomial",
-       "y = c0 + c1 (t - t0) + c2 (t - t0)^2 + ...",
-       {{"coefficients", Form::numbers, Unit::any, kRequired, "c0, c1, c2, ...", {}, LawQuantity::coefficients},
-        {"t0", Form::number, Unit::time, 0, "origin of time"}}},
-      [](const Params& p) { return laws::polynomial(p.numbers("coefficients"), p.number("t0")); });
+  types.laws.add({"polynomial",
+                  "y = c0 + c1 (t - t0) + c2 (t - t0)^2 + ...",
+                  {value_key("coefficients", Form::numbers, kRequired, "c0, c1, c2, ...", LawQuantity::coefficients),
+                   {"t0", Form::number, Unit::time, 0, "origin of time"}}},
+                 [](const Params& p) { return laws::polynomial(p.numbers("coefficients"), p.number("t0")); });
 }
 
 }  // namespace lockstep

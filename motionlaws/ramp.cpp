@@ -21,18 +21,15 @@ class Ramp final : public MotionLaw {
 
 }  // namespace
 
-namespace laws {
-LawPtr<MotionLaw> ramp(double slope, double t0, double y0) { return std::make_shared<const Ramp>(slope, t0, y0); }
-}  // namespace laws
+LawPtr<MotionLaw> laws::ramp(double slope, double t0, double y0) { return std::make_shared<const Ramp>(slope, t0, y0); }
 
 void add_ramp(LawTypes& types) {
-  types.laws.add(
-      {"ramp",
-       "y = y0 + slope (t - t0)",
-       {{"slope", Form::number, Unit::any, kRequired, "rate of y, its unit per second", {}, LawQuantity::rate},
-        {"t0", Form::number, Unit::time, 0, "time at which y = y0"},
-        {"y0", Form::number, Unit::any, 0, "value at t0", {}, LawQuantity::value}}},
-      [](const Params& p) { return laws::ramp(p.number("slope"), p.number("t0"), p.number("y0")); });
+  types.laws.add({"ramp",
+                  "y = y0 + slope (t - t0)",
+                  {value_key("slope", Form::number, kRequired, "rate of y, its unit per second", LawQuantity::rate),
+                   {"t0", Form::number, Unit::time, 0, "time at which y = y0"},
+                   value_key("y0", Form::number, 0, "value at t0")}},
+                 [](const Params& p) { return laws::ramp(p.number("slope"), p.number("t0"), p.number("y0")); });
 }
 
 }  // namespace lockstep

@@ -36,10 +36,7 @@ class Repeat final : public MotionLaw {
       const double start = t0_ + n * period_;
       if (jump_ && t0 < start) out.push_back(start);
       const double from = std::max(t0 - start, 0.0), to = std::min(t1 - start, period_);
-      if (!(from < to)) continue;
-      const std::size_t k = out.size();
-      law_->breakpoints(from, to, out);
-      for (std::size_t i = k; i < out.size(); ++i) out[i] += start;
+      if (from < to) append_breakpoints(*law_, from, to, start, out);
     }
   }
 
@@ -51,24 +48,21 @@ class Repeat final : public MotionLaw {
 
 }  // namespace
 
-namespace laws {
-LawPtr<MotionLaw> repeat(LawPtr<MotionLaw> law, double period, const RepeatSettings& k) {
+LawPtr<MotionLaw> laws::repeat(LawPtr<MotionLaw> law, double period, const RepeatSettings& k) {
   return std::make_shared<const Repeat>(std::move(law), period, k);
 }
-}  // namespace laws
 
 void add_repeat(LawTypes& types) {
-  types.laws.add(
-      {"repeat",
-       "one period of a law, repeated",
-       {{"law", Form::law, Unit::none, kRequired, "the law, used from its time 0 to period", {}, LawQuantity::value},
-        {"period", Form::number, Unit::time, kRequired, "length of the period"},
-        {"drift", Form::boolean, Unit::none, false,
-         "each period continues from the value at which the one before ended"},
-        {"t0", Form::number, Unit::time, 0, "start of a period"}}},
-      [](const Params& p) {
-        return laws::repeat(p.law("law"), p.number("period"), {p.number("t0"), p.boolean("drift")});
-      });
+  types.laws.add({"repeat",
+                  "one period of a law, repeated",
+                  {value_key("law", Form::law, kRequired, "the law, used from its time 0 to period"),
+                   {"period", Form::number, Unit::time, kRequired, "length of the period"},
+                   {"drift", Form::boolean, Unit::none, false,
+                    "each period continues from the value at which the one before ended"},
+                   {"t0", Form::number, Unit::time, 0, "start of a period"}}},
+                 [](const Params& p) {
+                   return laws::repeat(p.law("law"), p.number("period"), {p.number("t0"), p.boolean("drift")});
+                 });
 }
 
 }  // namespace lockstep

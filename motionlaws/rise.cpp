@@ -14,83 +14,74 @@ namespace {
 TypeInfo rise_info(const char* name, const char* help) {
   return {name,
           help,
-          {{"rise", Form::number, Unit::any, kRequired, "h, change of y; may be negative", {}, LawQuantity::value},
+          {value_key("rise", Form::number, kRequired, "h, change of y; may be negative"),
            {"duration", Form::number, Unit::time, kRequired, "T, duration of the rise"},
            {"t0", Form::number, Unit::time, 0, "start of the rise"},
-           {"y0", Form::number, Unit::any, 0, "value before the rise", {}, LawQuantity::value}}};
+           value_key("y0", Form::number, 0, "value before the rise")}};
 }
 
 RiseSettings rise_settings(const Params& p) {
   return {p.number("rise"), p.number("duration"), p.number("t0"), p.number("y0")};
 }
 
-class Rise : public MotionLaw {
- public:
-  LawValue at(double t) const final {
-    const double u = (t - k_.t0) / k_.duration;
-    if (u < -kEarly) return held(k_.y0);
-    if (u >= 1.0 - kEarly) return held(k_.y0 + k_.rise);
-    const LawValue s = shape(u);
-    const double v = k_.rise / k_.duration;
-    return {k_.y0 + k_.rise * s.y, v * s.yd, v / k_.duration * s.ydd};
-  }
+// s, s', s'' of a shape for u in [0, 1].
+using RiseShape = LawValue (*)(double u);
 
- protected:
-  Rise(const char* law, const RiseSettings& k) : k_(k) {
+class Rise final : public MotionLaw {
+ public:
+  /// `jumps`: its second derivative, at the beginning and at the end.
+  Rise(const char* law, const RiseSettings& k, RiseShape shape, bool jumps)
+      : k_(k), shape_(shape), jumps_(jumps && k.rise != 0.0) {
     require_finite(law, "rise", k.rise);
     require_positive(law, "duration", k.duration);
     require_finite(law, "t0", k.t0);
     require_finite(law, "y0", k.y0);
   }
-  virtual LawValue shape(double u) const = 0;  // s, s', s'' for u in [0, 1]
-  RiseSettings k_;                             // the parameters
-};
-
-class Poly345 final : public Rise {
- public:
-  explicit Poly345(const RiseSettings& k) : Rise("poly345", k) {}
-
- protected:
-  LawValue shape(double u) const override {
-    const double w = 1.0 - u;
-    return {u * u * u * (10.0 - u * (15.0 - 6.0 * u)), 30.0 * u * u * w * w, 60.0 * u * w * (1.0 - 2.0 * u)};
+  LawValue at(double t) const override {
+    const double u = (t - k_.t0) / k_.duration;
+    if (u < -kEarly) return held(k_.y0);
+    if (u >= 1.0 - kEarly) return held(k_.y0 + k_.rise);
+    const LawValue s = shape_(u);
+    const double v = k_.rise / k_.duration;
+    return {k_.y0 + k_.rise * s.y, v * s.yd, v / k_.duration * s.ydd};
   }
-};
-
-class Cycloid final : public Rise {
- public:
-  explicit Cycloid(const RiseSettings& k) : Rise("cycloid", k) {}
-
- protected:
-  LawValue shape(double u) const override {
-    const double s = std::sin(kTwoPi * u), c = std::cos(kTwoPi * u);
-    return {u - s / kTwoPi, 1.0 - c, kTwoPi * s};
-  }
-};
-
-class HarmonicRise final : public Rise {
- public:
-  explicit HarmonicRise(const RiseSettings& k) : Rise("harmonic_rise", k) {}
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
-    if (k_.rise == 0.0) return;
     for (const double t : {k_.t0, k_.t0 + k_.duration})
-      if (t0 < t && t < t1) out.push_back(t);
+      if (jumps_ && t0 < t && t < t1) out.push_back(t);
   }
 
- protected:
-  LawValue shape(double u) const override {
-    const double s = std::sin(kPi * u), c = std::cos(kPi * u);
-    return {0.5 * (1.0 - c), 0.5 * kPi * s, 0.5 * kPi * kPi * c};
-  }
+ private:
+  RiseSettings k_;
+  RiseShape shape_;
+  bool jumps_;
 };
+
+LawValue poly345_shape(double u) {
+  const double w = 1.0 - u;
+  return {u * u * u * (10.0 - u * (15.0 - 6.0 * u)), 30.0 * u * u * w * w, 60.0 * u * w * (1.0 - 2.0 * u)};
+}
+
+LawValue cycloid_shape(double u) {
+  const double s = std::sin(kTwoPi * u), c = std::cos(kTwoPi * u);
+  return {u - s / kTwoPi, 1.0 - c, kTwoPi * s};
+}
+
+LawValue harmonic_shape(double u) {
+  const double s = std::sin(kPi * u), c = std::cos(kPi * u);
+  return {0.5 * (1.0 - c), 0.5 * kPi * s, 0.5 * kPi * kPi * c};
+}
 
 }  // namespace
 
-namespace laws {
-LawPtr<MotionLaw> poly345(const RiseSettings& k) { return std::make_shared<const Poly345>(k); }
-LawPtr<MotionLaw> cycloid(const RiseSettings& k) { return std::make_shared<const Cycloid>(k); }
-LawPtr<MotionLaw> harmonic_rise(const RiseSettings& k) { return std::make_shared<const HarmonicRise>(k); }
-}  // namespace laws
+LawPtr<MotionLaw> laws::poly345(const RiseSettings& k) {
+  return std::make_shared<const Rise>("poly345", k, poly345_shape, false);
+}
+LawPtr<MotionLaw> laws::cycloid(const RiseSettings& k) {
+  return std::make_shared<const Rise>("cycloid", k, cycloid_shape, false);
+}
+LawPtr<MotionLaw> laws::harmonic_rise(const RiseSettings& k) {
+  return std::make_shared<const Rise>("harmonic_rise", k, harmonic_shape, true);
+}
 
 void add_rise(LawTypes& types) {
   types.laws.add(rise_info("poly345", "rise h (10 u^3 - 15 u^4 + 6 u^5), u = (t - t0)/T, constant outside"),

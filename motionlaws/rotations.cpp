@@ -62,17 +62,15 @@ class RotationProduct final : public RotationLaw {
 
 }  // namespace
 
-namespace laws {
-LawPtr<RotationLaw> constant_rotation(const Quat& orientation) {
+LawPtr<RotationLaw> laws::constant_rotation(const Quat& orientation) {
   return std::make_shared<const ConstantRotation>(orientation);
 }
-LawPtr<RotationLaw> axis_rotation(const Vec3& axis, LawPtr<MotionLaw> law) {
+LawPtr<RotationLaw> laws::axis_rotation(const Vec3& axis, LawPtr<MotionLaw> law) {
   return std::make_shared<const AxisRotation>(axis, std::move(law));
 }
-LawPtr<RotationLaw> rotation_product(LawPtr<RotationLaw> first, LawPtr<RotationLaw> second) {
+LawPtr<RotationLaw> laws::rotation_product(LawPtr<RotationLaw> first, LawPtr<RotationLaw> second) {
   return std::make_shared<const RotationProduct>(std::move(first), std::move(second));
 }
-}  // namespace laws
 
 void add_rotations(LawTypes& types) {
   types.rotation_laws.add(
@@ -80,23 +78,16 @@ void add_rotations(LawTypes& types) {
        "a fixed orientation",
        {{"orientation", Form::orientation, Unit::none, kRequired, "the orientation relative to the frame"}}},
       [](const Params& p) { return laws::constant_rotation(p.orientation("orientation")); });
-  types.rotation_laws.add(
-      {"axis_rotation",
-       "rotation about an axis by a scalar law",
-       {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
-        {"law", Form::law, Unit::none, kRequired, "scalar law of the angle", {}, LawQuantity::value}}},
-      [](const Params& p) { return laws::axis_rotation(p.vector3("axis"), p.law("law")); });
+  types.rotation_laws.add({"axis_rotation",
+                           "rotation about an axis by a scalar law",
+                           {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
+                            value_key("law", Form::law, kRequired, "scalar law of the angle")}},
+                          [](const Params& p) { return laws::axis_rotation(p.vector3("axis"), p.law("law")); });
   types.rotation_laws.add(
       {"product",
        "two rotations one after the other, q = q1 q2",
-       {{"first", Form::rotation_law, Unit::none, kRequired, "q1, relative to the frame", {}, LawQuantity::value},
-        {"second",
-         Form::rotation_law,
-         Unit::none,
-         kRequired,
-         "q2, about the axes rotated by q1",
-         {},
-         LawQuantity::value}}},
+       {value_key("first", Form::rotation_law, kRequired, "q1, relative to the frame"),
+        value_key("second", Form::rotation_law, kRequired, "q2, about the axes rotated by q1")}},
       [](const Params& p) { return laws::rotation_product(p.rotation_law("first"), p.rotation_law("second")); });
 }
 

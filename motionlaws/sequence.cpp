@@ -46,10 +46,7 @@ class Sequence final : public MotionLaw {
       const bool on_left = k_.run_on && i == 0, on_right = k_.run_on && i + 1 == pieces_.size();
       const double from = on_left ? t0 - start_[i] : std::max(t0 - start_[i], 0.0);
       const double to = on_right ? t1 - start_[i] : std::min(t1 - start_[i], pieces_[i].duration);
-      if (!(from < to)) continue;
-      const std::size_t n = out.size();
-      pieces_[i].law->breakpoints(from, to, out);
-      for (std::size_t j = n; j < out.size(); ++j) out[j] += start_[i];
+      if (from < to) append_breakpoints(*pieces_[i].law, from, to, start_[i], out);
     }
   }
 
@@ -85,17 +82,15 @@ class Sequence final : public MotionLaw {
 
 }  // namespace
 
-namespace laws {
-LawPtr<MotionLaw> sequence(std::vector<Piece> pieces, const SequenceSettings& k) {
+LawPtr<MotionLaw> laws::sequence(std::vector<Piece> pieces, const SequenceSettings& k) {
   return std::make_shared<const Sequence>(std::move(pieces), k);
 }
-}  // namespace laws
 
 void add_sequence(LawTypes& types) {
   types.laws.add({"sequence",
                   "laws one after another, each on its own time from 0",
                   {{"durations", Form::numbers, Unit::time, kRequired, "how long each law runs"},
-                   {"laws", Form::laws, Unit::none, kRequired, "as many laws", {}, LawQuantity::value},
+                   value_key("laws", Form::laws, kRequired, "as many laws"),
                    {"continue", Form::boolean, Unit::none, false,
                     "each law continues from the value at which the one before ended"},
                    {"outside",

@@ -24,6 +24,12 @@ LawValue size_of(const MotionLaw& law, double t0, double span) {
   return most;
 }
 
+void append_breakpoints(const MotionLaw& law, double from, double to, double start, std::vector<double>& out) {
+  std::size_t k = out.size();
+  law.breakpoints(from, to, out);
+  for (; k < out.size(); ++k) out[k] += start;
+}
+
 bool differs(const LawValue& a, const LawValue& b, const LawValue& size) {
   constexpr double kNoise = 1e-10;
   return std::abs(a.y - b.y) > kNoise * size.y || std::abs(a.yd - b.yd) > kNoise * size.yd ||

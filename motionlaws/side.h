@@ -22,6 +22,9 @@ LawValue size_of(const MotionLaw& law, double t0, double span);
 /// Whether a and b differ by more than 1e-10 of `size` in y, yd or ydd.
 bool differs(const LawValue& a, const LawValue& b, const LawValue& size);
 
+/// Appends the breakpoints of `law` in (from, to) of its own time, which is 0 at `start`, s.
+void append_breakpoints(const MotionLaw& law, double from, double to, double start, std::vector<double>& out);
+
 /// a with the value raised by `offset`; the rates are the same.
 inline LawValue raised(LawValue a, double offset) {
   a.y += offset;

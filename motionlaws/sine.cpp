@@ -30,30 +30,24 @@ class Sine final : public MotionLaw {
 
 }  // namespace
 
-namespace laws {
-LawPtr<MotionLaw> sine(const SineSettings& k) { return std::make_shared<const Sine>(k); }
-}  // namespace laws
+LawPtr<MotionLaw> laws::sine(const SineSettings& k) { return std::make_shared<const Sine>(k); }
+
+double omega_of(const Params& p) {
+  if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given as well as omega; give one of the two");
+  if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
+  return p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
+}
 
 void add_sine(LawTypes& types) {
   types.laws.add({"sine",
                   "y = offset + amplitude sin(omega t + phase)",
-                  {{"amplitude",
-                    Form::number,
-                    Unit::any,
-                    1,
-                    "half the range, in the unit of the driven quantity",
-                    {},
-                    LawQuantity::value},
+                  {value_key("amplitude", Form::number, 1, "half the range, in the unit of the driven quantity"),
                    {"omega", Form::number, Unit::angular_speed, kOptional, "circular frequency; this or frequency"},
                    {"frequency", Form::number, Unit::frequency, kOptional, "cycles per second; this or omega"},
                    {"phase", Form::number, Unit::angle, 0, "angle at t = 0"},
-                   {"offset", Form::number, Unit::any, 0, "mean value", {}, LawQuantity::value}}},
+                   value_key("offset", Form::number, 0, "mean value")}},
                  [](const Params& p) {
-                   if (p.has("omega") && p.has("frequency"))
-                     p.refuse("frequency", "is given as well as omega; give one of the two");
-                   if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
-                   const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
-                   return laws::sine({p.number("amplitude"), omega, p.number("phase"), p.number("offset")});
+                   return laws::sine({p.number("amplitude"), omega_of(p), p.number("phase"), p.number("offset")});
                  });
 }
 

@@ -12,13 +12,12 @@
 
 namespace lockstep {
 
-SplineCurve::SplineCurve(const char* law, std::vector<double> t, const MatX& y, const SplineSettings& k,
-                         const SplineEndRates& rates, double turn)
-    : law_(law), t_(std::move(t)), k_(k), turn_(turn), n_components_(static_cast<int>(y.cols())) {
-  check(y);
-  for (const VecX* rate : {&rates.start_rate, &rates.end_rate, &rates.start_acceleration, &rates.end_acceleration})
-    for (const double r : *rate) require_finite(law, "ends", r);
-  fill(y, spline_nodes(t_, y, k_.degree, k_.ends, rates, turn_));
+SplineCurve::SplineCurve(const char* law, const Columns& points, const SplineSettings& k, const MatX& rates,
+                         double turn)
+    : law_(law), t_(points.t), k_(k), turn_(turn), n_components_(static_cast<int>(points.y.cols())) {
+  check(points.y);
+  for (const double r : rates.reshaped()) require_finite(law, "ends", r);
+  fill(points.y, spline_nodes(points, k_.degree, k_.ends, rates, turn_));
 }
 
 void SplineCurve::check(const MatX& y) const {
@@ -86,11 +85,6 @@ void SplineCurve::fill(const MatX& y, const MatX& x) {
   rest_at_last_ = rests(last());
 }
 
-std::size_t SplineCurve::interval(double t) const {
-  const auto next = std::upper_bound(t_.begin() + 1, t_.end() - 1, t);
-  return static_cast<std::size_t>(next - t_.begin()) - 1;
-}
-
 void SplineCurve::at(double t, double* y, double* yd, double* ydd) const {
   const double T = last() - first();
   double sign = 1, go_on = 1;  // go_on is 0 where the value is held
@@ -105,7 +99,9 @@ void SplineCurve::at(double t, double* y, double* yd, double* ydd) const {
     throw ModelError("law '" + law_ + "' has points from " + text::brief(first()) + " s to " + text::brief(last()) +
                      " s and no value at t = " + text::brief(t) + " s; add points, or set \"outside\" to \"hold\"");
   }
-  const std::size_t i = interval(t), n_powers = static_cast<std::size_t>(k_.degree) + 1;
+  const auto next = std::upper_bound(t_.begin() + 1, t_.end() - 1, t);
+  const std::size_t i = static_cast<std::size_t>(next - t_.begin()) - 1;
+  const std::size_t n_powers = static_cast<std::size_t>(k_.degree) + 1;
   const double u = t - t_[i];
   const double* c = c_.data() + i * static_cast<std::size_t>(n_components_) * n_powers;
   for (int j = 0; j < n_components_; ++j, c += n_powers) {

@@ -59,7 +59,7 @@ struct Row {
 template <int m>
 class PointEquations {
  public:
-  PointEquations(const std::vector<double>& t, const MatX& y) : t_(t), y_(y) {}
+  explicit PointEquations(const Columns& points) : t_(points.t), y_(points.y) {}
 
   Row<m> row(std::size_t i, bool with_left, bool with_right) const {
     Row<m> r;
@@ -107,13 +107,8 @@ MatX solve(std::vector<Row<m>> rows) {
 
 // An end with given rates: x = given.
 template <int m>
-Row<m> given_row(const VecX& rate, const VecX& acceleration, Eigen::Index n_components) {
-  Row<m> r;
-  r.diagonal.setIdentity();
-  r.rhs.setZero(m, n_components);
-  if (rate.size() > 0) r.rhs.row(0) = rate.transpose();
-  if (m == 2 && acceleration.size() > 0) r.rhs.row(m - 1) = acceleration.transpose();
-  return r;
+Row<m> given_row(const Values<m>& rates) {
+  return {Block<m>::Zero(), Block<m>::Identity(), Block<m>::Zero(), rates};
 }
 
 // x_n = turn x_0: x_0 is the border. Rows 1 .. n-1 give x = z - Z x_0, then the row at point 0 gives x_0.
@@ -147,24 +142,21 @@ MatX solve_periodic(const PointEquations<m>& system, std::size_t n, Eigen::Index
 }
 
 template <int m>
-MatX nodes(const std::vector<double>& t, const MatX& y, SplineEnds ends, const SplineEndRates& rates, double turn) {
-  const PointEquations<m> system(t, y);
-  const std::size_t n = t.size() - 1;
-  if (ends == SplineEnds::periodic) return solve_periodic<m>(system, n, y.cols(), turn);
+MatX nodes(const Columns& points, SplineEnds ends, const MatX& rates, double turn) {
+  const PointEquations<m> system(points);
+  const std::size_t n = points.t.size() - 1;
+  if (ends == SplineEnds::periodic) return solve_periodic<m>(system, n, points.y.cols(), turn);
   std::vector<Row<m>> rows;
   for (std::size_t i = 0; i <= n; ++i) rows.push_back(system.row(i, i > 0, i < n));
-  if (ends == SplineEnds::clamped) {
-    rows.front() = given_row<m>(rates.start_rate, rates.start_acceleration, y.cols());
-    rows.back() = given_row<m>(rates.end_rate, rates.end_acceleration, y.cols());
-  }
+  if (ends == SplineEnds::clamped)
+    rows.front() = given_row<m>(rates.topRows<m>()), rows.back() = given_row<m>(rates.middleRows<m>(2));
   return solve<m>(std::move(rows));
 }
 
 }  // namespace
 
-MatX spline_nodes(const std::vector<double>& t, const MatX& y, int degree, SplineEnds ends, const SplineEndRates& rates,
-                  double turn) {
-  return degree == 3 ? nodes<1>(t, y, ends, rates, turn) : nodes<2>(t, y, ends, rates, turn);
+MatX spline_nodes(const Columns& points, int degree, SplineEnds ends, const MatX& rates, double turn) {
+  return degree == 3 ? nodes<1>(points, ends, rates, turn) : nodes<2>(points, ends, rates, turn);
 }
 
 }  // namespace lockstep

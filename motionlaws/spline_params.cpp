@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "motionlaws/law_types.h"
 #include "motionlaws/spline_curve.h"
 
 namespace lockstep {
@@ -13,6 +14,18 @@ void add_spline_keys(Keys& keys) {
                   "refuse",
                   "behaviour before and after the points",
                   {"refuse", "hold", "repeat"}});
+}
+
+Keys spline_keys(const char* points, std::initializer_list<std::pair<const char*, const char*>> columns) {
+  Keys keys{value_key("points", Form::points, kOptional, points),
+            {"file", Form::text, Unit::none, kOptional,
+             "CSV file, in SI or with units in its header; path from the scene's folder"},
+            {"t_column", Form::text, Unit::none, "t", "name or number of the column of times"}};
+  for (const auto& [name, of] : columns)
+    keys.push_back({name + std::string("_column"), Form::text, Unit::none, name,
+                    std::string("name or number of the column of ") + of});
+  add_spline_keys(keys);
+  return keys;
 }
 
 SplineSettings spline_settings(const Params& p) {
@@ -41,17 +54,11 @@ Columns points_of(const Params& p, std::size_t n_components, const std::string& 
   if (p.has("points") == p.has("file")) p.refuse("points", "and file: give one of the two");
   if (p.has("file")) return read_columns(p.text("file"), t_column, y_columns);
   const auto points = p.points("points");
-  Columns table;
-  table.y.resize(static_cast<Eigen::Index>(points.size()), static_cast<Eigen::Index>(n_components));
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  for (std::size_t i = 0; i < points.size(); ++i)
     if (points[i].size() != n_components + 1)
       p.refuse("points", "has " + std::to_string(points[i].size()) + " numbers in point " + std::to_string(i + 1) +
                              "; must be " + std::to_string(n_components + 1) + ", the time first");
-    table.t.push_back(points[i][0]);
-    for (std::size_t j = 0; j < n_components; ++j)
-      table.y(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = points[i][j + 1];
-  }
-  return table;
+  return columns_of(points, n_components);
 }
 
 }  // namespace lockstep

@@ -31,9 +31,9 @@ MatX aligned(const RotationPoints& points) {
 }
 
 SplineCurve curve_of(const RotationPoints& points, const SplineSettings& k) {
-  std::vector<double> t;
-  for (const auto& [time, q] : points) t.push_back(time);
-  MatX q = aligned(points);
+  Columns all{{}, aligned(points)};
+  for (const auto& [time, orientation] : points) all.t.push_back(time);
+  MatX& q = all.y;
   double turn = 1;  // -1: back at the first orientation after an odd number of full turns
   if (k.ends == SplineEnds::periodic && q.rows() > 0) {
     turn = q.bottomRows(1).row(0).dot(q.row(0)) < 0 ? -1.0 : 1.0;
@@ -43,7 +43,7 @@ SplineCurve curve_of(const RotationPoints& points, const SplineSettings& k) {
                 " rad away from the first; with periodic ends the last must equal the first");
     q.bottomRows(1) = turn * q.topRows(1);
   }
-  return SplineCurve(kLaw, std::move(t), q, k, {}, turn);
+  return SplineCurve(kLaw, all, k, MatX::Zero(4, 4), turn);
 }
 
 class SplineRotation final : public RotationLaw {
@@ -85,11 +85,9 @@ class SplineRotation final : public RotationLaw {
 
 }  // namespace
 
-namespace laws {
-LawPtr<RotationLaw> spline_rotation(const RotationPoints& points, const SplineSettings& k) {
+LawPtr<RotationLaw> laws::spline_rotation(const RotationPoints& points, const SplineSettings& k) {
   return std::make_shared<const SplineRotation>(points, k);
 }
-}  // namespace laws
 
 void add_spline_rotation(LawTypes& types) {
   TypeInfo i{kLaw,

@@ -74,17 +74,15 @@ class AlongLaw final : public TranslationLaw {
 
 }  // namespace
 
-namespace laws {
-LawPtr<TranslationLaw> constant_translation(const Vec3& value) {
+LawPtr<TranslationLaw> laws::constant_translation(const Vec3& value) {
   return std::make_shared<const ConstantTranslation>(value);
 }
-LawPtr<TranslationLaw> components(LawPtr<MotionLaw> x, LawPtr<MotionLaw> y, LawPtr<MotionLaw> z) {
+LawPtr<TranslationLaw> laws::components(LawPtr<MotionLaw> x, LawPtr<MotionLaw> y, LawPtr<MotionLaw> z) {
   return std::make_shared<const ComponentsLaw>(std::move(x), std::move(y), std::move(z));
 }
-LawPtr<TranslationLaw> along(const Vec3& axis, LawPtr<MotionLaw> law, const Vec3& origin) {
+LawPtr<TranslationLaw> laws::along(const Vec3& axis, LawPtr<MotionLaw> law, const Vec3& origin) {
   return std::make_shared<const AlongLaw>(axis, std::move(law), origin);
 }
-}  // namespace laws
 
 void add_translations(LawTypes& types) {
   types.translation_laws.add(
@@ -94,15 +92,14 @@ void add_translations(LawTypes& types) {
       [](const Params& p) { return laws::constant_translation(p.vector3("value")); });
   types.translation_laws.add({"components",
                               "a scalar law for each component, in axes of the frame",
-                              {{"x", Form::law, Unit::none, 0, "law of x", {}, LawQuantity::value},
-                               {"y", Form::law, Unit::none, 0, "law of y", {}, LawQuantity::value},
-                               {"z", Form::law, Unit::none, 0, "law of z", {}, LawQuantity::value}}},
+                              {value_key("x", Form::law, 0, "law of x"), value_key("y", Form::law, 0, "law of y"),
+                               value_key("z", Form::law, 0, "law of z")}},
                              [](const Params& p) { return laws::components(p.law("x"), p.law("y"), p.law("z")); });
   types.translation_laws.add(
       {"along",
        "x = origin + axis law(t)",
        {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
-        {"law", Form::law, Unit::none, kRequired, "scalar law of the distance", {}, LawQuantity::value},
+        value_key("law", Form::law, kRequired, "scalar law of the distance"),
         {"origin", Form::vector3, Unit::length, Value::List{0, 0, 0}, "where the distance is zero"}}},
       [](const Params& p) { return laws::along(p.vector3("axis"), p.law("law"), p.vector3("origin")); });
 }

@@ -73,32 +73,20 @@ class Trapezoid final : public MotionLaw {
 
 }  // namespace
 
-namespace laws {
-LawPtr<MotionLaw> trapezoid(const TrapezoidSettings& k) { return std::make_shared<const Trapezoid>(k); }
-}  // namespace laws
+LawPtr<MotionLaw> laws::trapezoid(const TrapezoidSettings& k) { return std::make_shared<const Trapezoid>(k); }
 
 void add_trapezoid(LawTypes& types) {
   types.laws.add(
       {"trapezoid",
        "a distance at trapezoidal speed: linear rise, constant, linear fall; y constant outside",
-       {{"distance", Form::number, Unit::any, kRequired, "change of y; may be negative", {}, LawQuantity::value},
-        {"speed",
-         Form::number,
-         Unit::any,
-         kOptional,
-         "largest speed; two of speed, acceleration, duration",
-         {},
-         LawQuantity::rate},
-        {"acceleration",
-         Form::number,
-         Unit::any,
-         kOptional,
-         "magnitude of the acceleration while it is not zero",
-         {},
-         LawQuantity::acceleration},
+       {value_key("distance", Form::number, kRequired, "change of y; may be negative"),
+        value_key("speed", Form::number, kOptional, "largest speed; two of speed, acceleration, duration",
+                  LawQuantity::rate),
+        value_key("acceleration", Form::number, kOptional, "magnitude of the acceleration while it is not zero",
+                  LawQuantity::acceleration),
         {"duration", Form::number, Unit::time, kOptional, "total duration"},
         {"t0", Form::number, Unit::time, 0, "start"},
-        {"y0", Form::number, Unit::any, 0, "value before the start", {}, LawQuantity::value}}},
+        value_key("y0", Form::number, 0, "value before the start")}},
       [](const Params& p) {
         const auto given = [&](const char* key) {
           if (!p.has(key)) return 0.0;

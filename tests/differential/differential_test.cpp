@@ -206,7 +206,7 @@ TEST_CASE("random mechanisms without losses return when time is reversed", "[dif
   CHECK(returned > static_cast<int>(range.to - range.from) / 4);
 }
 
-TEST_CASE("a run that is made again is the same to the last bit, on threads of their own as well", "[differential]") {
+TEST_CASE("a repeated run is the same to the last bit, on separate threads as well", "[differential]") {
   const auto same = [](const std::vector<lockstep::differential::Snapshot>& a,
                        const std::vector<lockstep::differential::Snapshot>& b) {
     if (a.size() != b.size()) return false;

@@ -216,14 +216,14 @@ void check(const Counts& n) {
 
 }  // namespace
 
-TEST_CASE("warnings are believed: random mechanisms", "[differential][warnings]") {
+TEST_CASE("warnings are reliable: random mechanisms", "[differential][warnings]") {
   Counts n = counts("random");
   for (unsigned seed = seeds().from; seed < seeds().to; ++seed)
     judge("seed " + std::to_string(seed), recorded(json::parse(scene_text(random_design(seed))), n.files), n);
   check(n);
 }
 
-TEST_CASE("warnings are believed: samples and overconstrained mechanisms", "[differential][warnings]") {
+TEST_CASE("warnings are reliable: samples and overconstrained mechanisms", "[differential][warnings]") {
   Counts n = counts("samples");
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(paths::kScenes))

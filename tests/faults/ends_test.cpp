@@ -33,7 +33,7 @@ std::string ended_by(const std::string& signal, const std::string& words, const 
 
 }  // namespace
 
-TEST_CASE("a run or sweep that a signal ends at any instant leaves whole rows and the old results", "[faults]") {
+TEST_CASE("a run or sweep that a signal ends at any time leaves whole lines and the old results", "[faults]") {
   std::signal(SIGHUP, SIG_DFL);  // under nohup it is ignored, by the programs too
   const std::string scene = endless_scene("killed");
   const std::string old = kFolder + "/killed.csv", partial = old + ".partial";
@@ -60,7 +60,7 @@ TEST_CASE("a run or sweep that a signal ends at any instant leaves whole rows an
 }
 
 // Of many rows and of few: steps a thousand times shorter.
-TEST_CASE("rows reach the file of a run every second", "[faults]") {
+TEST_CASE("the file of a run grows every second", "[faults]") {
   const std::string few =
       arm_scene("few_rows", R"("until": 1e3, "output": 0.01, "integrator": "rk4", "step": 1e-5, "record": ["arm.x"])");
   for (const std::string& scene : {endless_scene("many_rows"), few}) {
@@ -98,7 +98,7 @@ TEST_CASE("pictures and reports of a run that is interrupted replace no older on
 }
 
 // As when its window is closed: neither of its streams can be written any more.
-TEST_CASE("a run or sweep whose terminal is closed ends by 130 and leaves its rows", "[faults]") {
+TEST_CASE("a run or sweep whose terminal is closed ends by 130 and leaves its results", "[faults]") {
   std::signal(SIGHUP, SIG_DFL);  // under nohup it is ignored, by the programs too
   const std::string scene = endless_scene("closed"), old = kFolder + "/closed.csv", partial = old + ".partial";
   for (const std::string verb : {"run", "run --json", "sweep --jobs 1 --vary gravity.2=-9.81:-1:10000 --until 100"}) {
@@ -114,7 +114,7 @@ TEST_CASE("a run or sweep whose terminal is closed ends by 130 and leaves its ro
   }
 }
 
-TEST_CASE("a file that reaches the limit of its size is an error of files, with whole rows", "[faults]") {
+TEST_CASE("a file that reaches the limit of its size is an error of files, with whole lines", "[faults]") {
   const std::string scene = endless_scene("limit"), old = kFolder + "/limit.csv", partial = old + ".partial";
   std::ofstream(old) << kOld;
   fs::remove(partial);
@@ -130,7 +130,7 @@ TEST_CASE("a file that reaches the limit of its size is an error of files, with 
   CHECK(rows.back() == '\n');
 }
 
-TEST_CASE("every verb that prints says that a full standard output is full", "[faults]") {
+TEST_CASE("every command that prints reports a full standard output", "[faults]") {
   const std::string scene = arm_scene("full", kShort);
   std::vector<std::string> all = {"check '" + scene + "'",
                                   "check --json '" + scene + "'",
@@ -154,7 +154,7 @@ TEST_CASE("every verb that prints says that a full standard output is full", "[f
 }
 
 // Nobody reads for half a second, so that what is printed waits in the pipe, where signals meet it.
-TEST_CASE("what a signal interrupts on its way to standard output is written again", "[defect][a small program]") {
+TEST_CASE("text that a signal interrupts on its way to standard output is written again", "[defect][a small program]") {
   fs::create_directories(kFolder);
   const std::string file = kFolder + "/interrupted.txt", ended = kFolder + "/interrupted_exit.txt";
   const auto printed = [&](const std::string& wish) {

@@ -38,7 +38,7 @@ TEST_CASE("a disk that is full, cannot be synchronised or forbids the name costs
   fs::remove(old + ".partial");
 }
 
-TEST_CASE("a checkpoint that the disk does not take is told, and one that is there is whole", "[faults]") {
+TEST_CASE("a checkpoint on a full disk is reported, and an existing one remains whole", "[faults]") {
   const std::string scene = arm_scene("checkpoint", kShort), table = kFolder + "/checkpoint.csv";
   const std::string saved = kFolder + "/checkpoint.saved";
   const std::string words = "run '" + scene + "' --record '" + table + "' --checkpoint '" + saved + "' --every 1e-9s";
@@ -69,7 +69,7 @@ TEST_CASE("a checkpoint that the disk does not take is told, and one that is the
   CHECK(resumed >= 3);
 }
 
-TEST_CASE("a sweep goes on in rows of its own columns only", "[faults]") {
+TEST_CASE("a resumed sweep accepts only a table with its columns", "[faults]") {
   const std::string scene = arm_scene("columns", kShort), table = kFolder + "/columns.csv";
   const std::string words = "sweep --jobs 1 --vary gravity.2=-9.81,-1.62 '" + scene + "' --record '" + table + "'";
   const std::vector<long> counts = counts_of(words);
@@ -88,7 +88,7 @@ TEST_CASE("a sweep goes on in rows of its own columns only", "[faults]") {
   CHECK(bytes_of(table).starts_with("run,"));
 }
 
-TEST_CASE("a run that kill -9 ends at any instant goes on from its checkpoint to the same table", "[faults]") {
+TEST_CASE("a run that kill -9 ends at any time resumes from its checkpoint to the same table", "[faults]") {
   struct Kind {
     const char *name, *run;
   };
@@ -132,7 +132,7 @@ TEST_CASE("a run that kill -9 ends at any instant goes on from its checkpoint to
 }
 
 // A crank and rocker in space with a spring that comes and goes; all that watches a run is on.
-TEST_CASE("what the program adds to a run goes on with it", "[faults]") {
+TEST_CASE("additions of the program to a run are resumed with it", "[faults]") {
   const auto scene_with = [](const std::string& name, const std::string& method) {
     fs::create_directories(kFolder);
     const std::string path = kFolder + "/" + name + ".json";
@@ -193,7 +193,7 @@ TEST_CASE("what the program adds to a run goes on with it", "[faults]") {
   }
 }
 
-TEST_CASE("a checkpoint is refused when the scene, its rows or the file itself have changed", "[faults]") {
+TEST_CASE("a checkpoint is rejected when the scene, its table or the file itself have changed", "[faults]") {
   const std::string scene =
       arm_scene("changed", R"("until": 1e5, "output": 0.05, "integrator": "rk4", "step": 0.01, "record": ["arm.x"])");
   const std::string file = kFolder + "/changed.csv", saved = kFolder + "/changed.checkpoint";
@@ -232,7 +232,7 @@ TEST_CASE("a checkpoint is refused when the scene, its rows or the file itself h
   for (const std::string& name : {file + ".partial", saved}) fs::remove(name);
 }
 
-TEST_CASE("a sweep that kill -9 ends goes on where it was, to the same table", "[faults]") {
+TEST_CASE("a sweep that kill -9 ends resumes at its last result, to the same table", "[faults]") {
   const std::string scene =
       arm_scene("rest", R"("until": 20, "output": 0.1, "integrator": "rk4", "step": 0.001, "record": ["arm.x"])");
   const std::string file = kFolder + "/rest.csv", partial = file + ".partial", mark = file + ".sweep";
@@ -274,7 +274,7 @@ TEST_CASE("a sweep that kill -9 ends goes on where it was, to the same table", "
   }
 }
 
-TEST_CASE("a sweep that goes on ends with 9 for the wrong runs of its first part", "[faults]") {
+TEST_CASE("a resumed sweep ends with 9 for the wrong runs of its first part", "[faults]") {
   const std::string scene = arm_scene(
       "off",
       R"("until": 400, "output": 1, "integrator": "rk4", "step": 0.1, "formulation": "omega", "stabilization": "none", "violation_limit": "1 um", "record": ["arm.x"])");
@@ -295,7 +295,7 @@ TEST_CASE("a sweep that goes on ends with 9 for the wrong runs of its first part
   CHECK_FALSE(contains(bytes_of(file), ",ok\n"));
 }
 
-TEST_CASE("the page of a sweep that went on says which runs it has no curves of", "[faults]") {
+TEST_CASE("the page of a resumed sweep reports which runs have no curves", "[faults]") {
   const std::string scene =
       arm_scene("told", R"("until": 2, "output": 0.01, "integrator": "rk4", "step": 0.001, "record": ["arm.x"])");
   const std::string file = kFolder + "/told.csv", partial = file + ".partial", page = kFolder + "/told.html";

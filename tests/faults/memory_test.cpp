@@ -76,7 +76,7 @@ TEST_CASE("a request for memory that fails ends by one sentence and exit code 10
   check_requests({"sweep '" + scene + "' --jobs 1 --vary gravity.2=-9.81,-1.62 --record '" + old + "'", {old}, false});
 }
 
-TEST_CASE("a verb that prints what there is ends by exit code 10 where memory runs out", "[faults]") {
+TEST_CASE("a command that only prints ends by exit code 10 when memory is exhausted", "[faults]") {
   for (const char* words : {"list", "list --json", "schema"}) check_requests({words});
 }
 
@@ -88,7 +88,7 @@ TEST_CASE("a report ends by exit code 10 where memory runs out", "[faults]") {
 }
 
 // States change their sizes between the lanes and those who are told of steps.
-TEST_CASE("a sweep in lanes ends by exit code 10 where memory runs out", "[faults]") {
+TEST_CASE("a vectorised sweep ends by exit code 10 when memory is exhausted", "[faults]") {
   const std::string scene = arm_scene("memory_lanes", R"("until": 0.05, "output": 0.01, "record": ["arm.x"])");
   const std::string old = kFolder + "/memory_lanes.csv";
   const std::string words = "sweep '" + scene + "' --jobs 1 --vary gravity.1=-1:-9:16 --record '" + old + "'";

@@ -175,13 +175,13 @@ TEST_CASE("an input that takes more CPU time than it may fails by name", "[fuzz]
   }
 }
 
-TEST_CASE("fuzzed formulas are read or refused", "[fuzz]") { replay("formula", 4000); }
-TEST_CASE("fuzzed tables are read or refused", "[fuzz]") { replay("table", 2000); }
-TEST_CASE("fuzzed robots in URDF are scenes or refused", "[fuzz]") { replay("urdf", 2000); }
-TEST_CASE("fuzzed meshes are read or refused", "[fuzz]") { replay("mesh", 4000); }
-TEST_CASE("fuzzed plugin files are refused before they are opened", "[fuzz]") { replay("plugin", 2000); }
-TEST_CASE("fuzzed names of channels, methods and variables are found or refused", "[fuzz]") { replay("channel", 500); }
-TEST_CASE("fuzzed scenes are built or refused", "[fuzz]") { replay("scene", 2000); }
+TEST_CASE("fuzzed formulas are read or rejected", "[fuzz]") { replay("formula", 4000); }
+TEST_CASE("fuzzed tables are read or rejected", "[fuzz]") { replay("table", 2000); }
+TEST_CASE("fuzzed robots in URDF are scenes or rejected", "[fuzz]") { replay("urdf", 2000); }
+TEST_CASE("fuzzed meshes are read or rejected", "[fuzz]") { replay("mesh", 4000); }
+TEST_CASE("fuzzed plugin files are rejected before they are opened", "[fuzz]") { replay("plugin", 2000); }
+TEST_CASE("fuzzed names of channels, methods and variables are found or rejected", "[fuzz]") { replay("channel", 500); }
+TEST_CASE("fuzzed scenes are built or rejected", "[fuzz]") { replay("scene", 2000); }
 TEST_CASE("fuzzed scenes run to finite numbers or end by an error", "[fuzz]") { replay("run", 150); }
 TEST_CASE("calls of the API in any order end by finite numbers or an error", "[fuzz]") { replay("api", 2000); }
 

@@ -126,7 +126,7 @@ TEST_CASE("a NaN in the error of an integrated state is an error without limit",
   }
 }
 
-TEST_CASE("rates of integrated states in a flat position come from both sides of it", "[mutants]") {
+TEST_CASE("rates of integrated states in a singular configuration come from both sides of it", "[mutants]") {
   FlatParallelogram flat;
   const int slot_of_left = [&] {
     flat.system.setup();
@@ -195,7 +195,7 @@ TEST_CASE("damped fast rotations are watched for as translations are", "[mutants
   }
 }
 
-TEST_CASE("a drive by speed starts from the angle beyond the imposed turn", "[mutants]") {
+TEST_CASE("a drive by speed starts from the angle beyond the imposed rotation", "[mutants]") {
   System system;
   const Quat turned = axis_angle(Vec3::UnitZ(), 0.5);
   Body& wheel =
@@ -212,7 +212,7 @@ TEST_CASE("a drive by speed starts from the angle beyond the imposed turn", "[mu
   CHECK(rotation_vector(run.state().slot_pose(wheel.slot).q)[2] == Approx(1.5).epsilon(1e-9));
 }
 
-TEST_CASE("an imposed turn and a driven one make the product of both", "[mutants]") {
+TEST_CASE("an imposed rotation and a driven one make the product of both", "[mutants]") {
   const auto tilt = laws::law([](auto t) { return 0.4 * sin(3.0 * t); }),
              spin = laws::law([](auto t) { return 2.0 * t * t; });
   const LawPtr<RotationLaw> first = laws::axis_rotation({1, 0, 0}, tilt);
@@ -292,7 +292,7 @@ TEST_CASE("a constant force is a potential, and no supply besides", "[mutants]")
   }
 }
 
-TEST_CASE("a force that leaves the plane in mid-run is refused by name", "[mutants]") {
+TEST_CASE("a force that leaves the plane in mid-run is rejected by name", "[mutants]") {
   System system;
   Body& body = system.add_body("body", MassProperties{1, Vec3::Zero(), Mat3::Identity()});
   body.start.v = {2000, 0, 0};
@@ -305,7 +305,7 @@ TEST_CASE("a force that leaves the plane in mid-run is refused by name", "[mutan
   CHECK(run.state().t >= 0.4);
 }
 
-TEST_CASE("a drive that comes into force beside another one of another speed is refused", "[mutants]") {
+TEST_CASE("a drive that becomes active next to another one of another speed is rejected", "[mutants]") {
   for (const double speed : {1.0, 2.0}) {  // of the second, which stands where the first is after 1 s
     System system;
     Body& cart = system.add_body("cart", MassProperties{1, Vec3::Zero(), Mat3::Identity()});
@@ -327,7 +327,7 @@ TEST_CASE("a drive that comes into force beside another one of another speed is 
   }
 }
 
-TEST_CASE("the last output is at the end, though its multiple is beside it by rounding", "[mutants]") {
+TEST_CASE("the last output is at the end, though its multiple differs by rounding", "[mutants]") {
   for (const auto& [interval, end, rows] : {std::tuple{0.3, 0.9, 4u}, {0.1, 0.7, 8u}, {0.1, 0.3, 4u}, {0.7, 2.1, 4u}}) {
     Stone stone;
     Recorder recorder(stone.system, {"stone.z"});
@@ -341,7 +341,7 @@ TEST_CASE("the last output is at the end, though its multiple is beside it by ro
   }
 }
 
-TEST_CASE("a run to its own start has one row", "[mutants]") {
+TEST_CASE("a run of zero duration has one line", "[mutants]") {
   for (const double interval : {0.0, 0.1}) {
     Stone stone;
     Recorder recorder(stone.system, {"stone.z"});

@@ -119,7 +119,7 @@ TEST_CASE("each row of a lock that contradicts another is found, the last one to
     }
 }
 
-TEST_CASE("the jumps of all laws are asked for: of markers, turns, slips and of forces' markers", "[mutants]") {
+TEST_CASE("the jumps of all laws are requested: of markers, rotations, offsets and of forces' markers", "[mutants]") {
   const std::string translation = R"({"type": "along", "axis": [1,0,0], "law": )" + kRise + "}";
   const std::string moved =
       R"("markers": [{"name": "M", "body": "ground", "at": [0,0,0], "translation": )" + translation + R"(},
@@ -133,8 +133,8 @@ TEST_CASE("the jumps of all laws are asked for: of markers, turns, slips and of 
       {"move of a link",
        R"("links": [{"name": "A", "type": "spherical", "p": "arm", "s": "ground", "at": [0,0,0], "move": )" +
            translation + "}]"},
-      {"slip of a screw",
-       R"("links": [{"name": "A", "type": "screw", "lead": 0.01, "p": "arm", "s": "ground", "at": [0, 0, 0], "slip": )" +
+      {"offset of a screw",
+       R"("links": [{"name": "A", "type": "screw", "lead": 0.01, "p": "arm", "s": "ground", "at": [0, 0, 0], "offset": )" +
            kRise + "}]"},
       {"drive",
        R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": "rz", "law": )" +
@@ -155,7 +155,7 @@ TEST_CASE("the jumps of all laws are asked for: of markers, turns, slips and of 
   }
 }
 
-TEST_CASE("axes that stand beside a marker are those of the other one", "[mutants]") {
+TEST_CASE("axes given with a marker are those of the other one", "[mutants]") {
   const Mechanism m = made(
       kArm + R"("markers": [{"name": "M", "body": "arm", "at": [0,0,0], "orientation": {"y": [0,0,1], "x": [1,0,0]}}],
     "links": [{"name": "A", "type": "cylindrical", "p": "M", "s": "ground", "at_s": [0,0,0], "orientation": {"z": [0,1,0], "x": [1,0,0]}}])");
@@ -202,7 +202,7 @@ TEST_CASE("both letters for micro are a millionth", "[mutants]") {
   }
 }
 
-TEST_CASE("off the constraints a turn that is imposed is as far off in the plane as in space", "[mutants]") {
+TEST_CASE("off the constraints an imposed rotation is as far off in the plane as in space", "[mutants]") {
   for (const char* mask : {"e3", "x e3", "x y e3"})
     for (const double off : {-0.4, 0.05, 0.9}) {
       double violation[2], angle[2];
@@ -263,7 +263,7 @@ TEST_CASE("a Fourier series by its frequency is the one by its circular frequenc
   CHECK(circular.last("A.rz") == Approx(cycles.last("A.rz")).epsilon(1e-5));
 }
 
-TEST_CASE("an angular velocity in world axes is turned into those of the body", "[mutants]") {
+TEST_CASE("an angular velocity in world axes is transformed to body axes", "[mutants]") {
   const Mechanism m = made(R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "omega_world": [1, 2, 3],
     "orientation": {"axis": "z", "angle": "90 deg"}}])");
   CHECK((m.system.body("a").start.w - Vec3(2, -1, 3)).norm() < 1e-12);
@@ -278,7 +278,7 @@ TEST_CASE("a negative index of a repeated part is one number in its formulas", "
   }
 }
 
-TEST_CASE("what an event of an included scene switches has the prefix", "[mutants]") {
+TEST_CASE("names switched by an event of an included scene have the prefix", "[mutants]") {
   const std::string folder = std::string(paths::kBuild) + "/output/planted";
   std::filesystem::create_directories(folder);
   std::ofstream(folder + "/part.json") << R"({"lockstep": 1, "bodies": [{"name": "b", "particle": 1}],

@@ -59,7 +59,7 @@ class Forgetful final : public Force, public Remembering {
 
 }  // namespace
 
-TEST_CASE("memory that a force leaves unwritten at the start is refused by its name", "[mutants]") {
+TEST_CASE("memory that a force leaves unwritten at the start is an error with its name", "[mutants]") {
   System system;
   Body& body = system.add_body("body", plate());
   system.add(std::make_unique<Forgetful>(system.add_marker("at", body)));
@@ -81,7 +81,7 @@ TEST_CASE("dopri5 is stable on the real axis as far as its sixth power allows", 
   CHECK(100 * h == Approx(3.3066).epsilon(2e-3));
 }
 
-TEST_CASE("a drive by speed goes back over its jumps to where it came from", "[mutants]") {
+TEST_CASE("a drive by speed returns over its jumps to its start", "[mutants]") {
   System system;
   Body& wheel = system.add_body("wheel", plate());
   auto& hinge = system.add<Revolute>("hinge", system.add_marker("P", wheel), system.add_marker("S", system.ground()));
@@ -101,7 +101,7 @@ TEST_CASE("a drive by speed goes back over its jumps to where it came from", "[m
     CHECK(angle_at(t) == Approx(exact(t)).margin(1e-9));
 }
 
-TEST_CASE("what is no number in a repeat agrees in no digit", "[mutants]") {
+TEST_CASE("a repeat that is not a number agrees in no digit", "[mutants]") {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
   const auto table_of = [](double x) {
     Table table;
@@ -135,7 +135,7 @@ TEST_CASE("copies of which one has a joint that is not in force are none", "[mut
               {"joint 'B', which is active in one of them only"});
 }
 
-TEST_CASE("a run in lanes that drifts beyond the scene's limit is wrong", "[mutants]") {
+TEST_CASE("a vectorised run that drifts beyond the scene's limit is wrong", "[mutants]") {
   const Registry registry = builtin_registry();
   for (const bool narrow : {true, false}) {
     const Scene scene = scene_from_text(std::string(R"({"lockstep": 1, "gravity": [5, -9.81, 0],
@@ -187,7 +187,7 @@ TEST_CASE("the rate of an input acts through the damper between it and a mass", 
   CHECK(s.A(1, 1) == Approx(-3).epsilon(1e-6));
 }
 
-TEST_CASE("turns of a mode are about the world's axes, whatever those of the body", "[mutants]") {
+TEST_CASE("rotations of a mode are about the world's axes, for all axes of the body", "[mutants]") {
   System system(System::Options{{0, -9.81, 0}});
   const Quat tilted = exponential(Vec3(0.5, -0.7, 0.4));
   const Vec3 axis = Vec3(0.3, 0.2, 1).normalized();

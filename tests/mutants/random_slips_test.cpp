@@ -67,7 +67,7 @@ TEST_CASE("a list of names is cut after twelve", "[mutants][text]") {
   CHECK(text::suggestion("zzz", names).ends_with("name_11"));
 }
 
-TEST_CASE("a snapshot refuses numbers that are no letters, and counts that no double has", "[mutants][snapshot]") {
+TEST_CASE("a snapshot rejects numbers that are no letters, and counts that no double has", "[mutants][snapshot]") {
   for (const double letter : {-1.0, 256.0}) {
     Snapshot saved;
     saved.put(1), saved.put(letter);
@@ -84,14 +84,14 @@ TEST_CASE("a snapshot refuses numbers that are no letters, and counts that no do
   }
 }
 
-TEST_CASE("tables in UTF-16 are refused by name, of both orders of bytes", "[mutants][csv]") {
+TEST_CASE("tables in UTF-16 are rejected by name, in both byte orders", "[mutants][csv]") {
   for (const std::string mark : {"\xFF\xFE", "\xFE\xFF"}) {
     std::istringstream file(mark + "t [s]\n1\n");
     CHECK(says(message_of<FileError>([&] { read_csv(file, "wide.csv"); }), {"UTF-16"}));
   }
 }
 
-TEST_CASE("half a turn is positive about the vector part of its quaternion", "[mutants][math]") {
+TEST_CASE("half a revolution is positive about the vector part of its quaternion", "[mutants][math]") {
   CHECK((rotation_vector(Quat{0, 1, 0, 0}) - Vec3(std::numbers::pi, 0, 0)).norm() < 1e-15);
 }
 
@@ -122,7 +122,7 @@ Told told(const ModelError& thrown, const ErrorContext& context) {
 
 }  // namespace
 
-TEST_CASE("what a host's maker refuses gets a label unless it names the thing itself", "[mutants][errors]") {
+TEST_CASE("an error of a host's maker gets a label unless it names the object itself", "[mutants][errors]") {
   const ErrorContext making{.thing = {.kind = "force", .name = "wind"}, .refuses = true};
   CHECK(told(ModelError("force 'wind': no speed"), making).words == "force 'wind': no speed");
   CHECK(told(ModelError("no speed"), making).words == "force 'wind': no speed");
@@ -136,8 +136,7 @@ TEST_CASE("an error that names the thing gets its type and origin too", "[mutant
   CHECK(error.thing.type == "drag");
 }
 
-TEST_CASE("a parameter that a built-in law refuses is not a law that is asked where it has no value",
-          "[mutants][errors]") {
+TEST_CASE("a parameter that a built-in law rejects is not a law evaluated outside its range", "[mutants][errors]") {
   const ErrorContext force{.thing = {.kind = "force", .name = "wind", .type = "drag", .origin = "built in"}, .t = 2};
   ErrorData of_law{.thing = {.kind = "law", .name = "ramp", .origin = "built in"}};
   CHECK(told(ModelError("beyond its end", of_law), force).nested);
@@ -192,7 +191,7 @@ TEST_CASE("a constant that a formula names brings its unit", "[mutants][expressi
   CHECK_THROWS_AS(expression::check_dimensions("2*L", {}, length, Dimension{.kg = 1}), ModelError);
 }
 
-TEST_CASE("a formula may have as many characters as it says", "[mutants][expression]") {
+TEST_CASE("a formula may have as many characters as documented", "[mutants][expression]") {
   const auto gravity = [](int blanks) {
     return made("\"gravity\": [0, 0, \"=" + std::string(static_cast<std::size_t>(blanks), ' ') + "9.5\"]")
         .system.gravity();
@@ -201,7 +200,7 @@ TEST_CASE("a formula may have as many characters as it says", "[mutants][express
   CHECK_THROWS_AS(gravity(3997), SceneError);
 }
 
-TEST_CASE("a marker that a law turns about the normal stays in the plane", "[mutants][plane]") {
+TEST_CASE("a marker that a law rotates about the normal stays in the plane", "[mutants][plane]") {
   MarkerFrame frame;
   frame.rotation_law = laws::axis_rotation(Vec3(0, 0, 1), laws::law([](auto t) { return t; }));
   CHECK(frame.stays_in_plane({2}));
@@ -221,7 +220,7 @@ TEST_CASE("rounding of a large force does not take a mechanism out of its plane"
 // -- dynamics
 
 // The rod is S of its joint, and hangs on it alone: it turns the other way.
-TEST_CASE("a start turns the body that hangs on a joint as its S", "[mutants][start]") {
+TEST_CASE("a start rotates the body that is on the S side of a joint", "[mutants][start]") {
   for (const double turn : {0.4, 3.0, 4.0, -5.0}) {
     CAPTURE(turn);
     Simulation run(made(R"~("bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
@@ -235,7 +234,7 @@ TEST_CASE("a start turns the body that hangs on a joint as its S", "[mutants][st
   }
 }
 
-TEST_CASE("the one state of a driven speed goes on from step to step", "[mutants][integrators]") {
+TEST_CASE("the one state of a driven speed continues from step to step", "[mutants][integrators]") {
   for (const char* method : {"radau5", "dopri5", "dop853"}) {
     CAPTURE(method);
     System system;
@@ -253,7 +252,7 @@ TEST_CASE("the one state of a driven speed goes on from step to step", "[mutants
   }
 }
 
-TEST_CASE("the one number that a force remembers goes on from step to step", "[mutants][integrators]") {
+TEST_CASE("the one number that a force remembers continues from step to step", "[mutants][integrators]") {
   for (const char* method : {"rk4", "radau5", "dopri5", "dop853"}) {
     CAPTURE(method);
     System system;
@@ -272,7 +271,7 @@ TEST_CASE("the one number that a force remembers goes on from step to step", "[m
 
 // -- description
 
-TEST_CASE("a text that ends with a word that is no number says so", "[mutants][json]") {
+TEST_CASE("a text that ends with a word that is no number is reported", "[mutants][json]") {
   for (const char* text : {"nan", "-inf"})
     CHECK(says(message_of<SceneError>([&] { read_json(text, "word.json"); }), {"NaN and infinity"}));
 }
@@ -302,7 +301,7 @@ void add_free(System& system, int n) {
 
 }  // namespace
 
-TEST_CASE("where nothing acts the lowest modes are zero", "[mutants][modes]") {
+TEST_CASE("without loads the lowest modes are zero", "[mutants][modes]") {
   System system;
   add_free(system, 3);
   Dynamics dynamics(system, std::make_unique<SchurSolver>());

@@ -272,7 +272,7 @@ TEST_CASE("the packages that README installs are those that the set-up looks for
   }
 }
 
-TEST_CASE("the example of a mistake is what the program says", "[pages]") {
+TEST_CASE("the example of a mistake matches the program's output", "[pages]") {
   std::string text = file_text(paths::kScenes + std::string("/four_bar.json"));
   text.replace(text.find("\"slope\""), 7, "\"slop\"");
   std::string said;

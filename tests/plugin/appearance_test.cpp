@@ -86,7 +86,7 @@ TEST_CASE("errors of scenes speak of a plugin's types as of all others", "[plugi
   CHECK(contains(d.text, "('naughty_law' of plugin naughty) threw: no more"));
 }
 
-TEST_CASE("every verb that reads a scene takes --plugin", "[plugin][appearance]") {
+TEST_CASE("every command that reads a scene accepts --plugin", "[plugin][appearance]") {
   const std::string scene = scene_with("with_plugin", R"({"type": "naughty_law"})");
   for (const char* verb : {"run", "check", "assemble", "sweep --vary bodies.arm.rod.mass=1,2",
                            "chart --integrators naughty_integrator,rk4 --budget 2s --separately --out appearance",

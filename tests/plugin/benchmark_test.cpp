@@ -66,7 +66,7 @@ double error_of(const Table& table) {
 
 }  // namespace
 
-TEST_CASE("what advise names meets the error", "[benchmark]") {
+TEST_CASE("the method that advise recommends meets the error", "[benchmark]") {
   const std::string path = ring("");
   for (const char* error : {"1e-3", "1e-7"}) {
     const Result r = call("advise '" + path + "' --error " + error + " --budget 20 --separately --quiet");
@@ -85,7 +85,7 @@ TEST_CASE("what advise names meets the error", "[benchmark]") {
   }
 }
 
-TEST_CASE("advise charts what is named, with its keys, and says when nothing meets the error", "[benchmark]") {
+TEST_CASE("advise measures the named methods with their keys, and reports if none meets the error", "[benchmark]") {
   const std::string path = ring("");
   const Result r =
       call("advise '" + path + "' --integrators dopri5:fixed=true,semi_implicit_euler --formulations omega " +
@@ -110,7 +110,7 @@ TEST_CASE("advise charts what is named, with its keys, and says when nothing mee
   CHECK(contains(value_of(never.text, "next"), "--budget"));
 }
 
-TEST_CASE("wrong words of the measuring verbs are usage errors", "[benchmark]") {
+TEST_CASE("invalid words of the measuring commands are usage errors", "[benchmark]") {
   const std::string path = ring("");
   for (const auto& [words, said] : std::vector<std::pair<std::string, std::string>>{
            {"--integrators rk5", "--integrators: unknown name \"rk5\"; did you mean \"rk4\"?"},
@@ -180,7 +180,7 @@ TEST_CASE("limits and tolerances of a chart are printed however small", "[benchm
 }
 
 // Without loops, the key `stages` changes nothing in joint coordinates.
-TEST_CASE("keys without effect are no methods of their own, and advise leaves them at their defaults", "[benchmark]") {
+TEST_CASE("keys without effect do not make separate methods, and advise leaves them at their defaults", "[benchmark]") {
   const Result r = call("advise '" + std::string(paths::kScenes) + "/double_pendulum.json" +
                         "' --until 2 --error 1e-6 --integrators dop853,dop853:stages=plain,dop853:stages=manifold "
                         "--formulations auto --budget 10 --json --quiet");
@@ -213,7 +213,7 @@ TEST_CASE("advise answers for a stiff scene within a small budget", "[benchmark]
 }
 
 // Its error halves with its step, to the finest one that it was given.
-TEST_CASE("of a method whose error still falls a chart does not say never", "[benchmark]") {
+TEST_CASE("a chart does not report never for a method whose error still falls", "[benchmark]") {
   const Result r = call("chart '" + ring("") +
                         "' --integrators rk4,semi_implicit_euler --formulations omega --stabilizations project "
                         "--solvers schur --steps 0.02:0.005 --budget 20 --out falling");
@@ -227,7 +227,7 @@ TEST_CASE("of a method whose error still falls a chart does not say never", "[be
   CHECK_FALSE(contains(r.text, "never"));
 }
 
-TEST_CASE("a chart says in its picture on which machine, by which version and when it was measured", "[benchmark]") {
+TEST_CASE("the picture of a chart gives the machine, the version and the date", "[benchmark]") {
   testing::require_gnuplot();
   const std::string svg = kFolder + "/caption/ring_chart.svg",
                     words = "chart '" + ring("") +
@@ -311,7 +311,7 @@ TEST_CASE("joint coordinates with loops are charted with each stabilisation", "[
   CHECK(contains(all, ",joint,project,"));
 }
 
-TEST_CASE("a run of which no digit is certified is not done well", "[benchmark]") {
+TEST_CASE("a run without a verified digit is doubtful", "[benchmark]") {
   // A double pendulum that is let go level is chaotic: errors of 1e-4 fill the motion long before the end.
   const std::string path = kFolder + "/wild_pendulum.json";
   const auto write = [&](const char* until) {

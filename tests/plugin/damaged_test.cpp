@@ -162,7 +162,7 @@ TEST_CASE("size and checksum of a plugin are kept before it is opened", "[plugin
   CHECK(third.laws.names().empty());
 }
 
-TEST_CASE("a plugin built without lockstep's flags is refused in a sentence", "[plugin][damaged]") {
+TEST_CASE("a plugin built without lockstep's flags is rejected in one sentence", "[plugin][damaged]") {
   for (const char* name : {"unset", "unlinked"}) {
     const std::string answer = answer_of(test_plugin(name));
     INFO(answer);

@@ -35,7 +35,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 }  // namespace
 
 // not_unique: two hinges share the door's weight along their common axis' normal.
-TEST_CASE("every verb with --json writes one document to standard output and nothing else", "[runner]") {
+TEST_CASE("every command with --json writes one document to standard output and nothing else", "[runner]") {
   const std::string door = "'" + scene_file("not_unique", R"("gravity": [0, -9.81, 0],
     "bodies": [{"name": "door", "mass": 2, "inertia": [0.1, 0.2, 0.25], "position": [0.5, 0, 0]}],
     "links": [{"name": "A", "type": "revolute", "p": "door", "s": "ground", "at": [0, 0, 0]},
@@ -116,7 +116,7 @@ TEST_CASE("an event that never happens is in the summary, with the nearest value
                  "did not rise through -1 rad; it crossed in the other direction at t = 0.375"));
 }
 
-TEST_CASE("a tolerance that rounding does not let anything meet is refused", "[runner]") {
+TEST_CASE("a tolerance below the rounding error is rejected", "[runner]") {
   const std::string run = "run '" + std::string(paths::kScenes) + "/pendulum.json' --until 0.01 --no-picture ";
   check_refused(call(run + "--tolerance 1e-20"), 2,
                 {"--tolerance", "1e-20 is below the round-off", "take 1e-13"});

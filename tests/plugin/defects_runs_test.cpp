@@ -55,7 +55,7 @@ std::string with_reactions(const std::string& file, const std::string& name, con
 }  // namespace
 
 // Folded back, a homokinetic joint turns the output by no multiple of the input: its row holds nothing.
-TEST_CASE("a homokinetic joint that is folded back is refused by name", "[runner]") {
+TEST_CASE("a homokinetic joint that is folded back is rejected by name", "[runner]") {
   const Called ran = run_named(defect("homokinetic_folded"), "homokinetic_folded");
   INFO(ran.text);
   CHECK(ran.exit == 5);
@@ -63,7 +63,7 @@ TEST_CASE("a homokinetic joint that is folded back is refused by name", "[runner
 }
 
 // Two slides guide the same body, and their directions differ by 0.001 rad: what one allows the other nearly forbids.
-TEST_CASE("rows that are nearly redundant are named before a start velocity that they forbid is refused", "[runner]") {
+TEST_CASE("nearly redundant constraints are named before a start velocity that violates them is rejected", "[runner]") {
   const Called trammel = run_named(defect("near_redundant_trammel"), "near_redundant_trammel");
   INFO(trammel.text);
   CHECK(trammel.exit == 5);
@@ -73,13 +73,13 @@ TEST_CASE("rows that are nearly redundant are named before a start velocity that
 }
 
 // Rounding takes a little off the rate in each round: it went on for minutes. A fuzzed scene.
-TEST_CASE("a start velocity that rounding alone comes nearer to is refused at once", "[runner]") {
+TEST_CASE("a start velocity that only rounding improves is rejected at once", "[runner]") {
   check_refused(run_named(defect("crank_that_cannot_turn"), "crank_that_cannot_turn"), 5,
                 {"start velocity: A.rz is impossible: the joints do not allow this motion"});
 }
 
 // The axes of the two chains differ visibly: as soon as it moves, it is locked. No verb runs it, quiet or not.
-TEST_CASE("a start that moves where the mechanism is locked is refused by every verb", "[runner]") {
+TEST_CASE("a start that moves although the mechanism is locked is rejected by every command", "[runner]") {
   for (std::string line : {"run SCENE --no-picture --record locked.csv", "run SCENE --quiet --record locked.csv",
                            "check SCENE", "sweep SCENE --vary run.until=0.1 --record locked.csv"}) {
     line.replace(line.find("SCENE"), 5, defect("near_redundant_sarrus"));
@@ -175,7 +175,7 @@ TEST_CASE("inverse names the instants at which reactions have no value", "[runne
 }
 
 // In space it has one freedom, as the formulation joint knows.
-TEST_CASE("a body that may slide along the plane's normal is not said to be fixed", "[runner]") {
+TEST_CASE("a body that may slide along the plane's normal is not reported as fixed", "[runner]") {
   const std::string scene = quoted(scene_file("normal_slide", R"("gravity": [0, -9.81, 0],
     "bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 1]}],
     "links": [{"name": "G", "type": "prismatic", "p": "b", "s": "ground", "at": [0, 0, 0], "axis": "z"}],
@@ -190,7 +190,7 @@ TEST_CASE("a body that may slide along the plane's normal is not said to be fixe
   }
 }
 
-TEST_CASE("a plane takes what is at rest but for rounding", "[runner]") {
+TEST_CASE("a plane accepts bodies at rest up to rounding", "[runner]") {
   const auto scene = [](const std::string& name, const std::string& velocity) {
     return quoted(scene_file(name, R"("gravity": [0, -9.81, 0], "planar": "z",
       "bodies": [{"name": "b", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}, "velocity": [0, 0, )" +
@@ -207,7 +207,7 @@ TEST_CASE("a plane takes what is at rest but for rounding", "[runner]") {
 }
 
 // Upright, a rod of length l falls by 3 g / (2 l) of its angle; the rod's radius is a fiftieth of its length.
-TEST_CASE("the softest stiffness of an unstable equilibrium is that of what grows", "[runner]") {
+TEST_CASE("the lowest stiffness of an unstable equilibrium is that of the growing motion", "[runner]") {
   const std::string scene = quoted(scene_file("upright", R"("gravity": [0, -9.81, 0],
     "bodies": [{"name": "b", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0, 0.5, 0]}}],
     "links": [{"name": "A", "type": "revolute", "p": "b", "s": "ground", "at": [0, 0, 0]}])"));
@@ -222,7 +222,7 @@ TEST_CASE("the softest stiffness of an unstable equilibrium is that of what grow
 }
 
 // Those that come beside their flat position made 100 to 200 at this tolerance, and a thousand at 1e-10.
-TEST_CASE("copies in lanes pass singular positions in as many steps as alone", "[runner]") {
+TEST_CASE("instances in a vectorised batch pass singular configurations in as many steps as alone", "[runner]") {
   const std::string sweep =
       "sweep " + quoted(std::string(paths::kSource) + "/tests/verification/scenes/parallelogram.json") +
       " --vary bodies.bar.rod.mass=0.666:0.668:16 --tolerance 1e-7 --jobs 1 --until 0.71 --set run.max_steps=1000 ";
@@ -252,7 +252,7 @@ TEST_CASE("copies in lanes pass singular positions in as many steps as alone", "
 }
 
 // To 0.71 s, beyond the first flat position, about 20 steps are enough; a run that ends 1.5e-4 rad behind it crept.
-TEST_CASE("a run that ends beside a flat position makes no more steps than one that passes it", "[runner]") {
+TEST_CASE("a run that ends near a singular configuration takes no more steps than one that passes it", "[runner]") {
   const std::string scene = quoted(std::string(paths::kSource) + "/tests/verification/scenes/parallelogram.json");
   const auto steps_to = [&](const std::string& until, const std::string& tolerance) {
     const Called ran = run_named(scene, "beside_flat",

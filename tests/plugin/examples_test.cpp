@@ -110,7 +110,7 @@ TEST_CASE("the plugin adams_bashforth passes check_integrator in every order", "
                  "must be 2, 3 or 4"));
 }
 
-TEST_CASE("adams_bashforth evaluates once a step and begins anew where its history does not fit", "[plugin][check]") {
+TEST_CASE("adams_bashforth evaluates once per step and restarts if its history does not fit", "[plugin][check]") {
   const Registry registry = registry_with("adams_bashforth");
   System system({.gravity = {0, 0, -9.81}});
   system.add_body("top", MassProperties{2.0, Vec3::Zero(), Vec3(0.4, 0.4, 0.7).asDiagonal()}).start.w = {1, 0.5, 2};
@@ -133,7 +133,7 @@ TEST_CASE("adams_bashforth evaluates once a step and begins anew where its histo
   CHECK(evaluations(0.01) == 1);
 }
 
-TEST_CASE("adams_bashforth keeps its history beside a counted angle", "[plugin][check]") {
+TEST_CASE("adams_bashforth keeps its history together with a counted angle", "[plugin][check]") {
   const Registry registry = registry_with("adams_bashforth");
   System system({.gravity = {0, -9.81, 0}});
   Body& arm = system.add_body("arm", MassProperties{2.0, Vec3(0.5, 0, 0), Mat3::Identity()});

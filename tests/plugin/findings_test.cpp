@@ -82,6 +82,8 @@ std::vector<Provoked> all() {
       {"quaternion-length", kRun,
        R"("bodies": [{"name": "top", "sphere": {"mass": 1, "radius": 1}, "orientation": [0.74, 0.74, 0, 0]}])" + until +
            R"("record": ["top.x"]})"},
+      {"implausible", kRun,
+       kArm + R"("gravity": [0, -9810, 0], "links": [{)" + kHinge + "}]" + until + R"("record": ["arm.x"]})"},
       {"negative-stiffness", kRun, spring(R"("stiffness": -1)") + until + R"("record": ["bob.x"]})"},
       {"outputs-beyond-end", kRun, kFalling + R"(, "run": {"until": 1, "times": [0, 0.5, 2], "record": ["arm.x"]})"},
       {"setting-unused", kRun,
@@ -206,7 +208,7 @@ TEST_CASE("a table without units is noted once, with the header to write", "[run
 }
 
 // Steps of half a second, in which the arm turns by more than two radians.
-TEST_CASE("a run of which no digit is certified ends as a doubtful one", "[runner][findings]") {
+TEST_CASE("a run without a verified digit ends with the exit code of a doubtful one", "[runner][findings]") {
   const std::string scene = scene_file("uncertified", kFalling + R"(, "run": {"integrator": "rk4", "step": 0.5,
     "until": 20, "output": 0.5, "energy_limit": 100, "record": ["arm.vx"]})");
   check_refused(call("run '" + scene + "' --certify --budget 10s --no-picture --record found.csv"), 11,

@@ -74,26 +74,27 @@ std::string rude(const std::string& how, const Registry& base = builtin_registry
 
 }  // namespace
 
-TEST_CASE("files that are no plugin for this host are refused, each with its reason", "[plugin][hostile]") {
+TEST_CASE("files that are no plugin for this host are rejected, each with its reason", "[plugin][hostile]") {
   const std::string sound = bytes_of(kProbe);
   const std::vector<Case> cases = {
       {"empty file", "it is empty", [] { return hostile("none", ""); }},
       {"a text", "it does not begin with an ELF header", [] { return hostile("text", "#!/bin/sh\necho no\n"); }},
-      {"only the first four bytes", "it ends too early", [&] { return hostile("magic", sound.substr(0, 4)); }},
+      {"only the first four bytes", "it ends too early, at byte 4",
+       [&] { return hostile("magic", sound.substr(0, 4)); }},
       {"cut in the header", "it ends too early", [&] { return hostile("cut40", sound.substr(0, 40)); }},
       {"cut in the middle", "it ends too early", [&] { return hostile("half_of", sound.substr(0, sound.size() / 2)); }},
       {"32 bits", "another word size", [] { return hostile("bits32", changed(4, "\1")); }},
-      {"other byte order", "another byte order", [] { return hostile("order", changed(5, "\2")); }},
+      {"other byte order", "another word size or byte order", [] { return hostile("order", changed(5, "\2")); }},
       {"other architecture", "it is made for S/390, this host is ",
        [] { return hostile("s390", changed(18, two_bytes(22))); }},
-      {"other system", "another operating system", [] { return hostile("system", changed(7, "\x09")); }},
-      {"a program", "an object file or a program", [] { return hostile("program", changed(16, two_bytes(2))); }},
-      {"no segments", "its header is damaged", [] { return hostile("bare", changed(56, two_bytes(0))); }},
+      {"other system", "ELF file OS ABI invalid", [] { return hostile("system", changed(7, "\x09")); }},
+      {"a program", "cannot be opened: ", [] { return hostile("program", changed(16, two_bytes(2))); }},
+      {"no segments", "cannot be opened: ", [] { return hostile("bare", changed(56, two_bytes(0))); }},
       {"segments beyond the end", "it ends too early",
        [] { return hostile("beyond", changed(32, std::string("\0\0\0\1\0\0\0\0", 8))); }},
-      {"a library without a record", "is not a lockstep plugin: it has no symbol \"lockstep_abi\"",
+      {"a library without a record", "is not a lockstep plugin: it has no record \"lockstep-abi\"",
        [] { return kModules + "/stranger.so"; }},
-      {"a record that is none", "has an unreadable ABI record",
+      {"a record that is none", "it has no record",
        [] { return foreign("magicless", [](auto& r) { r.magic[0] = 'x'; }); }},
       {"a shorter record", "with a record of 100 bytes",
        [] { return foreign("shorter", [](auto& r) { r.size = 100; }); }},
@@ -161,7 +162,7 @@ TEST_CASE("files that are no plugin for this host are refused, each with its rea
   fs::remove_all(kModules + "/hostile");
 }
 
-TEST_CASE("a file that may not be read is refused", "[plugin][hostile]") {
+TEST_CASE("an unreadable file is rejected", "[plugin][hostile]") {
   if (geteuid() == 0) {
     WARN("skipped: root may read everything");
     return;
@@ -196,7 +197,7 @@ TEST_CASE("a plugin that registers badly leaves nothing behind", "[plugin][hosti
         "plugin 'rude': law 'probe_law' (plugin rude) is already registered (plugin probe); choose another name");
 }
 
-TEST_CASE("a plugin cannot say that it is built in", "[plugin][hostile]") {
+TEST_CASE("a plugin cannot claim to be built in", "[plugin][hostile]") {
   setenv("LOCKSTEP_TEST_RUDE", "built in", 1);
   Registry registry;
   load_plugin(registry, kModules + "/rude.so");

@@ -30,7 +30,7 @@ Registry with_ida() {
 
 }  // namespace
 
-TEST_CASE("the plugin ida brings its integrator and refuses orders that it has not", "[plugin][ida]") {
+TEST_CASE("the plugin ida adds its integrator and rejects orders that it does not have", "[plugin][ida]") {
   const Registry registry = with_ida();
   REQUIRE(registry.integrators.find("ida") != nullptr);
   CHECK(registry.integrators.find("ida")->origin == "ida");
@@ -82,7 +82,7 @@ TEST_CASE("the error of ida follows the tolerance with slope one", "[plugin][ida
 
 // All velocities turned round, a pendulum goes back the way it came. The instant lies within a step, the method begins
 // anew there, and the links of the scene are met all the while.
-TEST_CASE("ida goes on from a state that an event has changed", "[plugin][ida]") {
+TEST_CASE("ida continues from a state that an event has changed", "[plugin][ida]") {
   System system{System::Options{Vec3(0, -9.81, 0)}};
   Body& bar = system.add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
   system.add<Revolute>("hinge", bar, system.ground(), pose_at({0, 0, 0}));
@@ -124,7 +124,7 @@ TEST_CASE("the steps of ida show its order, projected after each of them", "[plu
   CHECK(std::log(1e3) / std::log(fine / coarse) - 1 == Approx(order).margin(0.3));
 }
 
-TEST_CASE("a run with checkpoints is refused before it begins where its method cannot be saved", "[plugin][ida]") {
+TEST_CASE("a run with checkpoints is rejected before its start if its method cannot be saved", "[plugin][ida]") {
   using lockstep::testing::call, lockstep::testing::contains, lockstep::testing::Called;
   const Called r = call("run '" + std::string(paths::kScenes) + "/flyball.json' --plugin '" + paths::kPlugins +
                         "/ida.so' --integrator ida --until 0.1 --no-picture --record ida.csv --checkpoint "

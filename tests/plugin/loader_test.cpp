@@ -54,7 +54,7 @@ std::string changed_copy(const std::string& name, F&& change) {
 
 }  // namespace
 
-TEST_CASE("a plugin of another compiler is refused before its code runs", "[plugin]") {
+TEST_CASE("a plugin of another compiler is rejected before its code runs", "[plugin]") {
   unsetenv("LOCKSTEP_TEST_PROBE");
   const std::string path = changed_copy("foreign", [](lockstep_abi_record& r) {
     const bool host_is_clang = std::string(r.compiler) == "clang";
@@ -69,7 +69,7 @@ TEST_CASE("a plugin of another compiler is refused before its code runs", "[plug
   CHECK(std::getenv("LOCKSTEP_TEST_PROBE") == nullptr);
 }
 
-TEST_CASE("each field that must agree is told apart", "[plugin]") {
+TEST_CASE("every field that must agree is compared", "[plugin]") {
   const lockstep_abi_record host = abi_of_this_build();
   CHECK(abi_difference(host, host).empty());
   const auto with = [&](auto change) {
@@ -88,7 +88,7 @@ TEST_CASE("each field that must agree is told apart", "[plugin]") {
   CHECK(with([](auto& r) { r.compiler_version[2] += 1; }).empty());  // the same series of the same compiler
 }
 
-TEST_CASE("a plugin is found by path and by name, and its things say where they come from", "[plugin]") {
+TEST_CASE("a plugin is found by path and by name, and its types report their origin", "[plugin]") {
   const std::string own = kModules + "/own";  // a file that no other test has opened
   fs::create_directories(own);
   fs::copy_file(kModules + "/probe.so", own + "/probe.so", fs::copy_options::overwrite_existing);
@@ -112,7 +112,7 @@ TEST_CASE("a plugin is found by path and by name, and its things say where they 
   unsetenv("LOCKSTEP_PLUGIN_PATH");
 }
 
-TEST_CASE("what is no plugin is refused in one sentence", "[plugin]") {
+TEST_CASE("a file that is no plugin is rejected in one sentence", "[plugin]") {
   CHECK(contains(refusal("no_such_plugin", {"/nowhere"}), "plugin 'no_such_plugin' not found; looked in /nowhere"));
   CHECK(contains(refusal("./no_such_plugin"), "there is no such file"));
   CHECK(contains(refusal(kModules + "/stranger.so"), "is not a lockstep plugin"));

@@ -162,7 +162,7 @@ TEST_CASE("words of other programs are understood as hints", "[runner]") {
   check_mistake({"run " + sample("four_bar") + " --integrator rk45", 2, {"did you mean \"dopri5\"?"}});
 }
 
-TEST_CASE("a scene may say joints for links, or both", "[runner]") {
+TEST_CASE("a scene may use joints for links, or both", "[runner]") {
   const auto scene = [](const std::string& first, const std::string& second) {
     return scene_file("joints", kArm + "\"" + first + R"(": [{)" + kHinge + R"(}], ")" + second +
                                     R"(": [{"name": "B", "type": "distance", "p": "arm", "s": "ground", "at_p": [1,0,0],
@@ -177,6 +177,20 @@ TEST_CASE("a scene may say joints for links, or both", "[runner]") {
   const std::string twice = scene_file(
       "twice", kArm + R"("links": [{)" + kHinge + R"(}], "joints": [{)" + kHinge + R"(}], "run": {"until": 0.1})");
   check_mistake({"check '" + twice + "'", 3, {"joint 'A'", "taken"}});
+}
+
+// A scene in millimetres with gravity to match, and 1000 kg m^2 on 1 kg: 9810 m/s^2, and a radius of gyration of 32 m.
+TEST_CASE("numbers that no machine has are warned of, in check and in run", "[mistakes][defect]") {
+  for (const std::string& line :
+       {"check " + defect("implausible"), "run " + defect("implausible") + " --no-picture --record implausible.csv"}) {
+    const Called called = call(line);
+    INFO(called.text);
+    CHECK(called.exit == 0);
+    CHECK(contains(called.text, "gravity is 9810 m/s^2; that of the Earth is 9.81"));
+    CHECK(contains(called.text, "body 'r': the radius of gyration is 31.6 m, which is implausible for 1 kg"));
+    CHECK(contains(called.text, "implausible.json:1:"));
+  }
+  CHECK(table_of("implausible").n_rows() == 11);
 }
 
 }  // namespace mistakes_test

@@ -139,7 +139,7 @@ std::string loaded_part(const std::string& sound, const std::string& bytes) {
 
 }  // namespace
 
-TEST_CASE("thousands of changed plugins are refused, or are the same plugin still", "[plugin][mutation]") {
+TEST_CASE("thousands of changed plugins are rejected, or remain the same plugin", "[plugin][mutation]") {
   const std::string plugin = GENERATE(built_plugin("bump"), built_plugin("cam_follower"), test_plugin("probe"));
   const std::string sound = bytes_of(plugin), sound_part = loaded_part(sound, sound);
   const Elf64_Phdr last = loaded_segments(sound).back();

@@ -82,7 +82,7 @@ TEST_CASE("new-plugin touches nothing that exists", "[plugin][new_plugin]") {
   CHECK(contains(r.text, "cannot be created"));
 }
 
-TEST_CASE("new-plugin refuses names that cannot be", "[plugin][new_plugin]") {
+TEST_CASE("new-plugin rejects impossible names", "[plugin][new_plugin]") {
   fs::remove_all(kPlace);
   for (const char* name : {"", "Rail", "2rails", "a-b", "../up", "a/b", "rail_", "a__b", "r\xc3\xa4", "a b"})
     CHECK(contains(refusal("link", name), "small letters, digits and single _"));

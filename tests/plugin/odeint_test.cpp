@@ -24,7 +24,7 @@ Registry with_odeint() {
 
 }  // namespace
 
-TEST_CASE("the plugin odeint brings its integrator and says where it comes from", "[plugin][odeint]") {
+TEST_CASE("the plugin odeint adds its integrator and reports its origin", "[plugin][odeint]") {
   const Registry registry = with_odeint();
   REQUIRE(registry.integrators.find("odeint_cash_karp54") != nullptr);
   CHECK(registry.integrators.find("odeint_cash_karp54")->origin == "odeint");

@@ -15,7 +15,7 @@ namespace parameters_command_test {
 using namespace lockstep;
 using namespace lockstep::testing;
 
-TEST_CASE("the option --set gives a parameter another value, and all that hangs on it follows", "[runner]") {
+TEST_CASE("the option --set gives a parameter another value, and all dependent values follow", "[runner]") {
   const std::string scene = scene_path("slider_crank");
   for (const auto& [crank, most] : {std::pair{"100 mm", 0.45}, {"120 mm", 0.47}}) {
     const Called ran = call("run " + scene + " --quiet --record set.csv --set crank=\"" + crank + "\"");

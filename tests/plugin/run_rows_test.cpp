@@ -45,7 +45,7 @@ Table table_of(long n) {
 
 }  // namespace
 
-TEST_CASE("rows of a long run are not kept in memory", "[runner]") {
+TEST_CASE("the table of a long run is not kept in memory", "[runner]") {
   System system(System::Options{{0, 0, -10}});
   system.add_particle("stone", 1, {0, 0, 2});
   Recorder recorder(system, {"stone.x", "stone.z"});
@@ -83,7 +83,7 @@ TEST_CASE("rows of a long run are not kept in memory", "[runner]") {
   std::filesystem::remove(name);
 }
 
-TEST_CASE("an envelope of rows shows all of few rows, and the extremes of many", "[runner]") {
+TEST_CASE("an envelope keeps all lines of a short table, and the extremes of a long one", "[runner]") {
   constexpr std::size_t kMost = 64;
   for (const long n : {1L, 63L, 64L, 65L, 66L, 67L, 200L, 202L, 4000L, 4001L, 4030L, 4031L}) {
     INFO(n << " rows");
@@ -111,7 +111,7 @@ TEST_CASE("an envelope of rows shows all of few rows, and the extremes of many",
 }
 
 // x^2 + y^2 = 1 at every instant: a row of numbers from different instants lies elsewhere.
-TEST_CASE("a path is drawn through rows of one instant each", "[runner]") {
+TEST_CASE("a path is drawn through recorded values of one time each", "[runner]") {
   Table all;
   all.add_column("t", "s"), all.add_column("x", "m"), all.add_column("y", "m");
   const auto angle = [](double t) { return 20 * kPi * t / 1e6; };  // ten turns
@@ -144,7 +144,7 @@ TEST_CASE("a path is drawn through rows of one instant each", "[runner]") {
 
 // One row in 2, 4, 8, ... and the last, each once. Of the envelope, two rows for each full group of 4, 8, ... rows; of the
 // open one both extremes and its end, or the one row that it has.
-TEST_CASE("thinned rows end in the last one, which is there once", "[runner]") {
+TEST_CASE("thinned values end in the last one, which occurs once", "[runner]") {
   constexpr long kMost = 64;
   Table all;
   all.add_column("t", "s"), all.add_column("x", "m");
@@ -171,7 +171,7 @@ TEST_CASE("thinned rows end in the last one, which is there once", "[runner]") {
   }
 }
 
-TEST_CASE("an envelope of rows goes on from what it saved", "[runner]") {
+TEST_CASE("an envelope continues from its saved state", "[runner]") {
   const Table all = table_of(1000);
   RowEnvelope whole(all, 64), first(all, 64), rest(all, 64);
   for (std::size_t i = 0; i < 1000; ++i) whole.add(all, i);
@@ -192,7 +192,7 @@ TEST_CASE("an envelope of rows goes on from what it saved", "[runner]") {
   CHECK(whole.ranges()[1].t_least == rest.ranges()[1].t_least);
 }
 
-TEST_CASE("a NaN among the rows stays in their range", "[runner]") {
+TEST_CASE("a NaN among the values remains in their range", "[runner]") {
   Table all;
   all.add_column("t", "s"), all.add_column("x");
   for (const double x : {1.0, std::numeric_limits<double>::quiet_NaN(), 2.0}) all.add_row(std::vector<double>{x, x});

@@ -116,7 +116,7 @@ std::pair<Table, std::vector<std::string>> varied(const std::string& name) {
 }  // namespace
 
 // A mass on a spring hangs lower by m g/k: exact for every mass.
-TEST_CASE("runner: statics --vary draws a path, one row a value", "[plugin][runner]") {
+TEST_CASE("runner: statics --vary draws a path, one line per value", "[plugin][runner]") {
   const std::string scene = scene_file("hanging.json", R"("gravity": [0, -10, 0],
     "bodies": [{"name": "load", "mass": 1, "inertia": [0.1, 0.1, 0.1], "position": [0, -1, 0]}],
     "links": [{"name": "guide", "type": "prismatic", "p": "load", "s": "ground", "at": [0, -1, 0], "axis": "y"}],
@@ -248,7 +248,7 @@ TEST_CASE("runner: a recorded angle without a value ends neither kinematics nor 
 }
 
 // Two hinges whose axes are nearly one: nothing is redundant, and nothing is shared.
-TEST_CASE("runner: explain calls rows that nearly depend on others not redundant", "[plugin][runner]") {
+TEST_CASE("runner: explain does not call nearly dependent constraints redundant", "[plugin][runner]") {
   const Called r = call("explain '" + std::string(paths::kSource) +
                         "/tests/stability/scenes/flat_cranks.json' A --set before=1e-3 --json");
   INFO(r.text);
@@ -256,7 +256,7 @@ TEST_CASE("runner: explain calls rows that nearly depend on others not redundant
   CHECK(Json::parse(r.text)["dependencies"].empty());
 }
 
-TEST_CASE("runner: kinematics needs no masses, and refuses too few drives", "[plugin][runner]") {
+TEST_CASE("runner: kinematics needs no masses, and rejects too few drives", "[plugin][runner]") {
   const std::string members = R"("bodies": [{"name": "arm"}],
     "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0], "axis": "z",
                "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 2}}}],
@@ -311,7 +311,7 @@ TEST_CASE("runner: kinematics and inverse report what assembly moved, and print 
   CHECK(contains(call("inverse " + sample("four_bar") + " --until 0.1 --record zeros.csv --json").text, "theta_dd"));
 }
 
-TEST_CASE("runner: kinematics says what an interval of the poses leaves", "[plugin][runner]") {
+TEST_CASE("runner: kinematics reports the effect of a long interval between poses", "[plugin][runner]") {
   const Called ends = call("kinematics " + sample("four_bar") + " --until 0.1 --output 0.2 --record ends.csv");
   CHECK(ends.exit == 0);
   CHECK(contains(ends.text, "only start and end are computed"));
@@ -339,7 +339,7 @@ TEST_CASE("runner: the instant 0 of --at may be written as any other", "[plugin]
   }
 }
 
-TEST_CASE("runner: statics refuses --nearest with --all", "[plugin][runner]") {
+TEST_CASE("runner: statics rejects --nearest with --all", "[plugin][runner]") {
   const Called called = call("statics " + sample("rod_pendulum") + " --all 3 --nearest");
   CHECK(called.exit == 2);
   CHECK(contains(called.text, "--nearest"));
@@ -394,7 +394,7 @@ TEST_CASE("runner: explain gives the laws and powers of a force", "[plugin][runn
   CHECK(row_of(words.text, "law").starts_with("law N [4.66"));
 }
 
-TEST_CASE("runner: statics says what friction holds, and where it does not", "[plugin][runner]") {
+TEST_CASE("runner: statics reports what friction holds, and what it does not", "[plugin][runner]") {
   const auto block = [](double mu) {
     return scene_file("slope_" + std::to_string(static_cast<int>(1000 * mu)),
                       R"("gravity": [0, 0, -9.81], "bodies": [{"name": "block", "mass": 3, "inertia": [1, 1, 1]}],

@@ -102,10 +102,10 @@ TEST_CASE("atlas: a run of a single step has an error", "[runner][atlas]") {
   CHECK(j["maps"][0]["counts"].value("accurate", 0) == 0);
 }
 
-TEST_CASE("atlas: Baumgarte's gain has the limit of (2.16)", "[runner][atlas]") {
+TEST_CASE("atlas: the Baumgarte gain has the limit of (2.16)", "[runner][atlas]") {
   const std::string rod = scene_file("atlas_rod", R"("gravity": [0, -9.81, 0], "planar": "off",
     "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
-    "parameters": {"gain": "100 Hz"},
+    "parameters": {"gain": 100},
     "links": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0]}],
     "run": {"integrator": "rk4", "step": 0.01, "formulation": "omega", "until": 0.5,
             "stabilization": {"kind": "baumgarte", "alpha": "=gain", "beta": "=gain"}})");
@@ -137,7 +137,7 @@ void each_run(const Json& map, const std::function<void(const std::string& outco
 }  // namespace
 
 // Points of the committed maps (framework/docs/stability.md).
-TEST_CASE("atlas: singular positions that were passed with plain stages are told", "[runner][atlas]") {
+TEST_CASE("atlas: singular configurations that were passed with unprojected stages are reported", "[runner][atlas]") {
   const Json j = atlas_of(scene_of_map("flat_cranks"),
                           "--vary before=1e-6,1e-3,0.1 --vary run.tolerance=1e-10,1e-6 "
                           "--integrators dop853,dop853:stages=plain,rk4,rattle4 --out atlas_flat");
@@ -255,7 +255,7 @@ TEST_CASE("atlas: mass ratios to 1e9, steps to 1e-7 s", "[runner][atlas]") {
   }
 }
 
-TEST_CASE("atlas: a long turn in a step counts as told, and shapes from a cube to a leaf", "[runner][atlas]") {
+TEST_CASE("atlas: a large rotation per step counts as reported, and shapes from a cube to a leaf", "[runner][atlas]") {
   const Json j =
       atlas_of(scene_of_map("plate"),
                "--vary run.step=0.01,1 --vary thickness=1e-6,1e-2,1 --integrators rk4,rattle2 --out atlas_plate");
@@ -267,7 +267,7 @@ TEST_CASE("atlas: a long turn in a step counts as told, and shapes from a cube t
     }
 }
 
-TEST_CASE("atlas: near its middle axis a racket turns over alike at any tolerance", "[runner][atlas]") {
+TEST_CASE("atlas: near its middle axis a racket tumbles alike at any tolerance", "[runner][atlas]") {
   const Json j = atlas_of(scene_of_map("racket"),
                           "--vary run.tolerance=1e-12,1e-9 --vary tilt=1e-8,0.1 --integrators dopri5 --error 1e-7 "
                           "--out atlas_racket");
@@ -279,7 +279,7 @@ TEST_CASE("atlas: near its middle axis a racket turns over alike at any toleranc
   }
 }
 
-TEST_CASE("atlas: what it cannot draw is refused by name", "[runner][atlas]") {
+TEST_CASE("atlas: invalid settings of a map are rejected by name", "[runner][atlas]") {
   const std::string scene = spring();
   const auto refused = [&](const std::string& words, const std::string& part) {
     const Called called = call("atlas '" + scene + "' " + words);

@@ -72,7 +72,7 @@ TEST_CASE("check names what keeps a scene in space that moves in a plane", "[run
   CHECK_FALSE(contains(checked(""), "gives 9"));
 }
 
-TEST_CASE("joint coordinates: proposed where scene and method take them, run with the summary", "[runner]") {
+TEST_CASE("check reports the joint coordinates of a scene, and why there are none", "[runner]") {
   const std::string chain = std::string(paths::kScenes) + "/chain_10.json";
   const auto says = [](const std::string& scene, const std::string& options, const std::string& words) {
     const Called checked = call("check '" + scene + "' --verbose " + options);
@@ -95,7 +95,6 @@ TEST_CASE("joint coordinates: proposed where scene and method take them, run wit
   CHECK(branch(chain, "", "rod_2") == "rod_2 rod_1 J2 rz");
   CHECK(says(chain, "--json", R"("body": "rod_2")"));
   CHECK(formulation(chain, "--full") == "omega");
-  CHECK(!says(chain, "", "\"formulation\": \"auto\""));
   CHECK(formulation(kFourBar, "") ==
         "joint, in the plane with normal z: 2 unknown velocities, and the loop-closure constraints of D");
   CHECK(formulation(kFourBar, "--planar off").starts_with("joint: 2 unknown velocities, and the loop-closure constraints of"));
@@ -118,14 +117,6 @@ TEST_CASE("joint coordinates: proposed where scene and method take them, run wit
   CHECK(branch(tree, "--planar off", "rod") == "rod cart A rx, ry and rz");
   CHECK(branch(tree, "--planar off", "free") == "free x, y, z, rx, ry and rz");  // on no link, and no body
   CHECK(formulation(tree, "") == "joint, in the plane with normal z: 4 unknown velocities, no constraints");
-  const std::string omega = "\", \"formulation\": \"omega\"}",
-                    proposal = "\"formulation\": \"auto\" uses joint coordinates";
-  CHECK(says(scene_file("asked", pendulum + "dopri5" + omega), "", proposal));
-  nlohmann::json loop = nlohmann::json::parse(std::ifstream(kFourBar));
-  loop["run"]["formulation"] = "omega";
-  std::ofstream(kRunnerFolder + "/asked_loop.json") << loop;
-  CHECK(says(kRunnerFolder + "/asked_loop.json", "", proposal));
-  CHECK(!says(scene_file("named", pendulum + "radau5" + omega), "", proposal));
   CHECK(formulation(scene_file("solved", pendulum + "dopri5\", \"solver\": \"sparse\"}"), "")
             .starts_with("omega, in the plane"));
   const Called r = call("run '" + chain + "' --formulation joint --until 0.2 --record joint.csv");
@@ -134,7 +125,7 @@ TEST_CASE("joint coordinates: proposed where scene and method take them, run wit
   CHECK(contains(r.text, "energy ok"));
 }
 
-TEST_CASE("the formulation that a run takes is said, and check says where stages are evaluated, and why", "[runner]") {
+TEST_CASE("the formulation of a run is reported, and check reports how stages are evaluated, and why", "[runner]") {
   const std::string chain = std::string(paths::kScenes) + "/chain_10.json";
   const auto used = [&](const std::string& words) {
     const std::string line = "run " + words + " --until 0.05 --no-picture --record used.csv";
@@ -167,7 +158,7 @@ TEST_CASE("the formulation that a run takes is said, and check says where stages
   CHECK(contains(call("check '" + arm + "'").text, ": 1 unknown velocity, no constraints"));
 }
 
-TEST_CASE("joint coordinates that are not possible are refused before a file is opened", "[runner]") {
+TEST_CASE("impossible joint coordinates are rejected before a file is opened", "[runner]") {
   const std::string table = kRunnerFolder + "/door_joint.csv";
   const Called r = call("run '" + std::string(paths::kSource) +
                         "/tests/stability/scenes/door.json' --formulation joint --no-picture --record door_joint.csv");
@@ -179,7 +170,7 @@ TEST_CASE("joint coordinates that are not possible are refused before a file is 
   CHECK_FALSE(std::filesystem::exists(table + ".partial"));
 }
 
-TEST_CASE("check counts the mechanism, assemble says what it moved", "[runner]") {
+TEST_CASE("check counts the mechanism, assemble reports the bodies that it moved", "[runner]") {
   const auto check = nlohmann::json::parse(call("check '" + kFourBar + "' --planar off --json").text);
   CHECK(check["bodies"] == 3);
   CHECK(check["unknowns"] == 18);
@@ -202,7 +193,7 @@ TEST_CASE("check counts the mechanism, assemble says what it moved", "[runner]")
   CHECK(contains(run.text, "moved 'bob' by 0.1 m"));
 }
 
-TEST_CASE("check lists the channels, describe says what stands under a key", "[runner]") {
+TEST_CASE("check lists the channels, describe explains a key", "[runner]") {
   const auto channels = nlohmann::json::parse(call("check '" + kFourBar + "' --channels --json").text)["channels"];
   std::size_t n_found = 0;
   for (const auto& c : channels) {
@@ -229,7 +220,7 @@ TEST_CASE("check lists the channels, describe says what stands under a key", "[r
   CHECK_FALSE(contains(all, "dense (default)"));
 }
 
-TEST_CASE("a gear between a turn and a joint that holds its own is told", "[runner]") {
+TEST_CASE("a gear between a rotation and a joint that holds it is reported", "[runner]") {
   const auto check = [](const std::string& joint) {
     return call("check '" + scene_file("held_gear", R"("bodies": [{"name": "one", "sphere": {"mass": 1, "radius": 0.1}},
       {"name": "two", "sphere": {"mass": 1, "radius": 0.1}, "position": [1, 0, 0]}],
@@ -246,7 +237,7 @@ TEST_CASE("a gear between a turn and a joint that holds its own is told", "[runn
   for (const char* joint : {"revolute", "cylindrical"}) CHECK_FALSE(contains(check(joint), "does not rotate"));
 }
 
-TEST_CASE("check ends as run does where a start that is not assembled violates the constraints", "[runner]") {
+TEST_CASE("check ends as run does if a start that is not assembled violates the constraints", "[runner]") {
   const std::string off = scene_file("unassembled", R"("bodies": [{"name": "a", "mass": 1, "inertia": [1, 1, 1]}],
     "links": [{"name": "L", "type": "revolute", "p": "a", "s": "ground", "at_p": [0.3, 0, 0], "at_s": [0, 0, 0]}],
     "run": {"until": 1, "assemble": false, "record": ["a.x"]})");

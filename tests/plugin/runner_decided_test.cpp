@@ -16,7 +16,7 @@ using namespace lockstep;
 using namespace lockstep::testing;
 using Json = nlohmann::json;
 
-TEST_CASE("runner: rows that nearly depend hold as they are written, and are free or told where that is asked for",
+TEST_CASE("runner: nearly dependent constraints hold as written, and are free or reported on request",
           "[plugin][runner]") {
   const std::string door = "'" + std::string(paths::kSource) + "/tests/stability/scenes/door.json'";
   const Json free = Json::parse(call("check " + door + " --nearly-redundant free --json").text);
@@ -35,10 +35,10 @@ TEST_CASE("runner: rows that nearly depend hold as they are written, and are fre
   REQUIRE(by_itself["nearly_redundant"].size() == 1);
   CHECK(by_itself["nearly_redundant"][0]["decided"] == "held");
   CHECK(by_itself["nearly_redundant"][0]["left_out"].size() == 4);
-  const Json told = after_warnings("check " + door + " --nearly-redundant told --json");
+  const Json told = after_warnings("check " + door + " --nearly-redundant report --json");
   CHECK(told["freedoms"] == 0);
   REQUIRE(told["nearly_redundant"].size() == 1);
-  CHECK(told["nearly_redundant"][0]["decided"] == "told");
+  CHECK(told["nearly_redundant"][0]["decided"] == "reported");
   CHECK(told["nearly_redundant"][0]["left_out"].empty());
   CHECK(told["nearly_redundant"][0]["rows"] == Json{"low.y", "low.e1", "high.y", "high.e1"});
   const Json held = after_warnings("check " + door + " --nearly-redundant held --json");
@@ -66,11 +66,12 @@ TEST_CASE("runner: rows that nearly depend hold as they are written, and are fre
 }
 
 // Whether its solver then refuses the start or not.
-TEST_CASE("runner: a run names rows that nearly depend, their singular value and both next moves", "[plugin][runner]") {
+TEST_CASE("runner: a run names nearly dependent constraints, their singular value and both choices",
+          "[plugin][runner]") {
   const std::string door = "'" + std::string(paths::kSource) + "/tests/stability/scenes/door.json'";
   for (const std::string& words : {"check " + door, "run " + door + " --until 0.001 --no-picture --record door_told.csv"})
     for (const bool told : {true, false}) {
-      const Called called = call(words + (told ? " --nearly-redundant told" : ""));
+      const Called called = call(words + (told ? " --nearly-redundant report" : ""));
       INFO(called.text);
       CHECK(contains(
           called.text,
@@ -102,7 +103,7 @@ TEST_CASE("runner: what is decided at the start does not go with events that swi
   CHECK(contains(by_itself.text, "not decided: event 'open' switches joints of such a loop"));
 }
 
-TEST_CASE("runner: rows hold by themselves beside other events, and are told beside one-sided links",
+TEST_CASE("runner: constraints hold by default with other events, and are reported with one-sided joints",
           "[plugin][runner]") {
   std::ifstream in(std::string(paths::kSource) + "/tests/stability/scenes/door.json");
   const Json door = Json::parse(in);
@@ -124,7 +125,7 @@ TEST_CASE("runner: rows hold by themselves beside other events, and are told bes
   Json stop = door;
   stop["links"].push_back(Json::parse(
       R"({"name": "stop", "type": "stop", "p": "door", "s": "ground", "at": [0, 0, 0.2], "coordinate": "rz", "high": 1})"));
-  CHECK(check("door_stop", stop) == "told");
+  CHECK(check("door_stop", stop) == "reported");
   // With 60 rods on it 310 rows in space, 124 in its plane.
   Json rods = door;
   for (int k = 0; k < 60; ++k) {
@@ -135,7 +136,7 @@ TEST_CASE("runner: rows hold by themselves beside other events, and are told bes
         {{"name", name + "_hinge"}, {"type", "revolute"}, {"p", name}, {"s", before}, {"at", from}});
   }
   rods["planar"] = "off", rods["gravity"] = {0, 2, 0};
-  CHECK(check("door_rods", rods) == "told");
+  CHECK(check("door_rods", rods) == "reported");
   rods["planar"] = "z";
   CHECK(check("door_rods_flat", rods) == "held");
 }

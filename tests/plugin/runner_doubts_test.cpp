@@ -47,7 +47,8 @@ const std::string kSlider = own_scene("slider_crank_equal_arms");
 }  // namespace
 
 // The crank's axis is passed at 0.1268 s first.
-TEST_CASE("a run that passes a singular position with plain stages says so, and --strict refuses it", "[runner]") {
+TEST_CASE("a passed singular configuration is reported for unprojected stages, and an error with --strict",
+          "[runner]") {
   const std::string plain =
       "run " + kSlider + " --integrator rk4 --step 1e-3 --until 0.3 --no-picture --record doubt.csv";
   const Called said = call(plain);
@@ -68,7 +69,7 @@ TEST_CASE("a run that passes a singular position with plain stages says so, and 
   CHECK(result["doubts"].size() == 1);
 }
 
-TEST_CASE("a sweep says which of its runs passed a singular position with plain stages", "[runner]") {
+TEST_CASE("a sweep reports which of its runs passed a singular configuration with unprojected stages", "[runner]") {
   for (const std::string lanes : {"", " --lanes off"}) {
     const Called swept =
         call("sweep " + kSlider + " --vary run.step=1e-3,2e-3 --integrator rk4 --until 0.3 --record swept.csv" + lanes);
@@ -91,14 +92,14 @@ TEST_CASE("a sweep says which of its runs passed a singular position with plain 
   }
 }
 
-TEST_CASE("a run that cares for its singular positions is not refused", "[runner]") {
+TEST_CASE("a run that resolves its singular configurations is not an error", "[runner]") {
   const Called r = call("run " + kSlider + " --strict --tolerance 1e-8 --no-picture --record sure.csv");
   INFO(r.text);
   CHECK(r.exit == 0);
   CHECK_FALSE(contains(r.text, "DOUBTFUL"));
 }
 
-TEST_CASE("a tolerance below what can be reached is told, and the run goes on", "[runner]") {
+TEST_CASE("a tolerance below the attainable one is reported, and the run continues", "[runner]") {
   const Called r = call("run '" + std::string(paths::kScenes) +
                         "/nfourbar_40.json' --tolerance 1e-13 --until 2 --no-picture --record forty.csv --json");
   INFO(r.text);
@@ -111,7 +112,7 @@ TEST_CASE("a tolerance below what can be reached is told, and the run goes on", 
 }
 
 // The crank makes a whole turn, and the hinge between it and the coupler one back.
-TEST_CASE("recorded angles of all joints of a loop begin in the turn that a start asks for", "[runner]") {
+TEST_CASE("recorded angles of all joints of a loop begin in the requested revolution", "[runner]") {
   const auto scene = [](const std::string& name, const std::string& angle) {
     const std::string start = R"(, "start": {"position": {"rz": ")" + angle + R"("}})";
     return scene_file(name, R"("gravity": [0, 0, 0], )" + four_bar({.A = start, .closed = true}) +
@@ -140,7 +141,7 @@ TEST_CASE("recorded angles of all joints of a loop begin in the turn that a star
 }
 
 // A spring of 20 N/m that says half of what it stores; and a rod that is let go from its hinge by itself.
-TEST_CASE("where energy is not conserved the summary says who is suspect", "[runner]") {
+TEST_CASE("if energy is not conserved the summary lists possible causes", "[runner]") {
   const std::string spring = scene_file("half", R"("gravity": [0, 0, 0],
     "bodies": [{"name": "arm", "particle": 1, "position": [1, 0, 0]}],
     "forces": [{"name": "F", "type": "naughty_force", "p": "arm", "at": [0, 0, 0], "does": "half a potential"}],
@@ -182,7 +183,7 @@ TEST_CASE("a mechanism that a law drives into a lock names that law, by every me
 }
 
 // At 0.52 s a sample falls on the position itself (the indicator is 2e-8), where the force in A is 18.62 N.
-TEST_CASE("reactions in a singular position that have a limit are not doubted", "[runner]") {
+TEST_CASE("reactions in a singular configuration that have a limit are not uncertain", "[runner]") {
   std::ifstream in(std::string(paths::kSource) + "/tests/verification/scenes/slider_crank_equal_arms.json");
   Json scene = Json::parse(in);
   scene["run"]["record"] = {"A.force_on_p_link_y"};
@@ -197,7 +198,7 @@ TEST_CASE("reactions in a singular position that have a limit are not doubted", 
 }
 
 // The reaction of A grows as 1/t from the start on: there it has no value.
-TEST_CASE("reactions beside a singular position are told", "[runner]") {
+TEST_CASE("reactions near a singular configuration are reported", "[runner]") {
   const Called r = call("run '" + defect_scene("start_in_change_point") + "' --no-picture --record beside.csv --json");
   INFO(r.text);
   const Json result = Json::parse(r.text.substr(r.text.find("{\n")));
@@ -233,24 +234,26 @@ TEST_CASE("columns of friction and of drives are doubted as reactions are", "[ru
 }
 
 // By so loose a tolerance all is uncertain, and nothing is magnified.
-TEST_CASE("reactions far from singular positions are not doubted by a loose tolerance", "[runner]") {
+TEST_CASE("reactions far from singular configurations are not uncertain because of a loose tolerance", "[runner]") {
   const Called r = call("run '" + kFourBar + "' --tolerance 1e-2 --until 0.1 --no-picture --record loose.csv --json");
   INFO(r.text);
   CHECK(Json::parse(r.text)["doubts"].empty());
 }
 
-TEST_CASE("a start in a singular position is told with its branches", "[runner]") {
+TEST_CASE("a start in a singular configuration is reported with its branches", "[runner]") {
   const Called rest = call("run '" + flat_parallelogram("flat_rest.json", "") + "' --no-picture");
   INFO(rest.text);
   CHECK(contains(rest.text, "the start is a singular configuration: 2 instantaneous degrees of freedom, 2 branches: "));
   CHECK(contains(rest.text, "It is at rest"));
   const Called check = call("check '" + flat_parallelogram("flat_rest.json", "") + "' --json");
-  const Json j = Json::parse(check.text)["singular_position"];
+  CHECK(contains(check.text, "warning: the start is a singular configuration"));
+  const Json j = Json::parse(check.text.substr(check.text.find("{\n")))["singular_position"];
   CHECK(j["in"] == true);
   CHECK(j["branches"].size() == 2);
 }
 
-TEST_CASE("a mechanism without a freedom is told, unless a law moves it or an event lets it go", "[runner]") {
+TEST_CASE("a mechanism without a degree of freedom is reported, unless a law moves it or an event releases it",
+          "[runner]") {
   const std::string said = "no degree of freedom: joints A and L constrain all 3 unknown velocities";
   const auto run = [](const std::string& length, const std::string& more) {
     return call("run '" +
@@ -281,7 +284,7 @@ TEST_CASE("a mechanism without a freedom is told, unless a law moves it or an ev
                "no degree of freedom"));
 }
 
-TEST_CASE("check tells free motions in words", "[runner]") {
+TEST_CASE("check reports free motions in words", "[runner]") {
   const Called r = call("check '" + std::string(paths::kScenes) + "/nfourbar_2.json' --verbose");
   INFO(r.text);
   CHECK(r.exit == 0);

@@ -35,7 +35,7 @@ nlohmann::json page(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("links with rows that are not unique are marked by their own names, stops too", "[runner]") {
+TEST_CASE("joints with constraints that are not unique are marked by name, stops too", "[runner]") {
   UniquenessReport reactions;
   reactions.rows = {"A.x", "A.y", "A.stop_rz_low.rz", "A.stop_rz_high.rz"};
   const auto marked = marked_links(reactions);
@@ -170,7 +170,7 @@ TEST_CASE("results replace neither what a scene is read from nor what another ru
   CHECK(contains(two.text, "second 8"));
 }
 
-TEST_CASE("an interrupted run ends after its step, with its rows beside the old ones", "[runner]") {
+TEST_CASE("an interrupted run ends after its step, and its table does not replace the old one", "[runner]") {
   const std::string swing = scene_file("swing", kArm + R"("gravity": [0,-9.81,0], "links": [{)" + kHinge + R"(}],
     "run": {"integrator": "rk4", "step": 1e-3, "until": 1e6, "output": 1, "record": ["arm.x"]})");
   std::ofstream(kFolder + "/swing.csv") << "t,old\n0,1\n";
@@ -187,7 +187,7 @@ TEST_CASE("an interrupted run ends after its step, with its rows beside the old 
 }
 
 // sin 0.3 = 0.2955...: the row is the start itself.
-TEST_CASE("a run or sweep to its own start has one row", "[runner]") {
+TEST_CASE("a run or sweep of zero duration has one line", "[runner]") {
   const std::string members =
       kArm + R"("gravity": [0,-9.81,0], "links": [{)" + kHinge +
       R"(, "start": {"position": {"rz": 0.3}}}], "run": {"until": 0, "output": 0.1, "record": ["arm.y"]})";
@@ -272,7 +272,7 @@ TEST_CASE("a picture that fails hides neither summary nor table", "[runner]") {
   CHECK(fs::is_character_file("/dev/full"));  // a device is written to, and never replaced
 }
 
-TEST_CASE("a picture of some columns says how many", "[runner]") {
+TEST_CASE("a picture of some columns gives their number", "[runner]") {
   const std::string wide = scene_file("wide", kArm + R"("gravity": [0, -9.81, 0], "run": {"until": 0.1, "record":
     ["arm.x", "arm.y", "arm.z", "arm.vx", "arm.vy", "arm.vz", "arm.qw", "arm.qx", "arm.qy", "arm.qz",
      "arm.ax", "arm.ay", "arm.az", {"x2": "arm.x"}, {"x3": "arm.x"}, {"x4": "arm.x"}, {"x5": "arm.x"}]})");
@@ -282,7 +282,7 @@ TEST_CASE("a picture of some columns says how many", "[runner]") {
   if (contains(r.text, "wide.png")) CHECK(contains(r.text, "drawn: 16 of 17 columns; choose with run.draw"));
 }
 
-TEST_CASE("a scene reads files of its own folder only, unless it may", "[runner]") {
+TEST_CASE("a scene reads files of its folder only, unless it is allowed more", "[runner]") {
   fs::create_directories(kFolder + "/within");
   for (const char* file : {"/within/rise.csv", "/outside.csv", "/within/below/rise.csv"}) {
     fs::create_directories(fs::path(kFolder + file).parent_path());
@@ -343,7 +343,7 @@ TEST_CASE("a scene reads files of its own folder only, unless it may", "[runner]
   CHECK(include("../part.json", "--allow-files").exit == 0);
 }
 
-TEST_CASE("a scene named from its own folder reads the files beside it", "[runner]") {
+TEST_CASE("a scene named from its folder reads the files next to it", "[runner]") {
   fs::create_directories(kFolder + "/beside");
   const std::string cd = "cd '" + kFolder + "/beside' && ";
   // how a gear meshes is no file
@@ -383,7 +383,7 @@ TEST_CASE("a scene named from its own folder reads the files beside it", "[runne
   }
 }
 
-TEST_CASE("what a full standard output swallows is told", "[runner]") {
+TEST_CASE("a full standard output is reported", "[runner]") {
   check_refused(shell("lockstep check '" + kFourBar + "' --json > /dev/full"), 8,
                 {"standard output cannot be written; the printed text is incomplete"});
 }

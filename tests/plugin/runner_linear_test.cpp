@@ -63,7 +63,7 @@ TEST_CASE("modes of a scene: a pendulum's frequency", "[runner][modes]") {
   CHECK(row.starts_with("1,oscillation,"));
 }
 
-TEST_CASE("modes refuse what is no equilibrium, with the next move", "[runner][modes]") {
+TEST_CASE("modes rejects a state that is no equilibrium, with the next move", "[runner][modes]") {
   const std::string scene = std::string(paths::kScenes) + "/pendulum.json";
   const Called refused = call("modes '" + scene + "'");
   INFO(refused.text);
@@ -99,7 +99,7 @@ TEST_CASE("modes refuse what is no equilibrium, with the next move", "[runner][m
   check_refused(call("modes '" + scene + "' --frozen --at yesterday"), 2, {"--at: \"yesterday\" is not a time"});
 }
 
-TEST_CASE("modes refuse a slender rod that falls about a hinge beside it", "[runner][modes]") {
+TEST_CASE("modes rejects a slender rod that falls about a hinge near it", "[runner][modes]") {
   const std::string scene = scene_file("falling", R"("gravity": [0, -9.81, 0],
     "bodies": [{"name": "arm", "rod": {"mass": 2, "from": [0, 0, 0.5], "to": [1, 0, 0.5], "radius": 0.0004}}],
     "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0]}],
@@ -265,7 +265,7 @@ TEST_CASE("linearize: laws of joints and markers, and a brake by a formula", "[r
   CHECK(j["accuracy"].get<double>() < 1e-7);
 }
 
-TEST_CASE("linearize refuses what can be no input, with the next move", "[runner][linear]") {
+TEST_CASE("linearize rejects impossible inputs, with the next move", "[runner][linear]") {
   const std::string scene =
       scene_file("no_input", kFour.substr(0, kFour.find("\n             {\"name\": \"brake\"")) +
                                  R"({"name": "pad", "type": "bushing", "p": "bob", "s": "ground", "at": [0, -0.5, 0]},
@@ -298,7 +298,7 @@ TEST_CASE("linearize refuses what can be no input, with the next move", "[runner
   CHECK(contains(nothing.text, "'table.rotation.z' has no effect at this state"));
 }
 
-TEST_CASE("linearize: a particle that cannot turn, and the law of a cam", "[runner][linear]") {
+TEST_CASE("linearize: a particle that cannot rotate, and the law of a cam", "[runner][linear]") {
   const std::string particle = scene_file("no_turn", R"("bodies": [{"name": "bead", "particle": 1}],
     "forces": [{"name": "pad", "type": "bushing", "p": "bead", "s": "ground", "at": [0, 0, 0], "stiffness": [9, 9, 9]}],
     "run": {"until": 1})");

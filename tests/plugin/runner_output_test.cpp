@@ -61,7 +61,7 @@ TEST_CASE("run --json prints its result, and nothing else", "[runner]") {
   CHECK_FALSE(fs::exists(kRunnerFolder + "/as_json.png"));
 }
 
-TEST_CASE("run --json tells of a run that failed, and of one that is wrong", "[runner]") {
+TEST_CASE("run --json reports a run that failed, and one that is wrong", "[runner]") {
   const Called failed =
       call("run '" + kFourBar + "' --json --set run.max_steps=3 --no-picture --record cut.csv 2>/dev/null");
   CHECK(failed.exit == 6);
@@ -107,7 +107,7 @@ TEST_CASE("a dash is standard input, and standard output", "[runner]") {
                 {"--report: the table goes to standard output"});
 }
 
-TEST_CASE("check takes several scenes, and goes on after one that is wrong", "[runner]") {
+TEST_CASE("check accepts several scenes, and continues after a wrong one", "[runner]") {
   const Called r = call("check --json '" + kFourBar + "' missing.json '" + kPendulum + "' 2>/dev/null");
   CHECK(r.exit == 8);
   const json j = json::parse(r.text)["scenes"];
@@ -246,7 +246,7 @@ TEST_CASE("import writes a robot as a scene that runs", "[runner]") {
   fs::remove(kRunnerFolder + "/a.stl");
 }
 
-TEST_CASE("describe tells of a scene's parameters: value, place, what hangs on them", "[runner]") {
+TEST_CASE("describe reports a scene's parameters: value, place, dependent values", "[runner]") {
   const Called crank = call("describe crank --scene '" + kFourBar + "'");
   CHECK(crank.exit == 0);
   for (const char* word : {"crank  parameter  0.1 m  100 mm", "four_bar.json:", "points.B"})
@@ -288,7 +288,7 @@ TEST_CASE("describe tells of a scene's parameters: value, place, what hangs on t
   CHECK(readers("s") == json({"bodies.rod.rod.to", "repeat.0.points.P{i}"}));
 }
 
-TEST_CASE("completion knows verbs, options, choices, types and names of the scene", "[runner]") {
+TEST_CASE("completion offers commands, options, choices, types and names of the scene", "[runner]") {
   CHECK(has(completed("''"), "run"));
   CHECK_FALSE(has(completed("''"), "complete"));
   CHECK(completed("run --tol") == std::vector<std::string>{"--tolerance"});
@@ -356,7 +356,7 @@ zpty -d shell
   CHECK(completed_line("lockstep run " + kFourBar + " --set cran") == "lockstep run " + kFourBar + " --set crank=");
 }
 
-TEST_CASE("the manual has every verb and every option", "[runner]") {
+TEST_CASE("the manual has every command and every option", "[runner]") {
   const std::string page = call("man").text;
   CHECK(page.starts_with(".TH LOCKSTEP 1"));
   for (const std::string& verb : completed("''")) {
@@ -374,7 +374,7 @@ TEST_CASE("the manual has every verb and every option", "[runner]") {
   }
 }
 
-TEST_CASE("groff has nothing to say against the manual", "[runner]") {
+TEST_CASE("groff accepts the manual without a warning", "[runner]") {
   if (shell("command -v groff").exit != 0) {
     WARN("skipped: groff is not installed (tests/run installs it where it may)");
     return;
@@ -397,7 +397,7 @@ TEST_CASE("a line of progress fits its terminal", "[runner]") {
   CHECK(progress_line(1.2, 2.4, 3, 0).front() != '[');
 }
 
-TEST_CASE("what many runs say of themselves is not printed for each", "[runner]") {
+TEST_CASE("a message common to many runs is not printed for each", "[runner]") {
   const Called r = call("chart '" + kPendulum +
                         "' --integrators semi_implicit_euler --formulations omega --stabilizations "
                         "project --solvers schur --steps 0.1:0.05 --budget 5 --quiet --out charts");

@@ -29,7 +29,7 @@ using namespace lockstep;
 using namespace lockstep::testing;
 namespace fs = std::filesystem;
 
-TEST_CASE("headers of columns are plain where that is asked for", "[runner]") {
+TEST_CASE("headers of columns are plain on request", "[runner]") {
   const auto header = [](const std::string& file) {
     std::ifstream in(kRunnerFolder + "/" + file);
     std::string line;
@@ -57,7 +57,7 @@ TEST_CASE("headers of columns are plain where that is asked for", "[runner]") {
 }
 
 // A stop with restitution 0.8: the rate after an impact is -0.8 times that before it.
-TEST_CASE("rows at jumps stand before and after them", "[runner]") {
+TEST_CASE("outputs at jumps are just before and after them", "[runner]") {
   const std::string scene = std::string(paths::kScenes) + "/bouncing_pendulum.json";
   CHECK(call("run '" + scene + "' --quiet --no-picture --record without.csv").exit == 0);
   CHECK(call("run '" + scene + "' --quiet --no-picture --record with.csv --at-jumps").exit == 0);
@@ -109,7 +109,7 @@ TEST_CASE("pictures of one column against another are drawn on request", "[runne
 }
 
 // Once round a circle in 17001 rows, of which every second is drawn; the table has them all.
-TEST_CASE("a path of a long run goes through rows of one instant each", "[runner]") {
+TEST_CASE("a path of a long run uses recorded values of one time each", "[runner]") {
   const std::string scene = scene_file("round", R"("gravity": [0, 0, 0],
     "bodies": [{"name": "b", "particle": 1, "position": [1, 0, 0], "velocity": [0, 1, 0]}],
     "forces": [{"name": "F", "type": "spring_damper", "p": "b", "s": "ground", "at_s": [0, 0, 0], "stiffness": 1,
@@ -143,7 +143,7 @@ TEST_CASE("a path of a long run goes through rows of one instant each", "[runner
   CHECK(off < 0.5);
 }
 
-TEST_CASE("the rows of a picture have the columns that are drawn, and no others", "[runner]") {
+TEST_CASE("the table of a picture has the drawn columns, and no others", "[runner]") {
   const std::string text = R"({"lockstep": 1, "bodies": [{"name": "b", "particle": 1, "position": [1, 0, 0]}],
     "run": {"until": 1, "record": ["b.x", {"y": "b.y"}, "b.vx", "b.vy"], "draw": [["y"]]}})";
   const Registry registry = builtin_registry();
@@ -156,7 +156,7 @@ TEST_CASE("the rows of a picture have the columns that are drawn, and no others"
 }
 
 // x = cos(w t): between rows half a swing apart the picture's rows lie on the curve.
-TEST_CASE("the rows of a picture are dense where the method can interpolate", "[runner]") {
+TEST_CASE("the table of a picture is dense if the method can interpolate", "[runner]") {
   const std::string text = R"({"lockstep": 1, "bodies": [{"name": "b", "particle": 1, "position": [1, 0, 0]}],
     "forces": [{"name": "F", "type": "spring_damper", "p": "b", "s": "ground", "at_s": [-9, 0, 0], "stiffness": 4, "free_length": 9}],
     "run": {"tolerance": 1e-10, "output": 1.5, "until": 6, "record": ["b.x", "b.vx"], "integrator": )";

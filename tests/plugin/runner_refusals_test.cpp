@@ -55,7 +55,7 @@ void write(const std::string& name, const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("options that cannot be meant are refused with the option, the value and how to write it", "[runner]") {
+TEST_CASE("impossible options are rejected with the option, the value and the right form", "[runner]") {
   write("requires.json", R"({"lockstep": 1, "requires": ["bump"], "bodies": [{"name": "a", "particle": 1}]})");
   check_refusals({
       {"describe", 2, {"describe: a name is missing, as in `lockstep describe revolute`"}},
@@ -114,7 +114,7 @@ TEST_CASE("options that cannot be meant are refused with the option, the value a
   });
 }
 
-TEST_CASE("what a run, a sweep or a plugin's template cannot go on with is refused by name", "[runner]") {
+TEST_CASE("problems that end a run, a sweep or a plugin's template are named", "[runner]") {
   const std::string particle = R"("bodies": [{"name": "a", "particle": 1, "velocity": [1, 0, 0]}], )";
   write("ends.json",
         R"({"lockstep": 1, )" + particle +
@@ -194,7 +194,7 @@ TEST_CASE("what a run, a sweep or a plugin's template cannot go on with is refus
   });
 }
 
-TEST_CASE("plugins refuse numbers that cannot be by key, value and limit", "[runner]") {
+TEST_CASE("plugins reject impossible numbers by key, value and limit", "[runner]") {
   const auto drive = [](const std::string& law) {
     return "{\"lockstep\": 1, " + kArm + "\"requires\": [\"bump\"], \"links\": [{" + kHinge +
            ", \"drive\": {\"axis\": \"rz\", \"law\": " + law + "}}]}";
@@ -213,7 +213,7 @@ TEST_CASE("plugins refuse numbers that cannot be by key, value and limit", "[run
   });
 }
 
-TEST_CASE("files that cannot be written are refused with the file and the next move", "[runner]") {
+TEST_CASE("files that cannot be written are rejected with the file and the next move", "[runner]") {
   write(
       "robot.urdf",
       "<robot name='r'><link name='base'/><link name='arm'><inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' "
@@ -222,7 +222,7 @@ TEST_CASE("files that cannot be written are refused with the file and the next m
   write("there.json", "{}");
   check_refusals({
       {"import robot.urdf --out there.json", 2, {"--out: 'there.json' exists", "name another file"}},
-      {"import robot.urdf --out /dev/null/scene.json", 8, {"file '/dev/null/scene.json' cannot be written", "(--out)"}},
+      {"import robot.urdf --out /dev/null/scene.json", 8, {"file '/dev/null/scene.json.partial' cannot be written"}},
       {"run @ --record /dev/null/here/table.csv", 8, {"folder '/dev/null/here' cannot be created", "name another"}},
   });
 }

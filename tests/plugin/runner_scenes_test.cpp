@@ -30,7 +30,7 @@ std::string including(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("an included file outside of the scene's folder is refused before anything of it is known", "[runner]") {
+TEST_CASE("an included file outside of the scene's folder is rejected before it is read", "[runner]") {
   const std::string secret = "hunter";
   write("outside/words.json", secret + "2 is no JSON");
   write("outside/keys.json", R"({"lockstep": 1, "password": "hunter2"})");
@@ -83,7 +83,7 @@ TEST_CASE("an included file outside of the scene's folder is refused before anyt
   CHECK(contains(keys.text, "keys.json:1:17: scene: unknown key \"password\""));
 }
 
-TEST_CASE("a run says which places are taken where none is given", "[runner]") {
+TEST_CASE("a run reports assumed places of joints", "[runner]") {
   const std::string run = R"("run": {"until": 0.01, "output": 0.01})";
   const auto told = [&](const std::string& members) {
     const Called r = call("run '" + scene_file("taken", members + run) + "' --verbose --record taken.csv");
@@ -125,7 +125,7 @@ TEST_CASE("a run says which places are taken where none is given", "[runner]") {
   CHECK(j["frames_taken"].size() == 1);
 }
 
-TEST_CASE("a law's table is refused with line and column", "[runner]") {
+TEST_CASE("the table of a law is rejected with line and column", "[runner]") {
   write("driven.json", R"({"lockstep": 1, )" + kArm + R"("links": [{)" + kHinge +
                            R"(, "drive": {"axis": "rz", "law": {"type": "spline", "file": "law.csv"}}}],
     "run": {"until": 1, "output": 0.1}})");

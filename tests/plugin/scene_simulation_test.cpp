@@ -75,7 +75,7 @@ const std::string kCatch = R"~("gravity": [0, -9.81, 0],
 
 }  // namespace
 
-TEST_CASE("a host runs a scene to the same rows as the program", "[simulation][scene]") {
+TEST_CASE("a host runs a scene to the same table as the program", "[simulation][scene]") {
   struct Case {
     const char* scene;
     Set set;
@@ -93,7 +93,7 @@ TEST_CASE("a host runs a scene to the same rows as the program", "[simulation][s
   }
 }
 
-TEST_CASE("a host's run of a scene has its start, events and rows at jumps", "[simulation][scene]") {
+TEST_CASE("a host's run of a scene has its start, events and outputs at jumps", "[simulation][scene]") {
   const std::string file = scene_file("catch", kCatch);
   Simulation run(read_mechanism(file, builtin()));
   const SimulationReport& report = run.run();
@@ -191,7 +191,7 @@ TEST_CASE("a host's force is in the balance that a scene records", "[simulation]
   CHECK(run.verdict().right);
 }
 
-TEST_CASE("rows at jumps reach a host by its function once", "[simulation][scene]") {
+TEST_CASE("outputs at jumps reach a host once, by its function", "[simulation][scene]") {
   std::string scene = kCatch;
   scene.replace(scene.find("\"at\": 0.45"), 10, "\"at\": 0.3 ");  // an output time
   const std::string file = scene_file("jumps", scene);
@@ -233,7 +233,7 @@ TEST_CASE("a method that a host registers may have a law as a key", "[simulation
   CHECK(seen == 7);
 }
 
-TEST_CASE("what is wrong with a host's scene is said with its place", "[simulation][scene]") {
+TEST_CASE("errors in a host's scene have their place", "[simulation][scene]") {
   const auto refused = [](const std::string& members, const Set& set = {}) {
     return message_of<Error>([&] {
       Simulation run(read_mechanism(scene_file("wrong", members), builtin(), set));

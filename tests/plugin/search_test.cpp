@@ -88,7 +88,7 @@ TEST_CASE("a symbolic link may not lead out of the plugin folders", "[plugin][se
   CHECK(contains(answer_of("..", {inside}), "plugin '..' not found"));
 }
 
-TEST_CASE("what others could change is not loaded by its name", "[plugin][search]") {
+TEST_CASE("a plugin that others could change is not loaded by name", "[plugin][search]") {
   const std::string open = folder("open", {"mine.so"}), file = open + "/mine.so";
   CHECK(answer_of("mine", {open}) == "loaded");
   fs::permissions(open, fs::perms(0777));
@@ -161,7 +161,7 @@ TEST_CASE("a scene cannot bring a plugin along, the command line can", "[plugin]
   CHECK(call("check '" + copy + "' --plugin companion", "LOCKSTEP_PLUGIN_PATH='" + beside + "'").exit == 0);
 }
 
-TEST_CASE("plugins list says of every file how it stands", "[plugin][search][runner]") {
+TEST_CASE("plugins list reports the state of every file", "[plugin][search][runner]") {
   const std::string one = folder("one", {"fine.so", "damaged.so", "widely.so"}), two = folder("two", {"fine.so"});
   const std::string bytes = bytes_of(kProbe);
   plugin_file("search/one", "damaged.so", bytes.substr(0, bytes.size() / 2));

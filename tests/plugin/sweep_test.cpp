@@ -69,7 +69,7 @@ std::string arm_scene() {
 
 }  // namespace
 
-TEST_CASE("histories have rows at jumps where the scene asks for them, and the table of the sweep is the same",
+TEST_CASE("histories have outputs at jumps if the scene requests them, and the table of the sweep is the same",
           "[runner]") {
   // the hinge turns at 3 rad/s from t = m on, and the run is not in lanes
   const auto scene = [](const std::string& more) {
@@ -132,7 +132,7 @@ TEST_CASE("two shards together are the whole sweep", "[runner][sweep]") {
   CHECK(std::stod(rows[2][6]) == *std::max_element(history["phi"].begin(), history["phi"].end()));
 }
 
-TEST_CASE("a sweep writes next to other files under a name of its own", "[runner][sweep]") {
+TEST_CASE("a sweep writes a file with a separate name next to other files", "[runner][sweep]") {
   for (const char* name : {"rod_pendulum_sweep", "rod_pendulum_sweep_7of9"})
     fs::remove(kRunnerFolder + "/" + name + ".csv");
   CHECK(call(kGrid + "--quiet").exit == 0);
@@ -141,13 +141,13 @@ TEST_CASE("a sweep writes next to other files under a name of its own", "[runner
   CHECK(lines_of("rod_pendulum_sweep_7of9.csv").size() == 1);  // more shares than runs: the header alone
 }
 
-TEST_CASE("lanes make the same table as single runs", "[runner][sweep]") {
+TEST_CASE("vectorised batches give the same table as single runs", "[runner][sweep]") {
   const std::string arm = arm_scene();
   const std::string words = "sweep '" + arm + "' --vary bodies.arm.rod.to.0=0.5:1.5:11 ";
   const Called many = call(words + "--record lanes.csv"), single = call(words + "--record single.csv --lanes off");
   INFO(many.text << single.text);
   CHECK(many.exit == 0);
-  CHECK(contains(many.text, "  11 runs, all succeeded (vectorised: 8 per batch)\n"));
+  CHECK(contains(many.text, "  11 runs, all succeeded (vectorised: 8 per batch)"));
   CHECK(value_of(single.text, "one by one") == "as requested");
   const auto a = results_of("lanes.csv"), b = results_of("single.csv");
   REQUIRE(a.size() == 12);
@@ -165,7 +165,7 @@ TEST_CASE("lanes make the same table as single runs", "[runner][sweep]") {
   }
 }
 
-TEST_CASE("each run of a sweep has a verdict on its energy and its drift, and the exit code tells", "[runner][sweep]") {
+TEST_CASE("each run of a sweep has a verdict on its energy and its drift, and an exit code", "[runner][sweep]") {
   const Called r = call("sweep '" + kRod + "' --until 20 --vary run.tolerance=1e-9,0.5 --record verdicts.csv");
   INFO(r.text);
   CHECK(r.exit == 9);
@@ -187,7 +187,7 @@ TEST_CASE("each run of a sweep has a verdict on its energy and its drift, and th
   CHECK(contains(d.text, "\"drifted\": "));
 }
 
-TEST_CASE("a failed run in the middle is a row, and the exit code tells", "[runner][sweep]") {
+TEST_CASE("a failed run in the middle has its line, and an exit code", "[runner][sweep]") {
   const Called r = call("sweep '" + kRod + "' --until 0.1 --vary length=-1,0,1 --record middle.csv");
   INFO(r.text);
   CHECK(r.exit == 1);
@@ -201,7 +201,7 @@ TEST_CASE("a failed run in the middle is a row, and the exit code tells", "[runn
   CHECK(rows[3].back() == "ok");
 }
 
-TEST_CASE("words that cannot be are refused before the first run", "[runner][sweep]") {
+TEST_CASE("impossible words are rejected before the first run", "[runner][sweep]") {
   const auto refused = [](const std::string& words, int exit, const std::string& part) {
     const Called r = call("sweep '" + kRod + "' --record never.csv " + words);
     INFO(words << "\n" << r.text);
@@ -235,7 +235,7 @@ TEST_CASE("integrators, steps and options of the command line go together with w
   CHECK(rows[2][steps] == "20");
 }
 
-TEST_CASE("an interrupted sweep keeps the rows that are done", "[runner][sweep]") {
+TEST_CASE("an interrupted sweep keeps the completed results", "[runner][sweep]") {
   const std::string swing = scene_file("long_swing", R"("gravity": [0,-9.81,0],
     "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],
     "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}],

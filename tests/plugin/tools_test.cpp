@@ -16,7 +16,7 @@ using namespace lockstep;
 using namespace lockstep::testing;
 namespace fs = std::filesystem;
 
-TEST_CASE("every verb of another program has its help, and stands in that of lockstep", "[runner]") {
+TEST_CASE("every command of another program has its help, and appears in that of lockstep", "[runner]") {
   const std::string help = call("--help").text, manual = call("man").text;
   for (const Verb& verb : verbs()) {
     if (verb.program.empty()) continue;
@@ -29,7 +29,7 @@ TEST_CASE("every verb of another program has its help, and stands in that of loc
   }
 }
 
-TEST_CASE("each verb stands in the manual once, and --certify may be written with a value", "[runner]") {
+TEST_CASE("each command appears in the manual once, and a flag may be written with a value", "[runner]") {
   const std::string manual = call("man").text, head = "\n.SS \"lockstep run ";
   CHECK(manual.find(head) != std::string::npos);
   CHECK(manual.find(head) == manual.rfind(head));
@@ -39,7 +39,7 @@ TEST_CASE("each verb stands in the manual once, and --certify may be written wit
   CHECK(contains(certified.text, "digits of each column that agree"));
 }
 
-TEST_CASE("a program that is not there says how to get it", "[runner]") {
+TEST_CASE("a missing program is reported with the way to install it", "[runner]") {
   const std::string nowhere = "LOCKSTEP_EXEC_PATH=/nowhere";
   check_refused(
       call("statics '" + kFourBar + "'", nowhere), 2,
@@ -58,7 +58,7 @@ TEST_CASE("a program that is not there says how to get it", "[runner]") {
   CHECK_FALSE(contains(call("man", nowhere).text, "lockstep statics"));
 }
 
-TEST_CASE("a program of one's own is a verb", "[runner]") {
+TEST_CASE("an external program is a command", "[runner]") {
   const std::string folder = kRunnerFolder + "/own";
   fs::create_directories(folder);
   std::ofstream(folder + "/lockstep-hello") << "#!/bin/sh\necho hello \"$@\"\nexit 7\n";
@@ -70,7 +70,7 @@ TEST_CASE("a program of one's own is a verb", "[runner]") {
   fs::remove_all(folder);
 }
 
-TEST_CASE("words of verbs of other programs are completed", "[runner]") {
+TEST_CASE("words of commands of other programs are completed", "[runner]") {
   CHECK(contains(call("complete stat").text, "statics"));
   CHECK(contains(call("complete statics --near").text, "--nearest"));
 }

@@ -81,7 +81,7 @@ std::string by_method(const std::string& does) {
 
 }  // namespace
 
-TEST_CASE("a sound thing of the plugin disturbs nobody", "[plugin][user_code]") {
+TEST_CASE("a valid type of the plugin causes no finding", "[plugin][user_code]") {
   CHECK(run(driven_by("")) == "nothing");
   CHECK(run(bad_link("")) == "nothing");
   CHECK(run(bad_link("") + ", " + bad_link("", "C", "other")) == "nothing");
@@ -138,7 +138,7 @@ TEST_CASE("an exception of a force or an integrator reaches the host by name", "
   SAYS(run(hinge(""), "", by_method("step")), {"StepError: ", method, "the step is too long"});
 }
 
-TEST_CASE("a joint that writes outside of its rows is refused before the first step", "[plugin][user_code]") {
+TEST_CASE("a joint that writes outside of its constraints is rejected before the first step", "[plugin][user_code]") {
   const std::string whose = "UserCodeError: joint 'B' (naughty_link of plugin naughty) ";
   SAYS(run(bad_link("row")), {whose + "writes outside of its rows"});
   SAYS(run(bad_link("next row")), {whose + "writes outside of its rows, beyond row 2"});
@@ -160,7 +160,7 @@ TEST_CASE("a maker that fails is named with its plugin", "[plugin][user_code]") 
   SAYS(run(driven_by("maker refuses")), {"SceneError: ", "naughty.json:", "is of no use", law});
 }
 
-TEST_CASE("what a user's code threw is nested in the error", "[plugin][user_code]") {
+TEST_CASE("an exception of custom code is nested in the error", "[plugin][user_code]") {
   struct Wind final : Force {
     using Force::Force;
     std::string_view type() const override { return "wind"; }
@@ -189,7 +189,7 @@ TEST_CASE("what a user's code threw is nested in the error", "[plugin][user_code
   CHECK(caught);
 }
 
-TEST_CASE("what code of a plugin throws has its name, whatever its class", "[plugin][user_code]") {
+TEST_CASE("an exception from a plugin has the plugin's name, for every class", "[plugin][user_code]") {
   struct Wind final : Force {
     std::function<void()> thrown;
     explicit Wind(std::function<void()> what) : Force("F"), thrown(std::move(what)) { set_origin("weather"); }

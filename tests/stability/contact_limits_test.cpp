@@ -10,7 +10,7 @@ namespace contact_limits_test {
 using namespace lockstep;
 using namespace lockstep::stability;
 
-TEST_CASE("friction at rest creeps at the speed that its smoothing says", "[stability][friction]") {
+TEST_CASE("friction at rest creeps at the speed given by its smoothing", "[stability][friction]") {
   // pushed by 29/30 of what friction holds: tanh(v / smoothing) = 29/30
   const std::string text = R"({"lockstep": 1, "planar": "off", "gravity": [2.8449, -9.81, 0],
     "bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 1]}],

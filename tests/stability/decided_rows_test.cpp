@@ -35,7 +35,7 @@ std::unique_ptr<Model> door_with_arm(bool both) {
 
 /// Where a mechanism is after 0.8 s with nothing decided.
 State told_end(Model& one) {
-  one.begin(NearlyRedundant::told, "schur");
+  one.begin(NearlyRedundant::reported, "schur");
   State end;
   one.run(0.8, end);
   return end;
@@ -60,7 +60,7 @@ void check_free(const std::function<std::unique_ptr<Model>(bool both)>& make) {
 
 }  // namespace
 
-TEST_CASE("lanes refuse rows that are left out, and rows that are held", "[stability][redundancy]") {
+TEST_CASE("vectorised batches reject left-out and held constraints", "[stability][redundancy]") {
   const auto two = door({}, true);
   CHECK(Copies::unsuited(two->system) == "");
   two->begin(NearlyRedundant::free, "schur");
@@ -106,7 +106,7 @@ TEST_CASE("a door in its plane is free and held as it is in space", "[stability]
   for (const std::string& solver : kSolvers) {
     CAPTURE(solver);
     const auto told = flat_door(true, true);
-    told->begin(NearlyRedundant::told, solver);
+    told->begin(NearlyRedundant::reported, solver);
     REQUIRE(told->system.plane().n == 2);
     REQUIRE(told->near.size() == 1);
     CHECK(told->near.front().rows == Names{"low.y", "high.y"});
@@ -132,7 +132,7 @@ TEST_CASE("a door in its plane is free and held as it is in space", "[stability]
   }
 }
 
-TEST_CASE("events that switch joints on a loop with rows left out or held are refused by name, others act",
+TEST_CASE("events that switch joints on a loop with left-out or held constraints are rejected by name, others act",
           "[stability][redundancy]") {
   for (const NearlyRedundant choice : {NearlyRedundant::free, NearlyRedundant::held})
     for (const char* const link : {"low", "high"}) {
@@ -151,13 +151,13 @@ TEST_CASE("events that switch joints on a loop with rows left out or held are re
   Event off;
   off.name = "off", off.at = 0.2, off.deactivate = {"knob"};
   const auto one = door_with_arm(false), two = door_with_arm(true);
-  one->begin(NearlyRedundant::told, "schur"), two->begin(NearlyRedundant::free, "schur");
+  one->begin(NearlyRedundant::reported, "schur"), two->begin(NearlyRedundant::free, "schur");
   State truth, end;
   one->run(0.6, truth, "dop853", 0, {off}), two->run(0.6, end, "dop853", 0, {off});
   CHECK(distance(two->system, end, {}, one->system, truth) < 1e-9);
 }
 
-TEST_CASE("a driven hinge beside a decided door turns as it is driven", "[stability][redundancy]") {
+TEST_CASE("a driven hinge next to a decided door rotates as it is driven", "[stability][redundancy]") {
   const auto driven = [](bool both) {
     auto out = door_with_arm(both);
     out->system.link("knob").jointed()->drive(Axis::rz, laws::law([](auto t) { return 1.0 - cos(3.0 * t); }));
@@ -179,7 +179,7 @@ TEST_CASE("a driven hinge beside a decided door turns as it is driven", "[stabil
   }
 }
 
-TEST_CASE("a coupling between the hinges of a door and an arm: rows beside it are decided, and it holds on",
+TEST_CASE("a coupling between the hinges of a door and an arm: its neighbours are decided, and it holds",
           "[stability][redundancy]") {
   const auto coupled = [](bool both) {
     auto out = door_with_arm(both);

@@ -22,7 +22,7 @@ Outcome swing(const std::string& stabilization, double until) {
 
 }  // namespace
 
-TEST_CASE("a long swing: drift is removed, bounded, or grows and is told", "[stability][drift]") {
+TEST_CASE("a long oscillation: drift is removed, bounded, or grows and is reported", "[stability][drift]") {
   const Outcome projected = swing("project", 100), baumgarte = swing("baumgarte", 100), none = swing("none", 100);
   CHECK(projected.audit.violation < 1e-10);
   CHECK(projected.audit.energy == Audit::Energy::conserved);
@@ -32,7 +32,8 @@ TEST_CASE("a long swing: drift is removed, bounded, or grows and is told", "[sta
   CHECK(none.audit.violation > 3 * swing("none", 50).audit.violation);  // as the square of time
 }
 
-TEST_CASE("an hour of swings: projection and Baumgarte's terms hold, nothing does not", "[stability][drift][long]") {
+TEST_CASE("an hour of oscillations: projection and Baumgarte stabilisation hold, no stabilisation does not",
+          "[stability][drift][long]") {
   const Outcome projected = swing("project", 3600), baumgarte = swing("baumgarte", 3600), none = swing("none", 3600);
   CHECK(projected.audit.violation < 1e-10);
   CHECK(projected.audit.energy == Audit::Energy::conserved);

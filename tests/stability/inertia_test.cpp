@@ -37,13 +37,13 @@ TEST_CASE("a nearly flat, a nearly spherical and a thin body keep energy and ang
   }
 }
 
-TEST_CASE("an inertia that no body has is refused by name", "[stability][inertia]") {
+TEST_CASE("an impossible inertia is rejected by name", "[stability][inertia]") {
   const Outcome o = tumble("[1, 1, 2.1]", kTight, 1);
   CHECK_FALSE(o.ended());
   CHECK(o.error.find("'b'") != std::string::npos);
 }
 
-TEST_CASE("the tennis racket turns over at the times of elliptic functions, by every method", "[stability][inertia]") {
+TEST_CASE("the tennis racket flips at the times of elliptic functions, with every method", "[stability][inertia]") {
   // The first turn of omega_y through zero is a quarter of the period 4 K(k)/p, less the start's phase. Found here by
   // Euler's equations in the energy integral; the interval between two turns is 2 K(k)/p.
   constexpr double A = 1, B = 2, C = 3, w1 = 1e-3, w2 = 1, w3 = 1e-3;

@@ -54,7 +54,7 @@ TEST_CASE("a universal joint gives the rates of Hooke's formula up to its gimbal
   }
 }
 
-TEST_CASE("homokinetic rows turn both shafts alike up to near a half turn", "[stability][joints]") {
+TEST_CASE("homokinetic constraints rotate both shafts equally up to nearly half a revolution", "[stability][joints]") {
   for (const double from_half : {1.0, 0.3, 0.1, 0.03, 0.01}) {
     const double angle = 3.14159265358979323846 - from_half;
     const Outcome o = shafts("homokinetic", angle);

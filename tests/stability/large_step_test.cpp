@@ -24,7 +24,7 @@ Outcome swing(const std::string& method, double step, double until) {
 
 }  // namespace
 
-TEST_CASE("a step a thousand times too large ends with an error or is told", "[stability][step]") {
+TEST_CASE("a step a thousand times too large ends with an error or is reported", "[stability][step]") {
   for (const char* method : {R"("rk4")", R"("semi_implicit_euler")", R"("rattle2")", R"("rattle4")",
                              R"("generalized_alpha")", R"({"type": "radau5", "fixed": true})",
                              R"({"type": "dopri5", "fixed": true})", R"({"type": "dop853", "fixed": true})"})

@@ -57,7 +57,7 @@ TEST_CASE("a law that jumps in velocity is an impact, whose energy is booked", "
   }
 }
 
-TEST_CASE("a law that jumps in position is refused by name, under every stabilisation", "[stability][laws]") {
+TEST_CASE("a law that jumps in position is rejected by name, under every stabilisation", "[stability][laws]") {
   for (const char* kind : {"project", "baumgarte", "none"})
     for (const char* run : kRuns) {
       const Outcome o = slide(kRest, R"({"type": "constant", "value": 1})",

@@ -69,7 +69,7 @@ VecX carried(const Evaluation& e) {
 
 }  // namespace
 
-TEST_CASE("a door on two hinges 1e-7 m apart, free: it turns as on one of them", "[stability][redundancy]") {
+TEST_CASE("a door on two hinges 1e-7 m apart, free: it rotates as on one of them", "[stability][redundancy]") {
   const auto one = door({}, false);
   one->begin(NearlyRedundant::free, "schur");
   CHECK(one->near.empty());
@@ -163,7 +163,7 @@ TEST_CASE("a four-bar of hinges, one tilted by 1e-5: held it carries the couple,
 }
 
 // Beside a flat position of a parallelogram rows nearly depend as well, and hold what matters as soon as it moves on.
-TEST_CASE("rows that nearly depend in one position only hold on", "[stability][redundancy]") {
+TEST_CASE("constraints that nearly depend in a single configuration continue to hold", "[stability][redundancy]") {
   for (const NearlyRedundant choice : {NearlyRedundant::free, NearlyRedundant::held}) {
     Model m;
     const double phi = 1e-6;
@@ -184,7 +184,7 @@ TEST_CASE("rows that nearly depend in one position only hold on", "[stability][r
   }
 }
 
-TEST_CASE("a row that was left out is watched: what violates it is refused by name", "[stability][redundancy]") {
+TEST_CASE("a left-out constraint is monitored: its violation is an error that names it", "[stability][redundancy]") {
   Model m;
   m.system.set_gravity({0, -9.81, 0});
   Body& rod = m.system.add_body("rod", shapes::rod(1, {0, 0, 0}, {1, 0, 0}));
@@ -197,12 +197,12 @@ TEST_CASE("a row that was left out is watched: what violates it is refused by na
   const std::string said = message_of<ModelError>([&] { m.run(1, end); });
   CHECK(said.find("joint 'A', constraint y") != std::string::npos);
   CHECK(said.find("left out at the start as redundant or nearly redundant") != std::string::npos);
-  CHECK(said.find("\"held\" or \"told\"") != std::string::npos);
+  CHECK(said.find("\"held\" or \"report\"") != std::string::npos);
   testing::check_words(message_of<ModelError>([&] { m.system.leave_out(hinge, 1U << 5); }),
                        {"joint 'A'", "not its own"});
 }
 
-TEST_CASE("in C++ nothing is decided unless it is asked for: rows are told, and none is left out or held",
+TEST_CASE("in C++ nothing is decided by default: dependencies are reported, and none is left out or held",
           "[stability][redundancy]") {
   for (const Frame& frame : frames(5)) {
     const auto two = door(frame, true);
@@ -223,7 +223,8 @@ TEST_CASE("in C++ nothing is decided unless it is asked for: rows are told, and 
   }
 }
 
-TEST_CASE("by itself the model holds as it is written, up to 300 rows, and is told beyond", "[stability][redundancy]") {
+TEST_CASE("by default the model holds as written, up to 300 constraints, and is reported beyond",
+          "[stability][redundancy]") {
   CHECK(RunSettings{}.nearly_redundant == NearlyRedundant::automatic);
   for (const int more : {0, 58, 59}) {  // 10 rows of the door, 5 of each rod that hangs on it
     CAPTURE(more);
@@ -245,7 +246,7 @@ TEST_CASE("by itself the model holds as it is written, up to 300 rows, and is to
   }
 }
 
-TEST_CASE("what was decided is taken back where it is told next", "[stability][redundancy]") {
+TEST_CASE("a decision is reversed by the next report", "[stability][redundancy]") {
   const auto two = door({}, true);
   for (const NearlyRedundant choice : {NearlyRedundant::free, NearlyRedundant::held}) {
     two->begin(choice, "schur");
@@ -258,7 +259,7 @@ TEST_CASE("what was decided is taken back where it is told next", "[stability][r
   }
 }
 
-TEST_CASE("sets with a law are not decided, and no row of a law is left out", "[stability][redundancy]") {
+TEST_CASE("sets with a law are not decided, and no constraint of a law is left out", "[stability][redundancy]") {
   for (const NearlyRedundant choice : {NearlyRedundant::free, NearlyRedundant::held})
     for (const char* const moved : {"low", "high"}) {
       CAPTURE(moved);
@@ -280,7 +281,7 @@ TEST_CASE("sets with a law are not decided, and no row of a law is left out", "[
     }
 }
 
-TEST_CASE("reactions that rows left out would share are not unique", "[stability][redundancy]") {
+TEST_CASE("reactions that left-out constraints would share are not unique", "[stability][redundancy]") {
   const auto one = door({}, false);
   one->begin(NearlyRedundant::free, "schur");
   CHECK(uniqueness(*one->dynamics, one->start).all_unique());
@@ -302,7 +303,7 @@ TEST_CASE("reactions that rows left out would share are not unique", "[stability
   }
 }
 
-TEST_CASE("a joint whose rows are left out is in force, and says which they are", "[stability][redundancy]") {
+TEST_CASE("a joint with left-out constraints is active, and lists them", "[stability][redundancy]") {
   const auto two = door({}, true);
   two->begin(NearlyRedundant::free, "schur");
   const LinkAccount high = account_of(*two->dynamics, two->start, two->system.link("high"));

@@ -25,7 +25,7 @@ Outcome swing(double rho, double stiffness, double h) {
 
 }  // namespace
 
-TEST_CASE("without numerical damping a stiff spring that turns gains energy, with it it does not",
+TEST_CASE("without numerical damping a rotating stiff spring gains energy, with it it does not",
           "[stability][newmark]") {
   // rho = 1 conserves the energy of linear systems only
   struct Point {

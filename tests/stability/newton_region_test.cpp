@@ -32,8 +32,9 @@ Outcome turning(const std::string& method, double turn, double stiffness) {
 
 }  // namespace
 
-TEST_CASE("implicit methods: a turn of a hundredth in a step is found, a larger one found, refused or told",
-          "[stability][step]") {
+TEST_CASE(
+    "implicit methods: a hundredth of a revolution per step converges, a larger one converges, fails or is reported",
+    "[stability][step]") {
   for (const char* method : {R"("generalized_alpha")", R"({"type": "radau5", "fixed": true})"})
     for (const double stiffness : {0.0, 1.0, 100.0}) {
       for (const double turn : {0.01, 0.1}) {

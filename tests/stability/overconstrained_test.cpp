@@ -258,7 +258,8 @@ void check_solver(const Case& c, const View& view, const char* solver) {
 
 }  // namespace
 
-TEST_CASE("overconstrained mechanisms: freedoms, dependencies and unique reactions", "[stability][analysis]") {
+TEST_CASE("overconstrained mechanisms: degrees of freedom, dependencies and unique reactions",
+          "[stability][analysis]") {
   std::minstd_rand random(7);
   for (const Case& c : cases()) {
     CAPTURE(c.name);
@@ -281,7 +282,8 @@ std::vector<std::pair<Names, int>> dependent(const MobilityReport& report) {
 }  // namespace
 
 // What depends on what is a function of the links and the branch: alike in all poses that a free motion leads to.
-TEST_CASE("rows of overconstrained mechanisms depend on one another alike along a branch", "[stability][analysis]") {
+TEST_CASE("constraints of overconstrained mechanisms depend on one another alike along a branch",
+          "[stability][analysis]") {
   for (const Case& c : cases()) {
     if (c.freedoms == 0) continue;
     Mechanism m = build_mechanism(scene_from_text(c.full_text(), "scene.json"), builtin_registry());
@@ -308,7 +310,7 @@ TEST_CASE("rows of overconstrained mechanisms depend on one another alike along 
   }
 }
 
-TEST_CASE("overconstrained mechanisms move as models without a row too many", "[stability][analysis]") {
+TEST_CASE("overconstrained mechanisms move as models without redundant constraints", "[stability][analysis]") {
   std::minstd_rand random(11);
   for (const Case& c : cases()) {
     CAPTURE(c.name);

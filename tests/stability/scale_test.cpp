@@ -60,7 +60,8 @@ TEST_CASE("a million metres from the origin digits are lost, and no more than th
   }
 }
 
-TEST_CASE("a tolerance below round-off is refused, or the run ends with what can be had", "[stability][scale]") {
+TEST_CASE("a tolerance below round-off is rejected, or the run ends with the attainable accuracy",
+          "[stability][scale]") {
   const Place tight = swing(1, 0, R"("integrator": "dop853", "tolerance": 1e-12)");
   for (const char* tolerance : {"1e-14", "1e-16", "1e-18"}) {
     Outcome o;

@@ -227,7 +227,7 @@ std::string flat_parallelograms(int n, int n_free, int n_chain) {
 
 }  // namespace
 
-TEST_CASE("what is beside a loop neither hides its branches nor adds to their cost", "[stability][analysis]") {
+TEST_CASE("bodies outside a loop neither hide its branches nor add to their cost", "[stability][analysis]") {
   Mechanism m = build_mechanism(scene_from_text(flat_parallelograms(1, 300, 70), "scene.json"), builtin_registry());
   long times = 0;
   count_gatherings(system_of(m), times);
@@ -251,7 +251,8 @@ TEST_CASE("what is beside a loop neither hides its branches nor adds to their co
   CHECK(at.off_branches(m.system, v) < 1e-9);
 }
 
-TEST_CASE("a singular position is told in few evaluations, however many motions it has", "[stability][analysis]") {
+TEST_CASE("a singular configuration is reported in few evaluations, for any number of motions",
+          "[stability][analysis]") {
   const int n = GENERATE(2, 6, 12);
   Mechanism m = build_mechanism(scene_from_text(flat_parallelograms(n, 0, 0), "scene.json"), builtin_registry());
   long times = 0;
@@ -298,7 +299,8 @@ std::string upright_cranks() {
 
 }  // namespace
 
-TEST_CASE("flat positions that plain stages pass are found, with their times and links", "[stability][analysis]") {
+TEST_CASE("singular configurations passed with unprojected stages are found, with their times and joints",
+          "[stability][analysis]") {
   const auto [method, step] = GENERATE(table<std::string, double>({{"rk4", 1e-3}, {"rk4", 0.01}, {"rattle2", 1e-3}}));
   constexpr double kSpeed = 2;  // rad/s, constant
   const std::vector<PassedPosition> passed = watch(upright_cranks(), method, step, 1.5, kSpeed);
@@ -330,7 +332,7 @@ TEST_CASE("the joints of a flat bay are named, and not those of its neighbour", 
 }
 
 // The trusted history says between which of its rows the first upright passes the line through its bearings.
-TEST_CASE("the ten flat positions of two bays are found", "[stability][analysis]") {
+TEST_CASE("the ten singular configurations of two bays are found", "[stability][analysis]") {
   const Table truth = trusted("nfourbar_2");
   Mechanism m = build_mechanism(read_scene(scene_path("nfourbar_2")), builtin_registry());
   Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
@@ -355,7 +357,7 @@ TEST_CASE("the ten flat positions of two bays are found", "[stability][analysis]
   }
 }
 
-TEST_CASE("a watch finds nothing where no position is singular", "[stability][analysis]") {
+TEST_CASE("the monitor finds nothing if no configuration is singular", "[stability][analysis]") {
   // One crank shorter: a crank-rocker, whose rods never lie in line.
   const std::string text = scene(
       rod("coupler", 0, 0.3, 1.1, 0.6) + ", " + rod("crank_0", 0, 0, 0, 0.3) + ", " + rod("crank_1", 1.1, 0, 1.1, 0.6),
@@ -421,7 +423,7 @@ Passage pass(const std::string& method, double tolerance, double step, double be
 }  // namespace
 
 // From afar and from a millionth of a radian before the position, at tolerances to the edge of round-off.
-TEST_CASE("a flat position is passed from any distance at any tolerance", "[stability][integrators]") {
+TEST_CASE("a singular configuration is passed from any distance at any tolerance", "[stability][integrators]") {
   for (const char* method : {"dopri5", "dop853"})
     for (const double before : {0.3, 1e-2, 1e-4, 1e-6})
       for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
@@ -434,7 +436,7 @@ TEST_CASE("a flat position is passed from any distance at any tolerance", "[stab
 }
 
 // Two cranks and a coupler of 1 kg each, the cranks 1 m long: (5/6) theta'^2 = 2 g (sin theta_0 - sin theta).
-TEST_CASE("a start at rest beside a flat position goes on at any tolerance", "[stability][integrators]") {
+TEST_CASE("a start at rest near a singular configuration continues at any tolerance", "[stability][integrators]") {
   for (const Formulation formulation : {Formulation::omega, Formulation::joint})
     for (const double angle : {0.05, 0.02, 5e-3, 1e-3})
       for (const double tolerance : {1e-6, 1e-9, 1e-12}) {
@@ -465,8 +467,9 @@ TEST_CASE("a start at rest beside a flat position goes on at any tolerance", "[s
       }
 }
 
-TEST_CASE("methods with plain stages pass a flat position rightly, and it is told from any distance",
-          "[stability][integrators]") {
+TEST_CASE(
+    "methods with unprojected stages pass a singular configuration correctly, and it is reported from any distance",
+    "[stability][integrators]") {
   struct Plain {
     const char* method;
     double step;
@@ -481,7 +484,7 @@ TEST_CASE("methods with plain stages pass a flat position rightly, and it is tol
     }
 }
 
-TEST_CASE("a motion away from a flat position passes none", "[stability][integrators]") {
+TEST_CASE("a motion away from a singular configuration passes none", "[stability][integrators]") {
   for (const char* method : {"rk4", "radau5"})
     for (const double before : {-3e-3, -1e-2, -0.1}) {
       const Passage p = pass(method, 1e-8, method[1] == 'k' ? 1e-2 : 0, before);

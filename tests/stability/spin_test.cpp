@@ -43,7 +43,7 @@ double angle_error(const Outcome& o, double angle) {
 
 }  // namespace
 
-TEST_CASE("up to 1e5 rad/s the error depends on the turn in a step alone, and beyond a radian it is told",
+TEST_CASE("up to 1e5 rad/s the error depends on the rotation per step alone, and beyond a radian it is reported",
           "[stability][spin]") {
   for (const char* method : {R"("rk4")", R"("semi_implicit_euler")", R"({"type": "dopri5", "fixed": true})"}) {
     for (const double turn : {0.01, 0.1, 0.5, 1.5, 3.0}) {
@@ -60,7 +60,7 @@ TEST_CASE("up to 1e5 rad/s the error depends on the turn in a step alone, and be
 
 // 10 N m on 1 kg m^2 for 10 s: 500 rad, by up to 10 rad a step. Along a joint or by an exponential a body turns right however
 // far; what does not come to it is told.
-TEST_CASE("a rotor that turns by ten radians a step comes to its angle, or is told", "[stability][spin]") {
+TEST_CASE("a rotor with ten radians per step reaches its angle, or is reported", "[stability][spin]") {
   const std::string text = R"({"lockstep": 1, "bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 1]}],
     "forces": [{"name": "T", "type": "applied_torque", "p": "b", "at": [0, 0, 0], "torque": [0, 0, 10]}],
     "run": {"integrator": "rk4", "step": 0.1, "until": 10, "output": 10, "formulation": $f, "record": ["b.angle_z"]}})";
@@ -77,7 +77,7 @@ TEST_CASE("a rotor that turns by ten radians a step comes to its angle, or is to
   }
 }
 
-TEST_CASE("whole turns that are taken off leave the motions and the signs of quaternions", "[stability][spin][joint]") {
+TEST_CASE("removed full revolutions leave the motions and the signs of quaternions", "[stability][spin][joint]") {
   const double many = 2e5;
   System sys;
   Body* last = &sys.ground();
@@ -129,7 +129,7 @@ class Sums final : public Integrator {
 
 // Along joints the angle is integrated itself. Of 7e5 rad a double knows 1e-10, of 1000 turns 1e-12. Steps
 // of 1/128 s and h v are exact, so that nothing else is lost.
-TEST_CASE("an angle of 100000 turns keeps its digits in joint coordinates", "[stability][spin][joint]") {
+TEST_CASE("an angle of 100000 revolutions keeps its digits in joint coordinates", "[stability][spin][joint]") {
   System sys;
   Body& b = sys.add_body("b", MassProperties{1.0, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()});
   sys.add<Revolute>("A", b, sys.ground(), pose_at(Vec3::Zero()));
@@ -154,7 +154,8 @@ TEST_CASE("an angle of 100000 turns keeps its digits in joint coordinates", "[st
   CHECK(std::abs(end.q[0]) < 4000 * kTwoPi);
 }
 
-TEST_CASE("an angle of 100000 turns keeps its digits in copies, in lanes and alone", "[stability][spin][joint]") {
+TEST_CASE("an angle of 100000 revolutions keeps its digits in instances, in batches and alone",
+          "[stability][spin][joint]") {
   const bool lanes = GENERATE(true, false);
   std::vector<std::unique_ptr<System>> systems;
   std::vector<System*> all;

@@ -19,7 +19,7 @@ constexpr const char* kRod = R"({"lockstep": 1, "planar": "off", "gravity": [0, 
 
 }  // namespace
 
-TEST_CASE("start velocities against the constraints are taken away and told, or refused", "[stability][start]") {
+TEST_CASE("start velocities against the constraints are removed and reported, or rejected", "[stability][start]") {
   const Outcome taken = outcome_of(filled(filled(kRod, "$v", "[5, 0, 5]"), "$assemble", "true"));
   CHECK(taken.ended());
   CHECK_FALSE(taken.report.findings.empty());

@@ -84,7 +84,7 @@ TEST_CASE("explicit methods on a damper: the step times the rate has a limit", "
 }
 
 // From rest a first step overshoots as the square of omega h: with a start so far off its rest it is not small.
-TEST_CASE("implicit methods have no largest step on a damper, and a stiff spring is bounded or told",
+TEST_CASE("implicit methods have no largest step on a damper, and a stiff spring is bounded or reported",
           "[stability][step]") {
   for (const char* method : {"\"generalized_alpha\"", R"({"type": "radau5", "fixed": true})"})
     for (const double omega_h : {1.0, 10.0, 100.0, 1000.0}) {

@@ -34,7 +34,7 @@ bool distinct(const std::string& s) { return s[0] != s[2]; }
 
 }  // namespace
 
-TEST_CASE("angles make the product of three elementary turns", "[unit][model]") {
+TEST_CASE("angles make the product of three elementary rotations", "[unit][model]") {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> angle(-7, 7);
   for (const std::string s : kSequences)
@@ -99,7 +99,7 @@ TEST_CASE("named sequences", "[unit][model]") {
   CHECK(distance(rotation(from_angles("hpb", a)), turns("zxy", a)) < 1e-15);
 }
 
-TEST_CASE("what is no sequence is refused by name", "[unit][model]") {
+TEST_CASE("an invalid sequence is rejected by name", "[unit][model]") {
   for (const char* bad : {"", "xy", "xxy", "xyy", "abc", "xyzx", "XYZ"}) {
     INFO(bad);
     check_words(message_of<ModelError>([&] { from_angles(bad, Vec3::Zero()); }), {"three letters"});

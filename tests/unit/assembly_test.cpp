@@ -37,7 +37,7 @@ std::unique_ptr<LinearSolver> solver(bool dense) {
 
 }  // namespace
 
-TEST_CASE("a mechanism whose bodies lie about comes together, redundant rows or not", "[unit][analysis]") {
+TEST_CASE("a mechanism of scattered bodies is assembled, with redundant constraints or not", "[unit][analysis]") {
   const bool dense = GENERATE(true, false);
   System sys = four_bar();
   Dynamics dynamics(sys, solver(dense));
@@ -59,7 +59,7 @@ TEST_CASE("a mechanism whose bodies lie about comes together, redundant rows or 
   CHECK_FALSE(report.moved_most.empty());
 }
 
-TEST_CASE("one joint comes home from any error below half a turn", "[unit][analysis]") {
+TEST_CASE("one joint is assembled from any error below half a revolution", "[unit][analysis]") {
   const double angle = GENERATE(1.0, 2.5, 3.0, 3.1);
   System sys;
   Body& body = sys.add_body("body", shapes::box(1.0, {0.1, 0.2, 0.3}));
@@ -72,7 +72,7 @@ TEST_CASE("one joint comes home from any error below half a turn", "[unit][analy
   CHECK(report.after < 1e-12);
 }
 
-TEST_CASE("what cannot be assembled is refused by the rows that stay apart, and the state is left alone",
+TEST_CASE("an impossible assembly names the violated constraints, and the state remains unchanged",
           "[unit][analysis]") {
   System sys;
   Body& body = sys.add_body("body", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
@@ -148,7 +148,7 @@ TEST_CASE("projection moves the least in the mass metric", "[unit][dynamics]") {
   CHECK(std::abs(state.v[8] - 0.2) < 1e-12);
 }
 
-TEST_CASE("freedoms and redundant rows are told by name", "[unit][analysis]") {
+TEST_CASE("degrees of freedom and redundant constraints are reported by name", "[unit][analysis]") {
   System sys = four_bar();
   Body& free = sys.add_body("free", shapes::box(1.0, {1, 1, 1}));
   sys.add<Spherical>("ball", free, sys.ground(), pose_at({3, 0, 0}));
@@ -165,7 +165,7 @@ TEST_CASE("freedoms and redundant rows are told by name", "[unit][analysis]") {
   CHECK(m.redundant_links == std::vector<std::string>{"A", "B", "C", "D"});
 }
 
-TEST_CASE("freedoms of a tree are counted joint by joint, however large it is", "[unit][dynamics]") {
+TEST_CASE("degrees of freedom of a tree are counted joint by joint, for trees of any size", "[unit][dynamics]") {
   constexpr int kBodies = 3000;  // a decomposition of all rows would take hours
   System sys;
   Body* last = &sys.ground();
@@ -237,7 +237,7 @@ TEST_CASE("a start is as far off as the nearest pose that fits, however small th
   CHECK(state.q[0] == Approx(0.2).epsilon(1e-9));
 }
 
-TEST_CASE("a system that grew is set up anew, and a state of before is refused", "[unit][dynamics]") {
+TEST_CASE("a system that grew is set up again, and an earlier state is rejected", "[unit][dynamics]") {
   System sys = four_bar();
   Dynamics dynamics(sys, std::make_unique<SchurSolver>());
   const State old = sys.start();
@@ -250,7 +250,7 @@ TEST_CASE("a system that grew is set up anew, and a state of before is refused",
   CHECK(dynamics.evaluate(sys.start()).a.size() == 24);
 }
 
-TEST_CASE("two laws on one coordinate are told apart by name", "[unit][analysis]") {
+TEST_CASE("two laws on one coordinate are distinguished by name", "[unit][analysis]") {
   System sys;
   Body& body = sys.add_body("wheel", shapes::box(1.0, {0.1, 0.2, 0.3}));
   sys.add<Revolute>("slow", body, sys.ground(), pose_at({0, 0, 0})).drive(Axis::rz, laws::ramp(1.0));
@@ -337,7 +337,7 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
     state.q.segment<3>(7 * sys.body("bar").slot) += Vec3(0.6, 0, 0);
     const AssemblyReport report = assemble(dynamics, state);
     REQUIRE(report.findings.size() == 1);
-    CHECK(says(report.findings.front().text(), {"assembly moved body '", "lockstep assemble"}));
+    CHECK(says(report.findings.front().text(), {"assembly moved body '", "draw the body where it fits its joints"}));
   }
   SECTION("a joint that alone is drawn open") {
     System own;

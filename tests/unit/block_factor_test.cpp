@@ -141,7 +141,7 @@ TEST_CASE("Block LDL^T solves symmetric systems, and its pivots are those of the
   }
 }
 
-TEST_CASE("Block LDL^T refuses a slot that is not positive, block LU one without a pivot", "[unit][kkt]") {
+TEST_CASE("Block LDL^T rejects a pivot block that is not positive, block LU a missing pivot", "[unit][kkt]") {
   TestMatrix s(4, true, false);
   const int at = s.graph.first[2];
   s.A.block(at, at, 6, 6).setZero();

@@ -47,7 +47,7 @@ void check_links_wait(const BlockGraph& g, const BlockPlan& plan) {
 
 }  // namespace
 
-TEST_CASE("A tree makes no fill, whatever its shape", "[unit][kkt]") {
+TEST_CASE("A tree makes no fill, for every shape", "[unit][kkt]") {
   std::mt19937 bits(3);
   for (int kind = 0; kind < 4; ++kind) {
     CAPTURE(kind);
@@ -68,7 +68,7 @@ TEST_CASE("A tree makes no fill, whatever its shape", "[unit][kkt]") {
   }
 }
 
-TEST_CASE("A joint never goes before its slots have room for its rows", "[unit][kkt]") {
+TEST_CASE("A joint never precedes the space of its constraints", "[unit][kkt]") {
   // two bodies and three links of five rows in a row, ground to ground: 15 rows on 12 freedoms
   BlockGraph g = tree({-1, 0});
   g.width.push_back(5), g.first.push_back(22);
@@ -108,7 +108,7 @@ TEST_CASE("A plan knows a tree from a loop", "[unit][kkt]") {
   CHECK_FALSE(is_tree(with_link(chain, {0, 1, 2, 3})));  // nobody knows
 }
 
-TEST_CASE("Blocks are found where they are, from both sides", "[unit][kkt]") {
+TEST_CASE("Blocks are found at their places, from both sides", "[unit][kkt]") {
   const BlockGraph g = tree({-1, 0, 1, 1});
   BlockPlan full, half;
   full.lay_out(g, false), half.lay_out(g, true);

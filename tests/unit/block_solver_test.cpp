@@ -52,22 +52,22 @@ TEST_CASE("block solves regular systems of every shape", "[unit][kkt]") {
   check_against_truth(solver, false, 1e-10, 1e-9);
 }
 
-TEST_CASE("block takes redundant rows: a exact, lambda smallest in the metric of E", "[unit][kkt]") {
+TEST_CASE("block solves redundant constraints: a exact, lambda smallest in the metric of E", "[unit][kkt]") {
   BlockSolver solver;
   check_against_truth(solver, true, 1e-10, 1e-6);
 }
 
-TEST_CASE("block: redundant rows do not reach a", "[unit][kkt]") {
+TEST_CASE("block: redundant constraints do not affect a", "[unit][kkt]") {
   BlockSolver solver;
   check_redundancy_does_not_reach_a(solver, 1e-11);
 }
 
-TEST_CASE("block: redundant reactions do not know the axes of their rows", "[unit][kkt]") {
+TEST_CASE("block: redundant reactions do not depend on the axes of their constraints", "[unit][kkt]") {
   BlockSolver solver;
   check_axes_do_not_matter(solver, 1e-6);
 }
 
-TEST_CASE("block tells contradictory rows from a singular place", "[unit][kkt]") {
+TEST_CASE("block distinguishes contradictory constraints from a singular configuration", "[unit][kkt]") {
   BlockSolver solver;
   check_contradiction(solver);
   check_singular_place(solver);
@@ -78,7 +78,7 @@ TEST_CASE("block's detector falls as the square of the way to a singular place",
   check_detector(solver);
 }
 
-TEST_CASE("block meets the rule where rows have no scale", "[unit][kkt]") {
+TEST_CASE("block meets the rule if constraints have no scale", "[unit][kkt]") {
   BlockSolver solver;
   check_rows_without_scale(solver);
 }

@@ -60,7 +60,7 @@ TEST_CASE("a joint between bodies gets both markers at one place in the world", 
   CHECK_FALSE(A.active_at_start());
 }
 
-TEST_CASE("a body beside a marker is given its marker where that one is", "[unit][scene]") {
+TEST_CASE("a body given with a marker gets the marker of that place", "[unit][scene]") {
   Mechanism m = mechanism(R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [2,0,0]}}],
     "markers": [{"name": "tip", "body": "arm", "at": [1,0,0], "orientation": {"axis": "x", "angle": "90 deg"}}],
     "links": [{"name": "A", "type": "spherical", "p": "tip", "s": "ground", "start": {"velocity": {"rz": "60 rpm"}}}])");
@@ -92,7 +92,7 @@ TEST_CASE("run settings, records and events are read", "[unit][scene]") {
   CHECK(make_solver(m.run, builtin_registry())->name() == "dense");
 }
 
-TEST_CASE("what building a scene takes from the heap grows with its size, not with its square", "[unit][scene]") {
+TEST_CASE("the heap use of building a scene grows with its size, not with its square", "[unit][scene]") {
   const Registry registry = builtin_registry();
   const auto asked = [&](int n) {  // a chain of links and of markers, whose long names are no short strings
     const auto name = [](const char* of, int k) { return std::string("a_long_name_of_a_") + of + std::to_string(k); };

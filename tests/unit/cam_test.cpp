@@ -56,7 +56,7 @@ L& add(LinkBench& bench, More&&... more) {
 
 }  // namespace
 
-TEST_CASE("A roller's row is its distance from the profile", "[unit][links]") {
+TEST_CASE("A roller's constraint is its distance from the profile", "[unit][links]") {
   for (const auto& radius : {egg(), lobes()})
     for (int i = 0; i < 40; ++i) {
       const double psi = -7 + 0.41 * i, r = 0.36 + 0.005 * i;
@@ -88,7 +88,7 @@ TEST_CASE("A roller that goes round stays on its side of the profile", "[unit][l
   CHECK(worst <= 1e-13);
 }
 
-TEST_CASE("A flat face's row is its distance from the foremost point of the profile", "[unit][links]") {
+TEST_CASE("A flat face's constraint is its distance from the foremost point of the profile", "[unit][links]") {
   for (int i = 0; i < 40; ++i) {
     const double alpha = -7 + 0.41 * i, h = 0.2 + 0.005 * i;
     const Pose start = face(alpha, h, 0.1 * std::sin(3.0 * i));
@@ -157,7 +157,7 @@ TEST_CASE("Cams pass the check of joints, with splines for profiles as well", "[
     }
 }
 
-TEST_CASE("A profile that cannot be is refused in words", "[unit][links]") {
+TEST_CASE("An impossible profile is rejected in words", "[unit][links]") {
   const auto roller = [](const LawPtr<MotionLaw>& radius, double size) {
     LinkBench bench(at_angle(0, 1.0));
     return message_of<ModelError>([&] { add<CamRoller>(bench, radius, size), bench.begin(); });

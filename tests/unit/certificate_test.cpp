@@ -84,7 +84,7 @@ TEST_CASE("runs that part are compared up to there", "[unit][certificate]") {
                        {"other columns than the run", "record the same channels"});
 }
 
-TEST_CASE("what is not finite agrees in nothing", "[unit][certificate]") {
+TEST_CASE("values that are not finite agree in nothing", "[unit][certificate]") {
   const Table run = table_of(0, 0), broken = table_of(NAN, 0);
   CHECK(certify(run, {&broken}).channels[1].worst().digits == 0);
 }

@@ -346,7 +346,7 @@ TEST_CASE("momenta and energy of free bodies", "[unit][record]") {
   CHECK(value("b.hpb_3") == Approx(to_angles("zxy", b.home.q).value[2]));
 }
 
-TEST_CASE("angles run on past full turns", "[unit][record]") {
+TEST_CASE("angles continue beyond full revolutions", "[unit][record]") {
   System system;
   Body& wheel = system.add_body("wheel", some_mass(1, Vec3::Zero()));
   Revolute& A = system.add<Revolute>("A", wheel, system.ground(), Pose{});
@@ -379,7 +379,7 @@ TEST_CASE("a joint that is not active gives no reaction", "[unit][record]") {
   CHECK(a.value("B.violation") == 0);
 }
 
-TEST_CASE("every channel that is offered can be made, is told once, and gives a number", "[unit][record]") {
+TEST_CASE("every offered channel can be made, occurs once, and gives a number", "[unit][record]") {
   Arm a;
   a.system.setup();
   const std::vector<ChannelHelp> all = channel_help(a.system);
@@ -412,7 +412,7 @@ TEST_CASE("the one rotation of a joint has its old name for a release, with a wa
   check_words(scope.found.front().text(), {"\"A.angle_z_d\" is now called \"A.rz_d\""});
 }
 
-TEST_CASE("unknown channels are refused with the closest and all names", "[unit][record]") {
+TEST_CASE("unknown channels are rejected with the closest and all names", "[unit][record]") {
   Arm a;
   const auto refusal = [&](const std::string& name) {
     return message_of<ModelError>([&] { make_channel(a.system, name); });

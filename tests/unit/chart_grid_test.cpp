@@ -62,7 +62,7 @@ TEST_CASE("a grid is drawn with its legend, strip and remarks", "[unit][chart]")
   fs::remove_all(folder);
 }
 
-TEST_CASE("curves that would go on end in rings, which the legend names", "[unit][chart]") {
+TEST_CASE("curves with more data beyond the picture end in rings, which the legend names", "[unit][chart]") {
   testing::require_gnuplot();
   const fs::path folder = fs::temp_directory_path() / ("lockstep_rings_test_" + std::to_string(getpid()));
   fs::create_directory(folder);
@@ -83,7 +83,7 @@ TEST_CASE("curves that would go on end in rings, which the legend names", "[unit
 }
 
 // A circle is one where both scales are equal: its curve is as wide as it is high, in pixels.
-TEST_CASE("a path is drawn with equal scales where that is asked for", "[unit][chart]") {
+TEST_CASE("a path is drawn with equal scales on request", "[unit][chart]") {
   testing::require_gnuplot();
   const fs::path folder = fs::temp_directory_path() / ("lockstep_path_test_" + std::to_string(getpid()));
   fs::create_directory(folder);
@@ -120,7 +120,7 @@ TEST_CASE("a path is drawn with equal scales where that is asked for", "[unit][c
   fs::remove_all(folder);
 }
 
-TEST_CASE("a grid without numbers is refused", "[unit][chart]") {
+TEST_CASE("a grid without numbers is rejected", "[unit][chart]") {
   testing::check_words(testing::message_of<ModelError>([&] { write_grid("nothing", GridSpec{"empty"}); }),
                        {"\"empty\" has no panels"});
   GridSpec grid = two_panels();

@@ -106,7 +106,7 @@ TEST_CASE("panels, logarithms, gaps and long series are drawn", "[unit][record]"
   CHECK(svg.size() < 200000);  // 20000 points would be 300 kB
 }
 
-TEST_CASE("a long title is drawn whole, in two lines where one is too short", "[unit][record]") {
+TEST_CASE("a long title is drawn completely, in two lines if one is too short", "[unit][record]") {
   const Folder folder;
   ChartSpec spec = two_curves();
   if (cannot([&] { write_chart(folder.file("a"), spec); })) return;
@@ -177,7 +177,7 @@ TEST_CASE("no text of the user's becomes a command", "[unit][record]") {
   CHECK(fs::exists(folder.path / "| touch trap #'.svg"));
 }
 
-TEST_CASE("charts that cannot be are refused in words", "[unit][record]") {
+TEST_CASE("impossible charts are rejected in words", "[unit][record]") {
   const auto refusal = [](const auto& act) { return message_of<ModelError>(act); };
   ChartSpec spec = two_curves();
   spec.panels[0].series[1].y.pop_back();
@@ -212,7 +212,7 @@ TEST_CASE("charts that cannot be are refused in words", "[unit][record]") {
   }
 }
 
-TEST_CASE("without gnuplot a chart says what to install", "[unit][record]") {
+TEST_CASE("without gnuplot a chart reports the package to install", "[unit][record]") {
   const char* const path = std::getenv("PATH");
   const std::string before = path ? path : "";
   const Folder folder;
@@ -223,7 +223,7 @@ TEST_CASE("without gnuplot a chart says what to install", "[unit][record]") {
   CHECK_FALSE(fs::exists(folder.file("a.svg")));
 }
 
-TEST_CASE("a gnuplot that cannot be started, fails or draws nothing is told with what it said", "[unit][record]") {
+TEST_CASE("a gnuplot that cannot be started, fails or draws nothing is reported with its message", "[unit][record]") {
   const char* const path = std::getenv("PATH");
   const std::string before = path ? path : "";
   const auto said_by = [&](const std::string& script) {

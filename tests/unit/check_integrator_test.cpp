@@ -111,7 +111,7 @@ TEST_CASE("the motions with a closed form begin where their systems do", "[unit]
   for (const ClosedMotion& m : {free_top(), hinged_pendulum()}) CHECK(m.error(m.system->start()) < 1e-14);
 }
 
-TEST_CASE("check_integrator passes a right method and says which order it measured", "[unit][check]") {
+TEST_CASE("check_integrator passes a right method and reports its measured order", "[unit][check]") {
   const CheckReport r = two(Fault::none);
   INFO(r.text());
   CHECK(r.ok());

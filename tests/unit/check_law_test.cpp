@@ -66,7 +66,7 @@ TEST_CASE("check_law names what is wrong in a scalar law", "[unit][check]") {
   CHECK(says(report(Fault::outside), "breakpoints(0, 2) reports 99 s"));
 }
 
-TEST_CASE("check_law finds the instant of a jump that is not told", "[unit][check]") {
+TEST_CASE("check_law finds the time of an undeclared jump", "[unit][check]") {
   const CheckReport r = check_law(Wrong(Fault::jump), {.seed = 3});
   CAPTURE(r.text());
   REQUIRE(r.findings().size() == 1);

@@ -148,7 +148,7 @@ CheckReport rod(Fault fault) {
 
 }  // namespace
 
-TEST_CASE("check_lock passes a right joint and says how well it looked", "[unit][check]") {
+TEST_CASE("check_lock passes a right joint and reports the extent of its checks", "[unit][check]") {
   const CheckReport r = rod(Fault::none);
   INFO(r.text());
   CHECK(r.ok());
@@ -206,7 +206,7 @@ TEST_CASE("check_lock names wrong derivatives", "[unit][check]") {
   CHECK(says(rod(Fault::velocity), "Ct of constraint length changes with the velocities"));
 }
 
-TEST_CASE("check_lock names what is forgotten or written where it does not belong", "[unit][check]") {
+TEST_CASE("check_lock names missing and misplaced values", "[unit][check]") {
   CHECK(says(rod(Fault::ct_missing), "leaves Ct of constraint length unwritten"));  // found when it is set up
   CHECK(says(rod(Fault::ct_sometimes), "Ct of constraint length is not written: it keeps the number from before"));
   CheckReport r = rod(Fault::breakpoint);
@@ -276,7 +276,7 @@ CheckReport joint() {
 
 }  // namespace
 
-TEST_CASE("check_lock follows a joint over full turns", "[unit][check]") {
+TEST_CASE("check_lock follows a joint over full revolutions", "[unit][check]") {
   const CheckReport counted = joint<TurnsCounted>(), forgotten = joint<TurnsForgotten>(), odd = joint<OddInE>();
   CAPTURE(counted.text(), forgotten.text(), odd.text());
   CHECK(counted.ok());

@@ -89,7 +89,7 @@ struct Secretive final : Integrator {
 
 }  // namespace
 
-TEST_CASE("a simulation goes on from a checkpoint to the last bit") {
+TEST_CASE("a simulation continues from a checkpoint to the last bit") {
   const Folder folder;
   for (const char* integrator : {"dopri5", "dop853", "radau5", "rk4"}) {
     INFO(integrator);
@@ -116,7 +116,7 @@ TEST_CASE("a simulation goes on from a checkpoint to the last bit") {
   }
 }
 
-TEST_CASE("a checkpoint that is damaged, cut or of another layout is refused") {
+TEST_CASE("a checkpoint that is damaged, cut or of another layout is rejected") {
   const Folder folder;
   Pendulum pendulum;
   Simulation run(pendulum.system, options_with("dopri5"));
@@ -156,7 +156,7 @@ TEST_CASE("a checkpoint that is damaged, cut or of another layout is refused") {
   CHECK(says(message_of<FileError>([&] { run.load(folder / "nowhere"); }), {"cannot be read"}));
 }
 
-TEST_CASE("a checkpoint of another version, simulation or kind is refused by name") {
+TEST_CASE("a checkpoint of another version, simulation or kind is rejected by name") {
   const Folder folder;
   Pendulum pendulum;
   Simulation run(pendulum.system, options_with("dopri5"));
@@ -209,7 +209,7 @@ TEST_CASE("a checkpoint of another version, simulation or kind is refused by nam
   CHECK(says(message_of<ModelError>([&] { run.load(folder / "kind"); }), {"lockstep resume"}));
 }
 
-TEST_CASE("what cannot be saved or loaded is told, and who reads less than was saved") {
+TEST_CASE("objects that cannot be saved or loaded are reported, and those that read less than was saved") {
   const Folder folder;
   Pendulum pendulum;
   Simulation run(pendulum.system, options_with("dopri5"));
@@ -270,7 +270,7 @@ TEST_CASE("a part of a snapshot is no longer than what is left of it") {
   }
 }
 
-TEST_CASE("numbers of a checkpoint that fit its hash but no run are refused, whatever they are") {
+TEST_CASE("numbers of a checkpoint that fit its hash but no run are always rejected") {
   struct Sprung : Pendulum {
     Sprung() {
       Marker &end = system.add_marker_at("end", rod, pose_at({1, 0, 0})),

@@ -45,7 +45,7 @@ Told told(Family& family, const std::vector<State>& starts, const std::vector<do
 
 }  // namespace
 
-TEST_CASE("a run in lanes is the run of each copy", "[unit][copies]") {
+TEST_CASE("a vectorised run equals the run of each instance", "[unit][copies]") {
   const std::vector<double> times{0.0, 0.1, 0.25, 0.5};
   for (const char* method : {"rk4", "dopri5", "dop853"}) {
     Family family(11, [](int k) { return chain(3, k, 0.3); });  // more than one batch, the second one not full
@@ -75,7 +75,7 @@ TEST_CASE("a run in lanes is the run of each copy", "[unit][copies]") {
 }
 
 // Parallelograms that stand on their heads and fall through their flat position; the last hangs.
-TEST_CASE("a copy near a singular position finishes alone", "[unit][copies]") {
+TEST_CASE("an instance near a singular configuration finishes alone", "[unit][copies]") {
   const std::vector<double> times{0.5, 2.0};
   const std::string method = GENERATE("dopri5", "dop853");
   Family family(3, [](int k) { return ladder(1, k == 2 ? 28 : k); });
@@ -96,7 +96,7 @@ TEST_CASE("a copy near a singular position finishes alone", "[unit][copies]") {
   }
 }
 
-TEST_CASE("a copy that left the lanes is ended by its number of steps", "[unit][copies]") {
+TEST_CASE("an instance that left the batch is ended by its number of steps", "[unit][copies]") {
   Family family(1, [](int k) { return ladder(1, k); });  // falls through its flat position
   CopiesOptions options;
   options.integrator = "dopri5", options.tolerance = {1e-9, 1e-11};
@@ -111,7 +111,7 @@ TEST_CASE("a copy that left the lanes is ended by its number of steps", "[unit][
   check_words(ended.error, {std::to_string(options.max_steps) + " steps"});
 }
 
-TEST_CASE("forces in lanes count their turns", "[unit][copies]") {
+TEST_CASE("forces in a vectorised batch count their revolutions", "[unit][copies]") {
   Family family(3, [](int k) {
     auto sys = chain(1, k);
     const Marker &p = *sys->links()[0]->pairs()[0].first, &s = *sys->links()[0]->pairs()[0].second;
@@ -140,7 +140,7 @@ TEST_CASE("forces in lanes count their turns", "[unit][copies]") {
   }
 }
 
-TEST_CASE("a copy whose law fails is named, the others go on", "[unit][copies]") {
+TEST_CASE("an instance with a failing law is named, the others continue", "[unit][copies]") {
   Family family(8, [](int k) {
     auto sys = chain(2, k, 0.2);
     const double end = k == 3 ? 0.2 : 10.0;
@@ -175,7 +175,7 @@ std::unique_ptr<System> with_turned_particle(int k) {
 
 }  // namespace
 
-TEST_CASE("a moment on a particle is refused of a copy in lanes by the words of a single run", "[unit][copies]") {
+TEST_CASE("a moment on a particle of an instance is rejected in the words of a single run", "[unit][copies]") {
   const std::vector<std::string> words{"force 'twist' exerts a moment of 0.5 N m on body 'bead'", "cannot rotate"};
   Family family(4, with_turned_particle);
   const Told lanes = told(family, family.starts(), {0.1, 0.5}, {});
@@ -209,7 +209,7 @@ TEST_CASE("copies land on the jumps of their laws", "[unit][copies]") {
   }
 }
 
-TEST_CASE("steps in lanes allocate nothing", "[unit][copies]") {
+TEST_CASE("vectorised steps allocate nothing", "[unit][copies]") {
   if (!allocations_are_counted()) return;
   const bool loops = GENERATE(true, false);
   Family family(8, [&](int k) { return loops ? ladder(2, 25 + k) : chain(3, k, 0.3); });  // they hang, far from flat
@@ -254,7 +254,7 @@ struct Ralston final : Integrator {
 
 }  // namespace
 
-TEST_CASE("an explicit method of a registry's own runs in lanes as it runs alone", "[unit][copies]") {
+TEST_CASE("an explicit method of a custom registry runs vectorised as it runs alone", "[unit][copies]") {
   Registry registry = builtin_registry();
   registry.integrators.add({"ralston", "order 2", {}}, [](const Params&) { return std::make_unique<Ralston>(); });
   const std::vector<double> times = {0.25, 0.5};
@@ -288,7 +288,7 @@ TEST_CASE("an explicit method of a registry's own runs in lanes as it runs alone
               {"ralston", "does not support joint coordinates"});
 }
 
-TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
+TEST_CASE("instances reject by name types that cannot be vectorised", "[unit][copies]") {
   const auto message = [](auto&& act) { return message_of<ModelError>(act); };
   CHECK(Copies::unsuited(*chain(2, 0)).empty());
   {

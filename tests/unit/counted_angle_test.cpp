@@ -44,7 +44,7 @@ struct Wheel {
 
 }  // namespace
 
-TEST_CASE("a counted angle makes several turns in a step, in either formulation", "[unit][angles]") {
+TEST_CASE("a counted angle makes several revolutions in a step, in either formulation", "[unit][angles]") {
   for (const Formulation formulation : {Formulation::omega, Formulation::joint}) {
     Wheel wheel;
     // of quaternions only steps within a turn or so are any good; along a joint they may be as long as one likes
@@ -55,7 +55,7 @@ TEST_CASE("a counted angle makes several turns in a step, in either formulation"
   }
 }
 
-TEST_CASE("half a turn is counted as a positive angle, whichever way it was given", "[unit][angles]") {
+TEST_CASE("half a revolution is counted as a positive angle, in both directions", "[unit][angles]") {
   for (const double given : {kPi, -kPi}) {
     Wheel wheel;
     wheel.body.home.q = Quat::from(std::cos(0.5 * given), Vec3(0, 0, std::sin(0.5 * given)));
@@ -71,7 +71,7 @@ TEST_CASE("half a turn is counted as a positive angle, whichever way it was give
   }
 }
 
-TEST_CASE("a million turns leave the angle its digits", "[unit][angles]") {
+TEST_CASE("a million revolutions leave the angle its digits", "[unit][angles]") {
   Wheel wheel;
   const double speed = 1e6 * kTwoPi + 0.3;
   const double end = wheel.after(speed, 0.1, 1.0, Formulation::joint);

@@ -36,8 +36,7 @@ TEST_CASE("csv cells: texts read back as they were, on one line", "[unit][csv]")
   CHECK(csv_cell("\xEF\xBB\xBFx") == "\"\xEF\xBB\xBFx\"");  // no byte order mark
 }
 
-TEST_CASE("csv cells: quotes that are not closed, or in the midst of a cell, are found where they stand",
-          "[unit][csv]") {
+TEST_CASE("csv cells: quotes that are not closed, or inside a cell, are found at their places", "[unit][csv]") {
   struct Line {
     const char* text;
     std::size_t column;
@@ -67,7 +66,7 @@ TEST_CASE("csv cells: quotes that are not closed, or in the midst of a cell, are
   CHECK(begins == std::vector<std::size_t>{0, 2, 17, 18});
 }
 
-TEST_CASE("csv: a law's table is refused where a quote or the number of its cells is wrong", "[unit][csv]") {
+TEST_CASE("csv: a law's table is rejected at a wrong quote or number of cells", "[unit][csv]") {
   const std::string file =
       (std::filesystem::temp_directory_path() / ("lockstep_cells_test_" + std::to_string(getpid()) + ".csv")).string();
   const auto refused = [&](const std::string& text) {

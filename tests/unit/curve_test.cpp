@@ -59,7 +59,7 @@ Vec3 aside(const LawPtr<TranslationLaw>& path, double s, double by) {
 
 }  // namespace
 
-TEST_CASE("A point's two rows say how far it is from its curve", "[unit][links]") {
+TEST_CASE("A point's two constraints are its distance from its curve", "[unit][links]") {
   for (const auto& path : {helix(), loop()})
     for (int i = 0; i < 30; ++i) {
       const double s = 0.2 * i;
@@ -98,7 +98,7 @@ TEST_CASE("A point on a closed curve counts its way, and a rewound step counts o
   CHECK(worst <= 1e-12);
 }
 
-TEST_CASE("A follower's rows are zero on its path with its path's axes, and nowhere else", "[unit][links]") {
+TEST_CASE("A follower's constraints are zero on its path with its path's axes, and only there", "[unit][links]") {
   for (int i = 0; i < 20; ++i) {
     const double s = 0.3 * i + 0.1;
     const Pose on{helix()->at(s).x, turning()->at(s).q};
@@ -138,7 +138,7 @@ TEST_CASE("Points on curves and followers pass the check of links", "[unit][link
       }
 }
 
-TEST_CASE("A path that cannot be followed is refused in words", "[unit][links]") {
+TEST_CASE("A path that cannot be followed is rejected in words", "[unit][links]") {
   const auto wire = [](const LawPtr<TranslationLaw>& path, double near) {
     LinkBench bench({Vec3(0.2, 0.1, 0), Quat{}});
     return message_of<ModelError>(

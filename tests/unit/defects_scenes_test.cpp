@@ -63,7 +63,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 }  // namespace
 
 // law_jump
-TEST_CASE("a law that jumps in position is told by types of laws that exist", "[unit][scene]") {
+TEST_CASE("a law that jumps in position is reported with existing types of laws", "[unit][scene]") {
   const std::string message = message_of<AssemblyError>([] {
     run_text(R"({"lockstep": 1, "bodies": [{"name": "b", "particle": 1}],
       "links": [{"name": "S", "type": "lock", "mask": "y z", "p": "b", "s": "ground", "at": [0, 0, 0],
@@ -134,7 +134,7 @@ TEST_CASE("how near an event came is there as data", "[unit][events]") {
   CHECK(std::isnan(courses[2].nearest));
 }
 
-TEST_CASE("a tolerance below rounding is refused in C++, of a simulation and of a loop", "[unit][simulation]") {
+TEST_CASE("a tolerance below rounding is rejected in C++, of a simulation and of a loop", "[unit][simulation]") {
   System system({.gravity = {0, -9.81, 0}});
   Body& rod = system.add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
   system.add<Revolute>("A", rod, system.ground(), pose_at({0, 0, 0}));
@@ -210,7 +210,8 @@ TEST_CASE("a brake that holds closes where its rod stands, as often as it closes
   CHECK(kinetic[before] == Approx(9.81 * 0.5 * (std::sin(angle[go]) - std::sin(angle[before]))).epsilon(1e-6));
 }
 
-TEST_CASE("a lock that holds all its rows catches a body in flight, and momentum stays", "[unit][events]") {
+TEST_CASE("a lock that holds all its coordinates catches a body in flight, and momentum is conserved",
+          "[unit][events]") {
   const char* planar = GENERATE("off", "auto");
   CAPTURE(planar);
   // Two free bodies that fly past each other become one: momentum of both is that of the pair, and their poses against
@@ -233,7 +234,7 @@ TEST_CASE("a lock that holds all its rows catches a body in flight, and momentum
     for (std::size_t k = 1; k < 5; ++k) CHECK(t[kept][k] == Approx(t[kept][0]).margin(1e-9));
 }
 
-TEST_CASE("a run that was saved while a joint holds goes on to the last bit", "[unit][events]") {
+TEST_CASE("a run that was saved while a joint holds continues to the last bit", "[unit][events]") {
   const auto make = [](System& system) {
     Body& rod = system.add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
     system.add<Revolute>("A", rod, system.ground(), pose_at({0, 0, 0}));
@@ -265,7 +266,7 @@ TEST_CASE("a run that was saved while a joint holds goes on to the last bit", "[
   CHECK(first.state().v.cwiseAbs().maxCoeff() > 1);
 }
 
-TEST_CASE("a joint that holds and has a law, or none to hold by, is refused", "[unit][scene]") {
+TEST_CASE("a joint that holds and has a law, or nothing to hold, is rejected", "[unit][scene]") {
   const auto refusal = [](const std::string& link) {
     return message_of<SceneError>([&] {
       build_mechanism(
@@ -287,7 +288,7 @@ TEST_CASE("a joint that holds and has a law, or none to hold by, is refused", "[
 }
 
 // errors_in_rounds
-TEST_CASE("all that is wrong with a scene is said in one round", "[unit][scene]") {
+TEST_CASE("all errors of a scene are reported in one round", "[unit][scene]") {
   const std::string message = message_of<SceneError>([] {
     build_observed(scene_from_text(R"({ "lockstep": 1, "gravity": [0,-9.81,0],
   "bodies": [ {"name":"r","rod":{"mass":-1,"from":[0,0,0],"to":[1,0,0]}}, {"name":"r","mass":1,"inertia":[1,1,3]}, {"name":"","mass":1}, {"name":"ground","mass":1,"inertia":[1,1,1]} ],
@@ -329,7 +330,7 @@ TEST_CASE("all that is wrong with a scene is said in one round", "[unit][scene]"
   CHECK(lines.size() == wanted.size());
 }
 
-TEST_CASE("what may follow from another error is not said beside it", "[unit][scene]") {
+TEST_CASE("a consequence of another error is not reported with it", "[unit][scene]") {
   // Of what names the bodies that fail, the geometry, and channels of a link that fails.
   const std::string message = message_of<SceneError>([] {
     build_observed(scene_from_text(R"({"lockstep": 1,

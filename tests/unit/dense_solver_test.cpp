@@ -19,22 +19,22 @@ TEST_CASE("dense solves regular systems of every shape", "[unit][kkt]") {
   check_against_truth(solver, false, 1e-10, 1e-9);
 }
 
-TEST_CASE("dense takes redundant rows: a exact, lambda smallest in the metric of E", "[unit][kkt]") {
+TEST_CASE("dense solves redundant constraints: a exact, lambda smallest in the metric of E", "[unit][kkt]") {
   DenseSolver solver;
   check_against_truth(solver, true, 1e-10, 1e-9);
 }
 
-TEST_CASE("dense: redundant rows do not reach a", "[unit][kkt]") {
+TEST_CASE("dense: redundant constraints do not affect a", "[unit][kkt]") {
   DenseSolver solver;
   check_redundancy_does_not_reach_a(solver, 1e-11);
 }
 
-TEST_CASE("dense: redundant reactions do not know the axes of their rows", "[unit][kkt]") {
+TEST_CASE("dense: redundant reactions do not depend on the axes of their constraints", "[unit][kkt]") {
   DenseSolver solver;
   check_axes_do_not_matter(solver, 1e-10);
 }
 
-TEST_CASE("dense tells contradictory rows from a singular place", "[unit][kkt]") {
+TEST_CASE("dense distinguishes contradictory constraints from a singular configuration", "[unit][kkt]") {
   DenseSolver solver;
   check_contradiction(solver);
   check_singular_place(solver);
@@ -45,7 +45,7 @@ TEST_CASE("dense's detector falls as the square of the way to a singular place",
   check_detector(solver);
 }
 
-TEST_CASE("dense meets the rule where rows have no scale", "[unit][kkt]") {
+TEST_CASE("dense meets the rule if constraints have no scale", "[unit][kkt]") {
   DenseSolver solver;
   check_rows_without_scale(solver);
 }
@@ -79,7 +79,7 @@ TEST_CASE("dense asks for no memory after analyse", "[unit][kkt]") {
   if (allocations_are_counted()) CHECK(allocations_of([&] { solver.analyse(system.kkt.pattern); }) > 0);
 }
 
-TEST_CASE("dense names the slot whose mass is not positive", "[unit][kkt]") {
+TEST_CASE("dense names the body whose mass is not positive", "[unit][kkt]") {
   DenseSolver solver;
   KktSystem system = random_system(0, 1, false);
   system.kkt.M[system.kkt.pattern.M[2]] = 0.0;

@@ -43,7 +43,7 @@ TEST_CASE("the compact form costs the least operations", "[unit][derivations]") 
   CHECK(operations(Way::differences, c) > 3 * compact);
 }
 
-TEST_CASE("a joint made of derived rows moves as the library's own", "[unit][derivations]") {
+TEST_CASE("a joint made of derived constraints moves as the library's own", "[unit][derivations]") {
   const oracle::Configuration c = oracle::random_configuration(3, {.laws = 0, .satisfied = true});
   const Place in = place(c);
   const Rows truth = compact(in);

@@ -57,7 +57,8 @@ Told turn(double tilt, const std::string& channel) {
 
 }  // namespace
 
-TEST_CASE("turns of an angle whose axis is met are in doubt, which is said once and by name", "[unit][record]") {
+TEST_CASE("revolutions of an angle with an undefined axis are uncertain, which is reported once and by name",
+          "[unit][record]") {
   const Told met = turn(0, "b.angle_y");  // z of the body passes y of the world
   CHECK(met.warnings.find("channel \"b.angle_y\": until t = 0.4 s") != std::string::npos);
   CHECK(met.warnings.find("revolutions are uncertain") != std::string::npos);
@@ -78,14 +79,15 @@ TEST_CASE("an angle whose axis is passed at a distance is counted without a word
   }
 }
 
-TEST_CASE("a joint's turn about an axis across its own is zero on both sides of half a turn", "[unit][record]") {
+TEST_CASE("a joint's rotation about an axis across its axis is zero on both sides of half a revolution",
+          "[unit][record]") {
   const Told across = turn(0, "A.angle_y");  // 2 atan2(e2, e0), which is 0/0 at half a turn about z
   CHECK(across.warnings.empty());
   CHECK(across.last == Approx(0).margin(1e-9));
 }
 
 // A crank that turns around, between a rocker that does not: the coupler turns back against the crank as often.
-TEST_CASE("recorded angles of a loop begin in the turn that a drive begins in", "[unit][record]") {
+TEST_CASE("recorded angles of a loop begin in the revolution of its drive", "[unit][record]") {
   for (const double turns : {0.0, 1.0, -5.0}) {
     CAPTURE(turns);
     System s;

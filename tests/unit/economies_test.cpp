@@ -38,7 +38,7 @@ long evaluations(const std::vector<Request>& columns) {
 
 }  // namespace
 
-TEST_CASE("unknowns and rows of what is absent are not there", "[unit][economies]") {
+TEST_CASE("unknowns and constraints of absent parts do not exist", "[unit][economies]") {
   constexpr int n = kRods;
   check_size("mounting plate", {6 * n, 5 * n}, {6 * n + 6, 5 * n + 6});
   check_size("half lock", {6 * n, 3 * n}, {6 * n, 5 * n});
@@ -50,7 +50,7 @@ TEST_CASE("unknowns and rows of what is absent are not there", "[unit][economies
   check_size("merged bodies", {6 * n, 5 * n}, {12 * n, 11 * n});
 }
 
-TEST_CASE("what is left out changes no acceleration", "[unit][economies]") {
+TEST_CASE("omitted parts change no acceleration", "[unit][economies]") {
   const auto accelerations = [](const Chain& chain) {  // of the rods' frames
     Dynamics dynamics(*chain.sys, std::make_unique<SchurSolver>());
     State state = chain.sys->start();
@@ -98,7 +98,7 @@ TEST_CASE("halves and laws that a joint does without are not computed", "[unit][
   CHECK(none - lock_operations<with::nothing>(Mask::x | Mask::y | Mask::e123) >= 40);
 }
 
-TEST_CASE("what is not recorded is not evaluated", "[unit][economies]") {
+TEST_CASE("unrecorded quantities are not evaluated", "[unit][economies]") {
   const long bare = evaluations({});
   CHECK(bare == 20 * 4);
   CHECK(evaluations({"rod0.x", "energy.total"}) == bare);         // positions and velocities are there already

@@ -61,7 +61,7 @@ TEST_CASE("a power of laws that is not a number is no reason to read multipliers
   CHECK(power_of_laws(e.rows(), VecX::Zero(e.rows().n_rows)) == 0);
 }
 
-TEST_CASE("an audit tells a sound run from one whose forces and energies differ", "[unit][record]") {
+TEST_CASE("an audit distinguishes a sound run from one whose forces and energies differ", "[unit][record]") {
   const Audit sound = audit_of(4, true);
   CHECK(sound.energy == Audit::Energy::conserved);
   CHECK(sound.scale == Approx(0.5).epsilon(1e-3));  // all of 4 0.5^2 / 2 J to and fro
@@ -141,7 +141,7 @@ TEST_CASE("a very small mechanism that leaves its constraints has drifted", "[un
   CHECK(audit.result().drifted);
 }
 
-TEST_CASE("what vanishes where a joint comes into force is booked under its cause", "[unit][record]") {
+TEST_CASE("energy lost when a joint becomes active is recorded under its cause", "[unit][record]") {
   System system(System::Options{{0, 0, -10}});
   Body& stone = system.add_body("stone", shapes::sphere(2, 0.1));
   Lock& hook = system.add<Spherical>("hook", stone, system.ground(), pose_at({0, 0, 0}));
@@ -181,7 +181,7 @@ TEST_CASE("a run that leaves its constraints has drifted", "[unit][record]") {
   CHECK(audit.result().limits.violation == 1e-4);
 }
 
-TEST_CASE("a violation that is no number is a drift, whatever follows", "[unit][record]") {
+TEST_CASE("a violation that is no number is a drift, also if later ones are small", "[unit][record]") {
   RodPendulum pendulum;
   EnergyAudit audit(pendulum.system);
   Dynamics dynamics = dynamics_of(pendulum.system);
@@ -201,7 +201,7 @@ TEST_CASE("a violation that is no number is a drift, whatever follows", "[unit][
   CHECK(audit.result().drifted);
 }
 
-TEST_CASE("a mechanism at rest, and one that turns for ever, are conserved", "[unit][record]") {
+TEST_CASE("a mechanism at rest, and one that rotates for ever, are conserved", "[unit][record]") {
   const bool turns = GENERATE(false, true);
   System system(System::Options{{0, 0, turns ? 0.0 : -9.81}});
   Body& rod = system.add_body("rod", shapes::rod(1, {0, 0, -1}, {0, 0, 0}));

@@ -56,7 +56,7 @@ TEST_CASE("an error's sentence is made of its data", "[unit][errors]") {
         "law 'sine': omega is -1; must be above 0");
 }
 
-TEST_CASE("every class says its kind", "[unit][errors]") {
+TEST_CASE("every class reports its kind", "[unit][errors]") {
   using Kind = Error::Kind;
   CHECK(ModelError("x").kind() == Kind::model);
   CHECK(ParameterError({}, "k", "x").kind() == Kind::model);
@@ -81,7 +81,8 @@ TEST_CASE("a label is put behind the place, once", "[unit][errors]") {
   CHECK(error.thing.name == "F");
 }
 
-TEST_CASE("what is no Error becomes UserCodeError with its thing, its time and the original", "[unit][errors]") {
+TEST_CASE("an exception that is no Error becomes UserCodeError with its object, its time and the original",
+          "[unit][errors]") {
   const ErrorContext context{.thing = kPlugins, .t = 0.25};
   const auto error = error_of<UserCodeError>(context, 7);
   CHECK(std::string(error.what()) ==
@@ -105,7 +106,7 @@ TEST_CASE("built-in code without a law at fault passes what is no Error, with on
         }) == "t = 1 s: joint 'A' (revolute): the law of drive rz threw: no more");
 }
 
-TEST_CASE("what a built-in law refuses stays a ModelError, with joint, law and time", "[unit][errors]") {
+TEST_CASE("an error of a built-in law stays a ModelError, with joint, law and time", "[unit][errors]") {
   const ModelError end("law 'spline': the end", {.thing = {.kind = "law", .type = "spline", .origin = "built in"}});
   for (const Thing& whose : {kOurs, Thing{.kind = "joint", .name = "A", .type = "revolute"}}) {
     const auto refused = error_of<ModelError>(
@@ -131,7 +132,7 @@ TEST_CASE("what a built-in law refuses stays a ModelError, with joint, law and t
         }) == "t = 1 s: joint 'A' (revolute): the law of drive rz threw: the end");
 }
 
-TEST_CASE("an Error of a plugin is its own in use and keeps its type where it refuses", "[unit][errors]") {
+TEST_CASE("an Error of a plugin is its own in use and keeps its type at construction", "[unit][errors]") {
   CHECK(message_of<UserCodeError>([] { throw_in({.thing = kPlugins, .t = 1}, ModelError("no speed")); }) ==
         "t = 1 s: force 'F' (wind of plugin weather) threw: no speed");
   const auto refused = error_of<ModelError>({.thing = kPlugins, .refuses = true}, ModelError("no speed"));

@@ -80,7 +80,8 @@ TEST_CASE("A kept factor iterates onto the constraints of a later state", "[unit
   CHECK(dynamics.violation(s) <= 1e-14);
 }
 
-TEST_CASE("A factor without a matrix, or of other joints than those in force, is refused in words", "[unit][dynamics]") {
+TEST_CASE("A factor without a matrix, or of other joints than the active ones, is rejected in words",
+          "[unit][dynamics]") {
   RodPendulum pendulum;
   Dynamics dynamics(pendulum.system, std::make_unique<SchurSolver>());
   State s = pendulum.system.start();
@@ -114,7 +115,7 @@ State flat_four_bar(const System& system) {
 
 }  // namespace
 
-TEST_CASE("What a singular pose looks like does not depend on what was asked before", "[unit][dynamics]") {
+TEST_CASE("The result in a singular configuration does not depend on earlier requests", "[unit][dynamics]") {
   const int i = GENERATE(0, 1, 2, 3);
   CAPTURE(i);
   System system = loops::row_of_four_bars(1);
@@ -159,7 +160,7 @@ TEST_CASE("Poses and twists of bodies are set and read alike, parts of a cluster
                        {"body 'ground'", "does not move"});
 }
 
-TEST_CASE("Vectors of another size are refused, not written past", "[unit][dynamics]") {
+TEST_CASE("Vectors of another size are rejected, not written past", "[unit][dynamics]") {
   RodPendulum pendulum;
   Dynamics dynamics(pendulum.system, solver_number(GENERATE(0, 3)));
   const State s = pendulum.system.start();

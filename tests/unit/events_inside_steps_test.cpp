@@ -83,7 +83,8 @@ TEST_CASE("event: a thrown body meets every level below its apex, wherever the a
       }
 }
 
-TEST_CASE("event: passages to and fro are met where a body turns by many radians in a step", "[unit][events]") {
+TEST_CASE("event: crossings in both directions are found if a body rotates by many radians in a step",
+          "[unit][events]") {
   const std::string method = GENERATE("dopri5", "dop853", "radau5");
   CAPTURE(method);
   SECTION("every passage of a tip") {
@@ -121,7 +122,7 @@ TEST_CASE("event: passages to and fro are met where a body turns by many radians
 }
 
 // The rope from (-10, 0) to the tip at (0.01 t + cos 10 t, sin 10 t) is 11.05 m long.
-TEST_CASE("contact: a rope is met where the body on it turns by many radians in a step", "[unit][events]") {
+TEST_CASE("contact: a rope is met if the body on it rotates by many radians in a step", "[unit][events]") {
   const std::string method = GENERATE("dopri5", "dop853", "radau5");
   CAPTURE(method);
   Rotor rotor(0.01);
@@ -177,7 +178,7 @@ TEST_CASE("event: no output lies beyond an event that did not fire", "[unit][eve
 }
 
 // The apex, 5 m at 1 s, lies inside the step from 0.9 to 1.2 s: 4.97 m is passed at 1 -+ sqrt(0.006) s.
-TEST_CASE("event: a method without dense output meets passages to and fro in a step", "[unit][events]") {
+TEST_CASE("event: a method without dense output finds crossings in both directions in a step", "[unit][events]") {
   const std::string method = GENERATE("rk4", "rattle2");
   const auto crossing = GENERATE(Event::Crossing::rising, Event::Crossing::falling, Event::Crossing::any);
   Stone stone;
@@ -211,7 +212,7 @@ TEST_CASE("event: a condition that has a value on the constraints alone is met b
 
 // A wheel of 1000 rad/s on a hinge beside a stone that is thrown: steps of hundreds of parts, of which few are looked
 // at while the stone is far from its level. Another one, 300 m up, is as far at all times.
-TEST_CASE("event: a condition that is far from zero is looked at seldom, however fast a body turns", "[unit][events]") {
+TEST_CASE("event: a condition far from zero is evaluated rarely, however fast a body rotates", "[unit][events]") {
   const bool meets = GENERATE(false, true), beside_another = GENERATE(false, true);
   Stone stone;
   System& system = stone.system;
@@ -239,7 +240,7 @@ TEST_CASE("event: a condition that is far from zero is looked at seldom, however
 }
 
 // Four parts of a step, and one look beside an end of it at times.
-TEST_CASE("event: a condition is asked about five times a step where nothing turns far", "[unit][events]") {
+TEST_CASE("event: a condition is evaluated about five times per step if no body rotates far", "[unit][events]") {
   RodPendulum pendulum;
   Dynamics dynamics = dynamics_of(pendulum.system);
   StepLoop run(dynamics, method_named(GENERATE("dopri5", "dop853", "radau5")), {.tolerance = {1e-9, 1e-11}});
@@ -252,7 +253,7 @@ TEST_CASE("event: a condition is asked about five times a step where nothing tur
   CHECK(asked <= 6 * run.report().steps + 2);
 }
 
-TEST_CASE("event: a turning point towards zero is followed as far as it may reach zero", "[unit][events]") {
+TEST_CASE("event: an extremum towards zero is followed as far as it may reach zero", "[unit][events]") {
   const double turn = GENERATE(0.01, 0.3, 0.5, 0.83, 0.999);
   const double depth = GENERATE(1e-3, 1e-6, 1e-9);
   for (const double sign : {1.0, -1.0})

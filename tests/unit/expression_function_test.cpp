@@ -120,7 +120,7 @@ TEST_CASE("many breakpoints are all found", "[unit][expression]") {
     CHECK_THAT(out[i], Catch::Matchers::WithinAbs(kPi * double(i + 1) / 100, 1e-12));
 }
 
-TEST_CASE("what stays equal over a span hides no switch", "[unit][expression]") {
+TEST_CASE("equal values over a span hide no switch", "[unit][expression]") {
   struct Case {
     const char* text;
     std::vector<double> instants;  // in (0, 10)
@@ -153,7 +153,7 @@ TEST_CASE("a switch on a whole number is found from both sides", "[unit][express
   }
 }
 
-TEST_CASE("too many switches are refused with the formula", "[unit][expression]") {
+TEST_CASE("too many switches are rejected with the formula", "[unit][expression]") {
   std::vector<double> out;
   const FormulaFunction f("=floor(1e6*t)", {"t"});
   const std::string refused = message_of<ModelError>([&] { f.breakpoints(0, 0, 10, out); });
@@ -186,7 +186,7 @@ TEST_CASE("a unit ends before a variable", "[unit][expression]") {
   CHECK_THAT(at(FormulaFunction("=q*1 kg/t", {"q"}), 1).v, Catch::Matchers::WithinULP(1e-3, 2));  // no variable: tonnes
 }
 
-TEST_CASE("a variable that is a constant as well is refused where it is read", "[unit][expression]") {
+TEST_CASE("a variable that is a constant as well is rejected at its place", "[unit][expression]") {
   const expression::Constant t{"t", {5, 0, 0}, false};
   const std::string refused = message_of<ModelError>([&] { FormulaFunction("=2*t", {"t"}, {t}); });
   CAPTURE(refused);

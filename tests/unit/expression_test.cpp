@@ -127,7 +127,7 @@ TEST_CASE("functions and constants are those of the library", "[unit][expression
     CHECK(number(w.text) == w.value);
 }
 
-TEST_CASE("a formula tells the names that it reads", "[unit][expression]") {
+TEST_CASE("a formula lists the names that it reads", "[unit][expression]") {
   const auto names = [](const char* formula) { return names_in(Expression(formula)); };
   CHECK(names("=a + rod.to.x*sin(b) - 2 m*a") == std::vector<std::string>{"a", "rod.to", "b"});
   CHECK(names("rod*[C.y, 1, 0]") == std::vector<std::string>{"rod", "C"});
@@ -181,7 +181,7 @@ TEST_CASE("a value is read back as the same double", "[unit][expression]") {
   }
 }
 
-TEST_CASE("a refusal says the column, what is wrong and what was expected", "[unit][expression]") {
+TEST_CASE("an error gives the column, the problem and the expected text", "[unit][expression]") {
   struct Bad {
     const char* text;
     std::vector<std::string> words;
@@ -241,7 +241,7 @@ TEST_CASE("a refusal says the column, what is wrong and what was expected", "[un
   }
 }
 
-TEST_CASE("each function takes as many arguments as it says, no fewer and no more", "[unit][expression]") {
+TEST_CASE("each function has exactly its documented number of arguments", "[unit][expression]") {
   const std::map<std::string, int> exactly = {
       {"sin", 1},  {"cos", 1}, {"tan", 1}, {"asin", 1},  {"acos", 1},  {"atan", 1}, {"sinh", 1},  {"cosh", 1},
       {"tanh", 1}, {"exp", 1}, {"log", 1}, {"abs", 1},   {"sign", 1},  {"sqrt", 1}, {"floor", 1}, {"ceil", 1},
@@ -284,7 +284,7 @@ TEST_CASE("functions of pure numbers take no angle, and none of an angle takes a
     }
 }
 
-TEST_CASE("a function of variables refuses what is no number by its cause", "[unit][expression]") {
+TEST_CASE("a function of variables rejects a value that is no number by its cause", "[unit][expression]") {
   struct Bad {
     const char* text;
     std::vector<std::string> words;
@@ -303,7 +303,7 @@ TEST_CASE("a function of variables refuses what is no number by its cause", "[un
   }
 }
 
-TEST_CASE("formulas that are too deep or too long are refused", "[unit][expression]") {
+TEST_CASE("formulas that are too deep or too long are rejected", "[unit][expression]") {
   const auto repeated = [](const std::string& what, int n) {
     std::string text;
     for (int i = 0; i < n; ++i) text += what;
@@ -319,7 +319,7 @@ TEST_CASE("formulas that are too deep or too long are refused", "[unit][expressi
   CHECK(refusal("=" + repeated(" ", 4000)).find("4001 characters") != std::string::npos);
 }
 
-TEST_CASE("random texts are read or refused, never more", "[unit][expression]") {
+TEST_CASE("random texts are read or rejected, never more", "[unit][expression]") {
   const std::vector<std::string> words = {
       "1", "2.5",  "crank", "A",  "t",  "sin(", "max(", "(",   ")", "[", "]", ",",     "+",   "-",
       "*", "/",    "^",     "<",  ">=", "==",   "&&",   "||",  "!", "?", ":", ".x",    " mm", " s",

@@ -89,7 +89,7 @@ TEST_CASE("applied_force: a constant force in the world has a potential", "[unit
   CHECK(turning.potential(bench.in()) == 0);
 }
 
-TEST_CASE("applied_force, applied_torque: wrong input is refused by name", "[unit][force]") {
+TEST_CASE("applied_force, applied_torque: wrong input is rejected by name", "[unit][force]") {
   ForceBench bench;
   CHECK_THROWS_WITH(AppliedForce("push", bench.p, {.force = Vec3(0, kNaN, 1)}),
                     "force 'push': force is [0, nan, 1]; must be finite numbers");

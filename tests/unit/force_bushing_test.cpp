@@ -15,7 +15,7 @@ namespace {
 Bushing::Options numbers() { return {Vec3(100, 200, 300), Vec3(1, 2, 3), Vec3(10, 20, 30), Vec3(0.1, 0.2, 0.3)}; }
 }  // namespace
 
-TEST_CASE("bushing: an offset and a turn along the axes of S give the forces along them", "[unit][force]") {
+TEST_CASE("bushing: an offset and a rotation along the axes of S give the forces along them", "[unit][force]") {
   ForceBench bench;
   Bushing bushing("rubber", bench.p, bench.s, numbers());
   bushing.setup();
@@ -40,7 +40,7 @@ TEST_CASE("bushing: an offset and a turn along the axes of S give the forces alo
   }
 }
 
-TEST_CASE("bushing: momentum and power balance, for small and for large turns", "[unit][force]") {
+TEST_CASE("bushing: momentum and power balance, for small and for large rotations", "[unit][force]") {
   for (double size : {1e-5, 0.05, 0.3, 2.4}) {
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       ForceBench bench(seed);
@@ -62,7 +62,7 @@ TEST_CASE("bushing: momentum and power balance, for small and for large turns", 
   }
 }
 
-TEST_CASE("bushing: wrong input is refused by name", "[unit][force]") {
+TEST_CASE("bushing: wrong input is rejected by name", "[unit][force]") {
   ForceBench bench;
   auto options = numbers();
   options.stiffness[1] = std::numeric_limits<double>::quiet_NaN();

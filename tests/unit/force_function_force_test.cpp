@@ -28,7 +28,7 @@ TEST_CASE("function_force: does what the function does", "[unit][force]") {
   CHECK(spring->type() == "function_force");
 }
 
-TEST_CASE("function_force: no function is refused", "[unit][force]") {
+TEST_CASE("function_force: a missing function is rejected", "[unit][force]") {
   CHECK_THROWS_WITH(function_force("pull", {}, nullptr), "force 'pull' (function_force) has no function; give one");
   testing::check_words(
       testing::message_of<ModelError>([&] { function_force("pull", {nullptr}, [](const Inputs&, WrenchSum&) {}); }),

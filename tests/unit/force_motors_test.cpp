@@ -49,7 +49,7 @@ TEST_CASE("force_motor: a force along z of S at P, its opposite on the same line
   }
 }
 
-TEST_CASE("motors: no law and particles are refused by name", "[unit][force]") {
+TEST_CASE("motors: missing laws and particles are rejected by name", "[unit][force]") {
   ForceBench bench;
   CHECK_THROWS_WITH(TorqueMotor("M", bench.p, bench.s, {}), "force 'M': torque is missing; give a law");
   CHECK_THROWS_WITH(ForceMotor("M", bench.p, bench.s, {}), "force 'M': force is missing; give a law");

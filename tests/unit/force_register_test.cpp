@@ -72,7 +72,7 @@ TEST_CASE("register_forces: keys reach what they name", "[unit][force]") {
             .norm() < 1e-13);
 }
 
-TEST_CASE("register_forces: wrong keys are refused at their place", "[unit][force]") {
+TEST_CASE("register_forces: wrong keys are rejected at their place", "[unit][force]") {
   Shop shop;
   const auto refusal = [&](const std::string& type, const Params& params, bool with_s = true) -> std::string {
     try {

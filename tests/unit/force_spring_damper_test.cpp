@@ -47,7 +47,7 @@ TEST_CASE("spring_damper: a known length and rate give a known force on the line
   CHECK(spring.quantities()[2].unit == "N");
 }
 
-TEST_CASE("spring_damper: momentum is kept, and power is what potential, damper and law say", "[unit][force]") {
+TEST_CASE("spring_damper: momentum is conserved, and power agrees with potential, damper and law", "[unit][force]") {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     ForceBench bench(seed);
     auto options = spring_options();
@@ -113,7 +113,7 @@ TEST_CASE("spring_damper: no length, no direction, no force and no NaN", "[unit]
   CHECK_NOTHROW(soft.setup());
 }
 
-TEST_CASE("spring_damper: wrong numbers are refused by name", "[unit][force]") {
+TEST_CASE("spring_damper: wrong numbers are rejected by name", "[unit][force]") {
   const double inf = std::numeric_limits<double>::infinity();
   CHECK(refusal({kNaN, 0, 0, 0, {}}).find("force 'coil': stiffness is nan") == 0);
   CHECK(refusal({1, inf, 0, 0, {}}).find("force 'coil': damping is inf") == 0);

@@ -161,7 +161,7 @@ TEST_CASE("Tangent of the torsion spring-damper", "[unit][force]") {
   }
 }
 
-TEST_CASE("Tangent of the bushing, small turns and large", "[unit][force]") {
+TEST_CASE("Tangent of the bushing, small rotations and large", "[unit][force]") {
   const Vec3 K(40, 20, 10), D(3, 2, 1), Kt(5, 4, 2), Dt(0.3, 0.5, 0.2);
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     CAPTURE(seed);

@@ -70,7 +70,8 @@ TEST_CASE("torsion_spring_damper: momentum and power balance, for axes that are 
   }
 }
 
-TEST_CASE("torsion_spring_damper: ten turns and back are counted, rejected steps leave no trace", "[unit][force]") {
+TEST_CASE("torsion_spring_damper: ten revolutions and back are counted, rejected steps leave no trace",
+          "[unit][force]") {
   ForceBench bench;
   TorsionSpringDamper spring("coil", bench.p, bench.s, torsion_options());
   spring.setup();
@@ -126,7 +127,7 @@ TEST_CASE("torsion_spring_damper: a marker's spin is part of the angle", "[unit]
   CHECK(still[0].w.norm() > 0);
 }
 
-TEST_CASE("torsion_spring_damper: wrong input is refused by name", "[unit][force]") {
+TEST_CASE("torsion_spring_damper: wrong input is rejected by name", "[unit][force]") {
   ForceBench bench;
   CHECK_THROWS_WITH(TorsionSpringDamper("coil", bench.p, bench.s, {kNaN, 0, 0, 0, {}}),
                     "force 'coil': stiffness is nan; must be a finite number");
@@ -154,7 +155,7 @@ TEST_CASE("torsion_spring_damper: wrong input is refused by name", "[unit][force
                        {"force 'coil'", "opposed at the start", "rotate one marker"});
 }
 
-TEST_CASE("torsion_spring_damper: several turns in a step are counted by the rates", "[unit][force]") {
+TEST_CASE("torsion_spring_damper: several revolutions in a step are counted by the rates", "[unit][force]") {
   // A rotor on a coil: angle = w0/n sin(n t), n^2 = k/J; 50 rad/s and steps of 0.1 s are 5 rad a step.
   const double k = 0.5, J = 1.0, w0 = 50, n = std::sqrt(k / J);
   System system;

@@ -136,7 +136,7 @@ TEST_CASE("a force by formula gives the damped oscillation in closed form", "[un
   CHECK(worst(table, "energy.balance", [](double) { return 0.0; }) < 1e-8);  // its work is booked
 }
 
-TEST_CASE("a pulse is not lost beside what stays equal", "[unit][force]") {
+TEST_CASE("a pulse is not lost near equal values", "[unit][force]") {
   for (const char* still : {"(max(0,t-8) > 0 ? 0 : 0)", "(min(t,1) < 1 ? 20 : 0)*0", "max(min(t,1),1)*0"}) {
     CAPTURE(still);
     const Table table = run(R"~("bodies": [{"name": "b", "particle": 1}],
@@ -170,7 +170,7 @@ TEST_CASE("a torque by formula is the torsion spring of the same numbers", "[uni
   CHECK(largest > 7);  // more than a turn: it is counted
 }
 
-TEST_CASE("a torque by formula counts the turns of long steps", "[unit][force]") {
+TEST_CASE("a torque by formula counts the revolutions of long steps", "[unit][force]") {
   const Table table = run(R"("bodies": [{"name": "wheel", "mass": 1, "inertia": [1, 1, 1]}],
     "links": [{"name": "A", "type": "revolute", "p": "wheel", "s": "ground", "at": [0, 0, 0]}],
     "forces": [{"name": "F", "type": "function_force", "link": "A", "torque": "=0.5 + 0*q"}],
@@ -179,7 +179,7 @@ TEST_CASE("a torque by formula counts the turns of long steps", "[unit][force]")
   CHECK(worst(table, "F.coordinate", [](double t) { return 0.25 * t * t; }) < 1e-6);
 }
 
-TEST_CASE("formulas of types are refused in words", "[unit][scene]") {
+TEST_CASE("formulas of types are rejected in words", "[unit][scene]") {
   const auto refused = [](const std::string& members) {
     return message_of<SceneError>([&] {
       build_mechanism(

@@ -19,7 +19,7 @@ Mat3 turned_inertia() {
 
 }  // namespace
 
-TEST_CASE("a free body keeps its moment of momentum in space, whatever the step", "[unit][integrators]") {
+TEST_CASE("a free body conserves its angular momentum in space, for every step size", "[unit][integrators]") {
   const Mat3 J = turned_inertia();
   const FreeRotation rotation_split(J);
   Quat e = exponential(Vec3(1, 2, -0.5));
@@ -31,7 +31,7 @@ TEST_CASE("a free body keeps its moment of momentum in space, whatever the step"
   }
 }
 
-TEST_CASE("a free body turned forth and back is where it was", "[unit][integrators]") {
+TEST_CASE("a free body rotated forward and back returns to its pose", "[unit][integrators]") {
   const FreeRotation split(turned_inertia());
   const Quat e0 = exponential(Vec3(1, 2, -0.5));
   const Vec3 w0(1.5, -2, 0.7);
@@ -45,7 +45,7 @@ TEST_CASE("a free body turned forth and back is where it was", "[unit][integrato
 }
 
 // Closed form for a body of revolution: q = exp(t L/J1) q0 exp((1 - J3/J1) w3 t e3).
-TEST_CASE("the split turning of a top is of order 2", "[unit][integrators]") {
+TEST_CASE("the split rotation of a top is of order 2", "[unit][integrators]") {
   const double J1 = 0.4, J3 = 0.7, T = 1;
   const FreeRotation split(Vec3(J1, J1, J3).asDiagonal());
   const Vec3 w0(1.1, 0.4, 2.5), L(J1 * w0[0], J1 * w0[1], J3 * w0[2]);

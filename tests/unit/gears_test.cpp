@@ -68,7 +68,7 @@ Wheels two() {
 
 }  // namespace
 
-TEST_CASE("Gears and belts turn the way they should from any start", "[unit][links]") {
+TEST_CASE("Gears and belts rotate in the right direction from any start", "[unit][links]") {
   struct Case {
     const char* name;
     std::function<std::unique_ptr<Lock>(const CoupledPairs&)> make;
@@ -104,7 +104,7 @@ TEST_CASE("Gears and belts turn the way they should from any start", "[unit][lin
   }
 }
 
-TEST_CASE("A differential shares a turn", "[unit][links]") {
+TEST_CASE("A differential distributes a rotation", "[unit][links]") {
   for (const double ratio : {1.0, 2.5}) {
     Wheels w = two();
     w.wheel(Vec3(-0.2, 0.1, 1), 0.4);
@@ -152,7 +152,7 @@ TEST_CASE("A pinion rolls along its rack, and a rack slides by its pinion", "[un
   CHECK(report.ok());
 }
 
-TEST_CASE("A screw advances by its lead, and by its slip", "[unit][links]") {
+TEST_CASE("A screw advances by its lead, and by its offset", "[unit][links]") {
   for (const double lead : {0.1, -0.1, 0.0}) {
     LinkBench bench({Vec3(0, 0, 0.5), axis_angle(Vec3(0, 0, 1), -2.0)});
     const auto& link =
@@ -173,11 +173,11 @@ TEST_CASE("A screw advances by its lead, and by its slip", "[unit][links]") {
   LinkBench bench;
   const auto& link =
       bench.system.add<Screw>("screw", bench.p(), bench.s(), 0.1, laws::law([](auto t) { return log(t - 1.0); }));
-  CHECK(link.diagnose(0.5).rfind("the law of its slip gives ", 0) == 0);
+  CHECK(link.diagnose(0.5).rfind("the law of its offset gives ", 0) == 0);
   CHECK(link.diagnose(2.5).empty());
 }
 
-TEST_CASE("A gear, belt, differential or rack that cannot be is refused in words", "[unit][links]") {
+TEST_CASE("An impossible gear, belt, differential or rack is rejected in words", "[unit][links]") {
   const auto error = [](const std::function<void(const CoupledPairs&)>& make) {
     Wheels w = two();
     w.wheel(Vec3(0, 0, 1), 0);

@@ -97,7 +97,7 @@ Eigen::Matrix<C, 12, 1> function_force(const Phi& phi, double lambda, double t, 
 
 }  // namespace
 
-TEST_CASE("The stiffness of a lock is the derivative of its rows, all laws active, constraints violated",
+TEST_CASE("The stiffness of a lock is the derivative of its constraints, all laws active, constraints violated",
           "[unit][lock]") {
   for (std::uint64_t seed = 1; seed <= 6; ++seed)
     for (const unsigned laws : {0u, unsigned(oracle::kAllLaws)}) {
@@ -153,7 +153,7 @@ TEST_CASE("A lock's stiffness leaves out what the mask leaves out, and the groun
   CHECK((ground.K(0) - matrix_of(all).topLeftCorner<6, 6>()).cwiseAbs().maxCoeff() <= 1e-14);
 }
 
-TEST_CASE("The stiffness of a function joint is the derivative of its row", "[unit][lock]") {
+TEST_CASE("The stiffness of a function joint is the derivative of its constraint", "[unit][lock]") {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     CAPTURE(seed);
     constexpr unsigned kMarkers = oracle::kUP | oracle::kQP | oracle::kUS | oracle::kQS;

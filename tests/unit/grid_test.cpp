@@ -42,7 +42,7 @@ TEST_CASE("the shards of a grid have each run once, however many they are", "[un
   CHECK(Grid::run({2, 3}, 1) == 5);
 }
 
-TEST_CASE("a grid without runs or with too many is refused", "[unit][analysis]") {
+TEST_CASE("a grid without runs or with too many is rejected", "[unit][analysis]") {
   CHECK(says(message_of<ModelError>([] { Grid({3, 0}); }), {"has no values"}));
   CHECK(says(message_of<ModelError>([] { Grid({100'000, 100'000}); }), {"more than 1000000000 runs"}));
   const std::size_t huge = ~std::size_t{0};

@@ -104,7 +104,7 @@ TEST_CASE("an event of the present time acts before the next step", "[unit][dyna
   CHECK(speed(run) == -1);
 }
 
-TEST_CASE("a past event is refused in a run that has begun, by name and times", "[unit][dynamics]") {
+TEST_CASE("a past event is rejected in a run that has begun, by name and times", "[unit][dynamics]") {
   Stone stone;
   Simulation run(stone.system);
   const Event late{.name = "late", .at = 0.5, .activate = {"push"}};
@@ -192,7 +192,7 @@ TEST_CASE("a joint that a call brings into force stops what it holds, as an even
   CHECK((body_pose(rod, run.state()).x - x - thrown).norm() < 1e-9);
 }
 
-TEST_CASE("what a call cannot switch is refused by name", "[unit][dynamics]") {
+TEST_CASE("an impossible switch by a call is rejected by name", "[unit][dynamics]") {
   Stone stone;
   stone.system.add(std::make_unique<AppliedForce>("steady", stone.p, AppliedForce::Options{{0, 0, 0}}));
   Simulation run(stone.system);
@@ -209,7 +209,7 @@ TEST_CASE("what a call cannot switch is refused by name", "[unit][dynamics]") {
   CHECK(speed(run) == 0);
 }
 
-TEST_CASE("what an event misses while it is off it has missed", "[unit][dynamics]") {
+TEST_CASE("crossings during the inactive time of an event are missed", "[unit][dynamics]") {
   const bool first_off = GENERATE(false, true);
   Stone stone;
   stone.stone.start.v = {1, 0, 0};
@@ -302,7 +302,7 @@ TEST_CASE("one snapshot is loaded twice, and by several threads at once", "[unit
   check_words(message_of<ModelError>([&] { whole->loop().load(more); }), {"more numbers", "checkpoint"});
 }
 
-TEST_CASE("what is set of an input acts from there on, in every method", "[unit][dynamics]") {
+TEST_CASE("the value of an input acts from its time on, in every method", "[unit][dynamics]") {
   const auto method = GENERATE(from_range(std::begin(kMethods), std::end(kMethods)));
   const bool inside = GENERATE(false, true);  // of one call, between its steps
   CAPTURE(method, inside);
@@ -354,7 +354,7 @@ TEST_CASE("laws read inputs, checkpoints keep them, channels show them", "[unit]
   CHECK(other.run->table()["stone.vx"] == led.run->table()["stone.vx"]);
 }
 
-TEST_CASE("inputs that cannot be are refused by name", "[unit][dynamics]") {
+TEST_CASE("impossible inputs are rejected by name", "[unit][dynamics]") {
   Pushed pushed;
   Simulation run(pushed.system);
   pushed.u.set(3);
@@ -400,7 +400,7 @@ TEST_CASE("advance ends at exactly t + h, in the steps that it needs", "[unit][d
   CHECK(run.state().t == t + 1000);
 }
 
-TEST_CASE("advance gives what one call gives, and rows at outputs alone", "[unit][dynamics]") {
+TEST_CASE("advance gives the same as one call, and output at the requested times alone", "[unit][dynamics]") {
   FourBar one, many;
   Simulation whole(one.system, {.tolerance = 1e-10, .output = 0.125}),
       parts(many.system, {.tolerance = 1e-10, .output = 0.125});
@@ -443,7 +443,7 @@ TEST_CASE("a controller's calls take no memory and no more evaluations than thei
   if (evaluations > 0) CHECK(run.dynamics().work().evaluations - before <= evaluations * 100 + 10);
 }
 
-TEST_CASE("rows are given to the host as they are made", "[unit][record]") {
+TEST_CASE("outputs reach the host as they are made", "[unit][record]") {
   const bool keep = GENERATE(false, true);
   Stone stone;
   stone.stone.start.v = {3, 0, 0};

@@ -82,7 +82,7 @@ TEST_CASE("short steps that a host asked for are no pace of the run that follows
   CHECK(run.state().q[0] == Approx(end).epsilon(1e-12));
 }
 
-TEST_CASE("a snapshot that is refused leaves the run as it was", "[unit][checkpoint]") {
+TEST_CASE("a rejected snapshot leaves the run unchanged", "[unit][checkpoint]") {
   const bool of_events = GENERATE(false, true);
   const auto make = [](Flight& of, bool event) {
     auto run = std::make_unique<Simulation>(of.system, SimulationOptions{.output = 0.125});
@@ -106,7 +106,7 @@ TEST_CASE("a snapshot that is refused leaves the run as it was", "[unit][checkpo
   CHECK(run->state().q[0] == Approx(1).epsilon(1e-12));
 }
 
-TEST_CASE("after a snapshot that fails half read the run begins anew where it stood", "[unit][checkpoint]") {
+TEST_CASE("after a snapshot that fails half-way the run starts again at its state", "[unit][checkpoint]") {
   Flight flight;
   Simulation run(flight.system, {.integrator = "rk4", .step = 0.0001220703125, .output = 0.5});
   run.run_until(1);
@@ -121,7 +121,8 @@ TEST_CASE("after a snapshot that fails half read the run begins anew where it st
   CHECK(run.state().q[0] == Approx(2).epsilon(1e-12));
 }
 
-TEST_CASE("an event that is added off and turned on before the next step meets its first crossing", "[unit][events]") {
+TEST_CASE("an event that is added inactive and activated before the next step meets its first crossing",
+          "[unit][events]") {
   Flight flight;
   Simulation run(flight.system);
   run.run_until(0.5);
@@ -158,7 +159,7 @@ TEST_CASE("an event by time misses the steps that are accepted, and no others", 
   CHECK(acted == 1.25);
 }
 
-TEST_CASE("an event is turned on and off by a call", "[unit][events]") {
+TEST_CASE("an event is activated and deactivated by a call", "[unit][events]") {
   Flight flight;
   Simulation run(flight.system);
   run.add_event({.name = "halt", .at = 1, .stop = true});
@@ -234,7 +235,7 @@ TEST_CASE("an input that sets the speed of a drive jumps as its law would", "[un
   CHECK(driven.causes.seen.size() == 1);
 }
 
-TEST_CASE("a second run does not count turns on from the first", "[unit][dynamics]") {
+TEST_CASE("a second run does not continue the revolutions of the first", "[unit][dynamics]") {
   System system;
   Body& rod = system.add_body("rod", shapes::rod(1, {0, 0, 0}, {1, 0, 0}));
   system.add<Revolute>("hinge", rod, system.ground(), pose_at({0, 0, 0}));
@@ -268,7 +269,7 @@ class TwoSteps final : public Integrator {
 
 }  // namespace
 
-TEST_CASE("a host's method of several steps begins anew where an input was set", "[unit][dynamics]") {
+TEST_CASE("a host's multistep method restarts at a changed input", "[unit][dynamics]") {
   System system;
   Body& stone = system.add_particle("stone", 2, {0, 0, 0});
   ControlInput& push = system.add_input("push", 8, "N");
@@ -298,7 +299,7 @@ TEST_CASE("only what could hold is advised to hold", "[unit][events]") {
   CHECK((message.find("\"hold\"") == std::string::npos) == driven);
 }
 
-TEST_CASE("a call that switches what was decided at the start is refused by the link", "[unit][events]") {
+TEST_CASE("a call that switches a joint decided at the start is rejected by the joint's name", "[unit][events]") {
   System system;
   Body& rod = system.add_body("rod", shapes::rod(1, {0, 0, 0}, {1, 0, 0}));
   system.add<Revolute>("low", rod, system.ground(), pose_at({0, 0, 0}));

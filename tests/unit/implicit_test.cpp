@@ -84,7 +84,7 @@ void check_sizes(NewtonMatrix& N, const V& f, const V& r) {
 
 }  // namespace
 
-TEST_CASE("NewtonMatrix solves what it gathered, redundant rows and all", "[unit][dynamics]") {
+TEST_CASE("NewtonMatrix solves its gathered equations, with redundant constraints", "[unit][dynamics]") {
   Loop loop;
   const System& sys = loop.mechanism.system;
   NewtonMatrix N;
@@ -202,7 +202,7 @@ TEST_CASE("NewtonMatrix without mass is statics: pivots are looked for elsewhere
   CHECK((lc - l).norm() <= 1e-12 * l.norm());
 }
 
-TEST_CASE("NewtonMatrix names a row that contradicts another", "[unit][dynamics]") {
+TEST_CASE("NewtonMatrix names a constraint that contradicts another", "[unit][dynamics]") {
   System sys;
   Body& bob = sys.add_body("bob", {2, Vec3::Zero(), Vec3(0.2, 0.25, 0.3).asDiagonal()}, {Vec3(0, -0.7, 0), {}});
   for (const char* name : {"hinge", "twin"}) sys.add<Revolute>(name, bob, sys.ground(), pose_at(Vec3::Zero()));
@@ -217,7 +217,7 @@ TEST_CASE("NewtonMatrix names a row that contradicts another", "[unit][dynamics]
   CHECK(report.worst_row == 2);
 }
 
-TEST_CASE("NewtonMatrix follows a switch from a joint to another of as many rows", "[unit][dynamics]") {
+TEST_CASE("NewtonMatrix follows a switch between joints with equally many constraints", "[unit][dynamics]") {
   Loop loop;
   const auto without = [&](std::size_t link, NewtonMatrix& N) {
     State state = loop.state;
@@ -296,7 +296,7 @@ TEST_CASE("A hanging pendulum has its frequency: the geometric stiffness of the 
   CHECK(std::sqrt(w2) == Approx(std::sqrt(m * 9.81 * d / (I + m * d * d))).epsilon(1e-13));
 }
 
-TEST_CASE("MarkerLock's geometric stiffness is what differences of its rows say", "[unit][lock]") {
+TEST_CASE("MarkerLock's geometric stiffness agrees with differences of its constraints", "[unit][lock]") {
   for (int seed = 1; seed <= 4; ++seed)
     for (const bool grounded : {false, true}) {
       CAPTURE(seed, grounded);

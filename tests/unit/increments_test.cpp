@@ -23,7 +23,7 @@ State one_body(const Quat& e, const Vec3& w) {
 
 // A turn at a constant speed w: e(t) = e0 exp(w t/2) after a first turn D0, so that D(t) = log(exp(D0) exp(w t)) and
 // its rate is known by a difference of exact values.
-TEST_CASE("the rotation vector of a step changes as the closed form says", "[unit][integrators]") {
+TEST_CASE("the rotation vector of a step changes as in the closed form", "[unit][integrators]") {
   const double size = GENERATE(1e-6, 1e-3, 0.0999, 0.1001, 1.0, 2.4);
   const Vec3 D0 = size * Vec3(0.48, -0.6, 0.64), w(1.3, 0.7, -0.4);
   const auto D = [&](double t) { return rotation_vector(exponential(D0) * exponential(Vec3(t * w))); };

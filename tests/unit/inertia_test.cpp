@@ -164,7 +164,7 @@ TEST_CASE("a slender rod has the axial inertia it is given", "[unit][model]") {
   check_words(message_of<ModelError>([] { shapes::slender_rod(3, {0, 0, 0}, {0, 2, 0}, 0); }), {"axial inertia is 0"});
 }
 
-TEST_CASE("shapes that cannot be are refused", "[unit][model]") {
+TEST_CASE("impossible shapes are rejected", "[unit][model]") {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   check_words(message_of<ModelError>([] { shapes::box(1, {1, -2, 1}); }), {"-2", "greater than zero"});
   check_words(message_of<ModelError>([&] { shapes::box(0, {1, 1, 1}); }), {"box: the mass is 0"});
@@ -187,7 +187,7 @@ TEST_CASE("the triangle rule holds with equality", "[unit][model]") {
   CHECK(problem_of(with_J(1, 2, 3 * (1 + 1e-9))) != "no error");
 }
 
-TEST_CASE("mass properties that cannot be are refused with name and value", "[unit][model]") {
+TEST_CASE("impossible mass properties are rejected with name and value", "[unit][model]") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   MassProperties p = with_J(1, 1, 1);
   p.mass = -2;

@@ -145,7 +145,7 @@ TEST_CASE("functions of functions keep exact derivatives", "[unit][math]") {
     }
 }
 
-TEST_CASE("time enters a jet beside the variables", "[unit][math]") {
+TEST_CASE("time enters a jet together with the variables", "[unit][math]") {
   // f(y, t) = t^2 y: along the motion f' = 2 t y + t^2 y', f'' = 2 y + 4 t y'; the gradient sees y alone
   const double t = 1.5, y = 0.7, yd = -2.0;
   const Jet<1> time(t, 1.0, 0.0), f = time * time * Jet<1>::variable(0, y, yd);

@@ -102,7 +102,7 @@ std::string model_error(const std::function<void()>& act) { return message_of<Mo
 
 }  // namespace
 
-TEST_CASE("each joint holds what its comment says and lets go the rest", "[unit][links]") {
+TEST_CASE("each joint holds the coordinates of its comment and releases the rest", "[unit][links]") {
   for (const Expected& e : all_joints()) {
     CAPTURE(e.type);
     Pair pair;
@@ -136,7 +136,7 @@ TEST_CASE("each joint holds what its comment says and lets go the rest", "[unit]
   }
 }
 
-TEST_CASE("shafts of a homokinetic joint turn at equal rates at every bend", "[unit][links]") {
+TEST_CASE("shafts of a homokinetic joint rotate at equal rates at every bend", "[unit][links]") {
   for (double bend : {0.0, 0.4, -1.1, 2.0, 3.0}) {
     for (bool with_centre : {false, true}) {
       Pair pair;
@@ -287,7 +287,7 @@ TEST_CASE("a distance lets go everything that keeps it", "[unit][links]") {
   for (int k = 3; k < 6; ++k) CHECK((rows.J * relative_motion(pair, k, pose_at(kJoint.x + d))).norm() < 1e-13);
 }
 
-TEST_CASE("a joint from a function has the rows of the chain rule", "[unit][links]") {
+TEST_CASE("a joint from a function has the constraints of the chain rule", "[unit][links]") {
   int n = 0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed)
     for (unsigned laws : {0u, 2u, 8u, 15u}) {
@@ -309,7 +309,7 @@ TEST_CASE("a joint from a function has the rows of the chain rule", "[unit][link
   CHECK(n > 10);
 }
 
-TEST_CASE("a universal joint keeps four rows at every pair of cross angles", "[unit][links]") {
+TEST_CASE("a universal joint keeps four constraints at every pair of cross angles", "[unit][links]") {
   for (double a : {-1.2, 0.0, 0.7})
     for (double b : {-1.0, 0.3, 1.3}) {
       // x_S and y_P stay normal: S turns by a about its x, P against the cross by b about its y
@@ -330,7 +330,7 @@ TEST_CASE("a universal joint keeps four rows at every pair of cross angles", "[u
     }
 }
 
-TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit][links]") {
+TEST_CASE("a screw counts its revolutions, a rejected step leaves no trace", "[unit][links]") {
   const double pitch = 0.25, home = 2.6;
   for (double sign : {1.0, -1.0}) {
     CAPTURE(sign);
@@ -387,7 +387,7 @@ TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit
 // -----------------------------------------------------------------------------------------------------------------
 // refusals
 
-TEST_CASE("what a joint cannot be is refused by name, value and next move", "[unit][links]") {
+TEST_CASE("impossible joints are rejected by name, value and next move", "[unit][links]") {
   Pair pair;
   System& system = pair.system;
   const auto law = std::make_shared<Number>(LawValue{0, 0, 0});
@@ -417,7 +417,7 @@ TEST_CASE("what a joint cannot be is refused by name, value and next move", "[un
              {"'ball'", "set up", "before"}));
 }
 
-TEST_CASE("a particle cannot be held in its turns", "[unit][links]") {
+TEST_CASE("rotations of a particle cannot be held", "[unit][links]") {
   const auto refused = [](const std::function<void(System&, Marker&, Marker&)>& add) {
     System system;
     Body& bead = system.add_particle("bead", 1.0, Vec3(1, 0, 0));
@@ -436,7 +436,7 @@ TEST_CASE("a particle cannot be held in its turns", "[unit][links]") {
   CHECK(refused([](System& s, Marker& P, Marker& S) { s.add<Distance>("rod", P, S); }) == "no error");
 }
 
-TEST_CASE("links that hold nothing, or hold only what cannot move, are refused", "[unit][links]") {
+TEST_CASE("joints that hold nothing, or hold only fixed bodies, are rejected", "[unit][links]") {
   System system;
   Body& wall = system.add_fixed("wall");
   system.add_body("b", kMass);
@@ -472,7 +472,7 @@ TEST_CASE("a joint names which of its laws is not finite", "[unit][links]") {
   CHECK(says(cord.diagnose(0), {"law of its length"}));
 }
 
-TEST_CASE("a distance of zero is refused", "[unit][links]") {
+TEST_CASE("a distance of zero is rejected", "[unit][links]") {
   const auto refused = [](const std::function<void(System&, Body&)>& add) {
     System system;
     Body& b = system.add_body("b", kMass, pose_at(Vec3(1, 0, 0)));

@@ -230,7 +230,7 @@ Numbers in_plane(Z z, O one) {
 
 }  // namespace
 
-TEST_CASE("every lane of the kernel gives what a double gives", "[unit][lock]") {
+TEST_CASE("every element of the vectorised kernel gives the result of a double", "[unit][lock]") {
   check_lanes<0>(oracle::kAllLaws);
   check_lanes<1>(oracle::kAllLaws);
   check_lanes<2>(0);

@@ -10,7 +10,8 @@ namespace kkt_test {
 using namespace lockstep;
 using namespace lockstep::test;
 
-TEST_CASE("scales: the mean over a joint's force rows, over its moment rows, each function its own", "[unit][kkt]") {
+TEST_CASE("scales: the mean over a joint's translational constraints, over its rotational ones, each function its own",
+          "[unit][kkt]") {
   KktBuilder b(1);
   b.slot(), b.slot(3), b.slot(7);
   b.link({0}, rows_of(3, 2));
@@ -39,7 +40,7 @@ TEST_CASE("scales do not know the axes of a triple", "[unit][kkt]") {
   CHECK(difference(turned.kkt.E, plain.kkt.E) <= 1e-13);
 }
 
-TEST_CASE("a joint without slots, and one whose rows vanish, still have a positive scale", "[unit][kkt]") {
+TEST_CASE("a joint without bodies, and one whose gradients vanish, still have a positive scale", "[unit][kkt]") {
   KktBuilder b(4);
   b.slot();
   b.link({}, rows_of(1, 0, 1));

@@ -54,7 +54,7 @@ TEST_CASE("a host redirects, levels and silences the logger", "[unit][support]")
   CHECK(logger()->level() == spdlog::level::warn);
 }
 
-TEST_CASE("warnings of a run are said and are in its report", "[unit][support]") {
+TEST_CASE("warnings of a run are logged and are in its report", "[unit][support]") {
   System system({.gravity = {0, 0, -9.81}});
   system.add_particle("bob", 1.0, {0, 0, 0});
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
@@ -70,7 +70,7 @@ TEST_CASE("warnings of a run are said and are in its report", "[unit][support]")
   CHECK(run.report().findings.empty());
 }
 
-TEST_CASE("what assembly moves is said", "[unit][support]") {
+TEST_CASE("bodies moved by assembly are reported", "[unit][support]") {
   System system;
   Body& bob = system.add_particle("bob", 1.0, {1.1, 0, 0});
   Marker& p = system.add_marker("p", bob);

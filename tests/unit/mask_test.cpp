@@ -32,7 +32,7 @@ TEST_CASE("every mask is its words", "[unit][lock]") {
   CHECK_FALSE(overlaps(Mask::xyz, Mask::e123));
 }
 
-TEST_CASE("axes are words, and drive the row of their place", "[unit][lock]") {
+TEST_CASE("axes are words, and drive the constraint of their place", "[unit][lock]") {
   const char* words[] = {"x", "y", "z", "rx", "ry", "rz"};
   const char* rows[] = {"x", "y", "z", "e1", "e2", "e3"};
   for (int k = 0; k < 6; ++k) {
@@ -45,7 +45,7 @@ TEST_CASE("axes are words, and drive the row of their place", "[unit][lock]") {
   }
 }
 
-TEST_CASE("words that are none are refused with those that are", "[unit][lock]") {
+TEST_CASE("unknown words are rejected with the known ones", "[unit][lock]") {
   CHECK(says(message_of<ModelError>([] { mask_from("x y w"); }), {"\"w\"", "x, y, z, e1, e2 and e3"}));
   CHECK(says(message_of<ModelError>([] { mask_from("x e0"); }), {"\"e0\"", "e1"}));
   CHECK(says(message_of<ModelError>([] { mask_from("x y x"); }), {"\"x\"", "twice", "once"}));

@@ -52,7 +52,7 @@ Accelerations accelerations(System& system) {
 
 }  // namespace
 
-TEST_CASE("bolted bodies move as one slot, as the joint would have moved them", "[unit][system]") {
+TEST_CASE("bolted bodies move as one rigid group, as the joint would have moved them", "[unit][system]") {
   Bent linked, merged;
   merged.system.set_merge(true);
   const Accelerations truth = accelerations(linked.system), found = accelerations(merged.system);
@@ -67,7 +67,7 @@ TEST_CASE("bolted bodies move as one slot, as the joint would have moved them", 
   CHECK((truth.alb - found.alb).norm() <= 1e-12 * truth.alb.norm());
 }
 
-TEST_CASE("slots keep the whole: mass, places, and poses of their bodies", "[unit][system]") {
+TEST_CASE("rigid groups keep the whole: mass, places, and poses of their bodies", "[unit][system]") {
   Bent m;
   m.system.set_merge(true);
   m.system.setup();
@@ -96,7 +96,7 @@ TEST_CASE("a bolt to the ground makes ground of the body", "[unit][system]") {
   CHECK((body_pose(foot, system.start()).x - Vec3(1, 0, 0)).norm() == 0);
 }
 
-TEST_CASE("what must stay a joint stays one", "[unit][system]") {
+TEST_CASE("joints that cannot be merged remain", "[unit][system]") {
   {
     Bent m;  // its reaction is wanted
     m.system.set_merge(true, {&m.bolt});

@@ -86,7 +86,7 @@ TEST_CASE("a cube as binary STL, as STL text and as OBJ is the same cube", "[uni
   }
 }
 
-TEST_CASE("what programs write into meshes is read", "[unit][scene]") {
+TEST_CASE("meshes written by other programs are read", "[unit][scene]") {
   const Folder folder;
   // Windows line ends, capitals, a triangle without an area, a second solid, tabs.
   const std::string facet =
@@ -111,7 +111,7 @@ TEST_CASE("what programs write into meshes is read", "[unit][scene]") {
   CHECK(one.triangles.size() == 1);
 }
 
-TEST_CASE("damaged meshes are refused with file and line", "[unit][scene]") {
+TEST_CASE("damaged meshes are rejected with file and line", "[unit][scene]") {
   const Folder folder;
   const auto said = [&](const std::string& name, const std::string& text) {
     const std::string file = folder.write(name, text);
@@ -147,7 +147,7 @@ TEST_CASE("damaged meshes are refused with file and line", "[unit][scene]") {
   check_words(message_of<FileError>([&] { read_mesh((folder.path / "folder.stl").string()); }), {"it is not a file"});
 }
 
-TEST_CASE("meshes that are too large are refused before they are read", "[unit][scene]") {
+TEST_CASE("meshes that are too large are rejected before they are read", "[unit][scene]") {
   const Folder folder;
   const std::string many = folder.write("many.stl", header(1'000'001));
   fs::resize_file(many, 84 + 50ULL * 1'000'001);
@@ -157,7 +157,7 @@ TEST_CASE("meshes that are too large are refused before they are read", "[unit][
   check_words(message_of<FileError>([&] { read_mesh(large); }), {"larger than 64 MB"});
 }
 
-TEST_CASE("shapes that are only drawn stand where the scene says", "[unit][scene]") {
+TEST_CASE("shapes for drawing only are at their places in the scene", "[unit][scene]") {
   const Folder folder;
   fs::copy_file(kCorpus + "cube_text.stl", folder.path / "cube.stl");
   const Registry registry = builtin_registry();

@@ -65,7 +65,7 @@ std::set<std::string> names(const Names& rows) { return {rows.begin(), rows.end(
 
 }  // namespace
 
-TEST_CASE("two hinges on one axis: which rows depend on which", "[unit][analysis]") {
+TEST_CASE("two hinges on one axis: their dependent constraints", "[unit][analysis]") {
   const MobilityReport r = door(0);
   CHECK(r.freedoms == 1);
   CHECK(r.redundant == 5);
@@ -79,7 +79,7 @@ TEST_CASE("two hinges on one axis: which rows depend on which", "[unit][analysis
   for (const Dependency& d : r.dependencies) CHECK(d.nearly == 0);
 }
 
-TEST_CASE("two hinges nearly on one axis: what is nearly redundant is told with its pivot", "[unit][analysis]") {
+TEST_CASE("two hinges nearly on one axis: near redundancy is reported with its pivot", "[unit][analysis]") {
   for (const double d : {1e-3, 1e-6, 1e-7, 1e-8}) {
     CAPTURE(d);
     const MobilityReport r = door(d);
@@ -141,7 +141,7 @@ TEST_CASE("loops that share a body only, or nothing, are counted by themselves",
   CHECK(r.redundant_links == Names{"left_low", "left_high", "right_low", "right_high"});
 }
 
-TEST_CASE("one long loop: its dependency is spread over all rows, and counted all the same", "[unit][analysis]") {
+TEST_CASE("one long loop: its dependency extends over all constraints, and is counted", "[unit][analysis]") {
   // n bodies on a circle, each fixed to the next or hinged to it about z, the first and the last on the ground
   for (const bool hinged : {false, true})
     for (const int n : {40, 60, 100, 400}) {
@@ -173,7 +173,8 @@ TEST_CASE("one long loop: its dependency is spread over all rows, and counted al
     }
 }
 
-TEST_CASE("freedoms and redundant rows of large loops are those of small ones, bay by bay", "[unit][analysis]") {
+TEST_CASE("degrees of freedom and redundant constraints of large loops are those of small ones, bay by bay",
+          "[unit][analysis]") {
   for (const int n : {10, 24, 25, 60, 400}) {  // 300 rows are those of 19 bays
     System sys = ladder(n, exponential(Vec3(0.3, 0.2, -0.5)), false);
     const MobilityReport r = report_of(sys);

@@ -106,8 +106,7 @@ TEST_CASE("repeat: periods, drift, and jumps at the seam", "[unit][motionlaws]")
   CHECK(laws::repeat(kStart, 2, {.drift = true})->at(7.5).y == Approx(4.0));
 }
 
-TEST_CASE("at its breakpoint every law has the value that holds afterwards, whatever the delays",
-          "[unit][motionlaws]") {
+TEST_CASE("at its breakpoint every law has the value that holds afterwards, for every delay", "[unit][motionlaws]") {
   for (const double delay : {0.0, 0.1, 0.3, 1.7, 33.3}) {
     for (const auto& law :
          {laws::shift(kStart, delay), laws::sequence({{1.2, kStart}, {0.7, laws::constant(1)}, {1.2, kStart}}, {.t0 = delay}),
@@ -122,7 +121,7 @@ TEST_CASE("at its breakpoint every law has the value that holds afterwards, what
   }
 }
 
-TEST_CASE("combinations refuse what cannot be", "[unit][motionlaws]") {
+TEST_CASE("combinations reject impossible arguments", "[unit][motionlaws]") {
   CHECK_THROWS_WITH(laws::sum({}), says("sum") && says("laws are missing"));
   CHECK_THROWS_WITH(laws::product({nullptr}), says("product") && says("null"));
   CHECK_THROWS_WITH(laws::scale(nullptr, 1), says("scale") && says("null"));

@@ -184,7 +184,8 @@ TEST_CASE("spline of orientations: through its points, twice differentiable, rat
     }
 }
 
-TEST_CASE("spline of orientations: many turns about an axis, converging to the even turn", "[unit][motionlaws]") {
+TEST_CASE("spline of orientations: many revolutions about an axis, converging to the uniform rotation",
+          "[unit][motionlaws]") {
   const Vec3 n = Vec3(1, 2, 2) / 3.0;
   double last = 0;
   for (const int n_points : {13, 25}) {  // 720 degrees: 60, then 30 degrees apart
@@ -203,7 +204,7 @@ TEST_CASE("spline of orientations: many turns about an axis, converging to the e
   }
 }
 
-TEST_CASE("spline of orientations: an odd number of turns closes too, quaternions with the other sign",
+TEST_CASE("spline of orientations: an odd number of revolutions closes too, quaternions with the other sign",
           "[unit][motionlaws]") {
   RotationPoints p;
   for (int i = 0; i <= 6; ++i) p.emplace_back(0.5 * i, axis_angle(Vec3(0, 0, 1), kTwoPi * i / 6));
@@ -225,7 +226,7 @@ TEST_CASE("spline of orientations does not depend on the axes that are used", "[
   }
 }
 
-TEST_CASE("translation and rotation laws refuse what cannot be", "[unit][motionlaws]") {
+TEST_CASE("translation and rotation laws reject impossible arguments", "[unit][motionlaws]") {
   CHECK_THROWS_WITH(laws::constant_translation(Vec3(0, std::nan(""), 0)), says("constant") && says("value is nan"));
   CHECK_THROWS_WITH(laws::components(laws::ramp(1), nullptr, laws::ramp(1)), says("components") && says("y is null"));
   CHECK_THROWS_WITH(laws::along(Vec3::Zero(), laws::ramp(1)), says("along") && says("axis is [0, 0, 0]"));

@@ -80,7 +80,7 @@ TEST_CASE("every scalar law is made by name like its C++ function", "[unit][moti
   check_same(*make("sequence", pieces), *inner);
 }
 
-TEST_CASE("spline is made from points and from a file beside the scene", "[unit][motionlaws]") {
+TEST_CASE("spline is made from points and from a file next to the scene", "[unit][motionlaws]") {
   const SplinePoints points{{0, 1}, {0.5, 3}, {1, 2}};
   const auto expected = laws::spline(points, {5, SplineEnds::clamped, SplineOutside::hold}, {1, 2, 3, 4});
   const Value list(Value::List{Value::list({0, 1}), Value::list({0.5, 3}), Value::list({1, 2})});
@@ -108,7 +108,7 @@ TEST_CASE("spline is made from points and from a file beside the scene", "[unit]
                     says("3 numbers in point 1"));
 }
 
-TEST_CASE("makers refuse with place, key, value and limit", "[unit][motionlaws]") {
+TEST_CASE("makers report errors with place, key, value and limit", "[unit][motionlaws]") {
   CHECK_THROWS_WITH(make("poly345", {{"rise", 1}, {"duration", -1}}),
                     says("link 'A', law.duration") && says("is -1; must be above 0"));
   CHECK_THROWS_WITH(make("ramp", {{"slop", 1}}), says("slop") && says("slope"));

@@ -148,7 +148,7 @@ TEST_CASE("periodic spline meets itself and repeats", "[unit][motionlaws]") {
   CHECK(three->at(0.5).y == Approx(0).margin(1e-14));
 }
 
-TEST_CASE("spline outside of its points: refused, or held with its jumps", "[unit][motionlaws]") {
+TEST_CASE("spline outside of its points: rejected, or held with its jumps", "[unit][motionlaws]") {
   testing::check_words(testing::message_of<ModelError>([&] { laws::spline(kRough)->at(2.1); }),
                        {"spline", "t = 2.1 s", "from 0 s to 2 s"});
   CHECK_THROWS_WITH(laws::spline(kRough)->at(-0.5),
@@ -176,7 +176,7 @@ TEST_CASE("spline outside of its points: refused, or held with its jumps", "[uni
 }
 
 // Where rate and acceleration of an end are zero, holding the value changes neither.
-TEST_CASE("a held spline breaks only at the end where it does not rest", "[unit][motionlaws]") {
+TEST_CASE("a held spline breaks only at the end with a speed", "[unit][motionlaws]") {
   struct Ends {
     SplineEndValues values;      // at 0.5 s and at 2 s
     std::vector<double> breaks;  // s
@@ -203,7 +203,7 @@ TEST_CASE("a long table stays exact and cheap", "[unit][motionlaws]") {
       *law, [](auto t) { return sin(t); }, 0, 4, 1e-9, 333);
 }
 
-TEST_CASE("spline refuses what cannot be", "[unit][motionlaws]") {
+TEST_CASE("spline rejects impossible arguments", "[unit][motionlaws]") {
   CHECK_THROWS_WITH(laws::spline({{0, 1}}), says("spline") && says("1; at least 2"));
   CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}}, {.degree = 5}), says("at least 3"));
   CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}}, {.degree = 4}), says("degree is 4; must be 3 or 5"));

@@ -88,7 +88,7 @@ TEST_CASE("trapezoid: a short way is a triangle, a way back is negative, no way 
   CHECK(laws::trapezoid({.distance = 0, .speed = 100, .acceleration = 5, .y0 = 3})->at(0.5).y == 3);
 }
 
-TEST_CASE("laws from a function have exact derivatives and the breakpoints that are said", "[unit][motionlaws]") {
+TEST_CASE("laws from a function have exact derivatives and the declared breakpoints", "[unit][motionlaws]") {
   const auto swing = laws::law([](auto t) { return 0.1 * sin(3.0 * t); });
   for (const double t : {-0.4, 0.0, 1.7}) {
     CHECK(swing->at(t).y == Approx(0.1 * std::sin(3 * t)).margin(1e-15));
@@ -115,7 +115,7 @@ TEST_CASE("laws from a function have exact derivatives and the breakpoints that 
   CHECK(b == std::vector<double>{3.0});
 }
 
-TEST_CASE("laws refuse what cannot be, by name, value and limit", "[unit][motionlaws]") {
+TEST_CASE("laws reject impossible arguments, by name, value and limit", "[unit][motionlaws]") {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   testing::check_words(testing::message_of<ModelError>([&] { laws::constant(nan); }), {"constant", "is nan"});
   CHECK_THROWS_WITH(laws::ramp(inf), says("ramp") && says("slope is inf"));

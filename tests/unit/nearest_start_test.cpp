@@ -119,7 +119,7 @@ TEST_CASE("a coordinate may be asked for approximately", "[unit][assembly]") {
 // A plate whose point at a along x comes to S on the hinge, a (0.8, 0.5): a turn theta takes its frame to S - a (cos theta,
 // sin theta), and turns count as displacements at the length of the mechanism, which is a here. With the weight w of the
 // pose and an angle phi asked for beside it, w (|S/a - (cos, sin)|^2 + theta^2) + (theta - phi)^2 is least, in a^2.
-TEST_CASE("turns of a start count as displacements at the length of the mechanism", "[unit][assembly]") {
+TEST_CASE("rotations of a start count as displacements at the length of the mechanism", "[unit][assembly]") {
   const auto [a, w, phi] = GENERATE(table<double, double, double>(
       {{3.0, 1.0, 0.3}, {3.0, 0.5, -0.7}, {1.0, 1.0, 0.3}, {0.02, 1.0, 0.3}, {0.02, 4.0, -0.7}}));
   CAPTURE(a, w, phi);
@@ -142,7 +142,7 @@ TEST_CASE("turns of a start count as displacements at the length of the mechanis
 }
 
 // Missed where poses count as much: by half of 0.3 m; met where the slider begins there already.
-TEST_CASE("a coordinate that is missed is told by name", "[unit][assembly]") {
+TEST_CASE("a coordinate that is missed is reported by name", "[unit][assembly]") {
   const auto [at, missed] = GENERATE(table<std::string, bool>({{"[0, 0, 0]", true}, {"[0.2999, 0, 0]", false}}));
   const Assembled found(R"("bodies": [{"name": "slider", "mass": 2, "inertia": [1, 1, 1], "position": )" + at + R"(}],
          "links": [{"name": "G", "type": "prismatic", "p": "slider", "s": "ground", "at_p": )" +
@@ -156,7 +156,7 @@ TEST_CASE("a coordinate that is missed is told by name", "[unit][assembly]") {
 }
 
 // A whole turn off is no miss.
-TEST_CASE("an angle that is missed is told in degrees", "[unit][assembly]") {
+TEST_CASE("an angle that is missed is reported in degrees", "[unit][assembly]") {
   const auto [free, missed] = GENERATE(table<std::string, bool>({{"", true}, {R"(, "assembled": "free")", false}}));
   const Assembled found(R"("bodies": [{"name": "p", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]})" + free +
                         R"(}], "links": [{"name": "A", "type": "revolute", "p": "p", "s": "ground", "at": [0, 0, 0],
@@ -167,7 +167,7 @@ TEST_CASE("an angle that is missed is told in degrees", "[unit][assembly]") {
     testing::check_words(found.report.findings[0].text(), {"joint 'A'", "rz begins at", "instead of near 420 deg"});
 }
 
-TEST_CASE("what cannot hold together is refused by name", "[unit][assembly]") {
+TEST_CASE("incompatible targets are rejected by name", "[unit][assembly]") {
   try {
     const Assembled found(R"("gravity": [0, 0, 0], )" + four_bar({.A = R"(, "start": {"position": {"rz": 0}})",
                                                                   .D = R"(, "start": {"position": {"rz": -2}})"}));
@@ -181,7 +181,7 @@ TEST_CASE("what cannot hold together is refused by name", "[unit][assembly]") {
   }
 }
 
-TEST_CASE("a weight without a meaning is refused", "[unit][assembly]") {
+TEST_CASE("a weight without a meaning is rejected", "[unit][assembly]") {
   testing::check_words(testing::message_of<SceneError>([&] { Assembled(two_points(R"(, "start_weight": -1)", "")); }),
                        {"start_weight", "must not be below zero"});
   testing::check_words(testing::message_of<SceneError>(
@@ -237,7 +237,7 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 
 }  // namespace
 
-TEST_CASE("targets of a start that mean nothing are refused by name", "[unit][assembly]") {
+TEST_CASE("targets of a start without a meaning are rejected by name", "[unit][assembly]") {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinite = std::numeric_limits<double>::infinity();
   CHECK(refusal_of({.coordinates = {{"J", Axis::rz, 0.1}}}).empty());
   CHECK(refusal_of({.coordinates = {{"J", Axis::rz, 0.1, 0.0}}, .poses = {{"a", kInfinite}}}).empty());
@@ -257,7 +257,7 @@ TEST_CASE("targets of a start that mean nothing are refused by name", "[unit][as
   CHECK(has(refusal_of({.coordinates = {{"X", Axis::x, 0}}}), "joint 'X' has no pair of markers"));
 }
 
-TEST_CASE("links that contradict each other are said to where nothing is asked for exactly", "[unit][assembly]") {
+TEST_CASE("contradictory joints are reported if no exact target exists", "[unit][assembly]") {
   try {
     const Assembled found(R"("bodies": [{"name": "a", "mass": 2, "inertia": [1, 1, 1], "start_weight": 3}],
       "links": [{"name": "J", "type": "spherical", "p": "a", "s": "ground", "at_p": [0, 0, 0], "at_s": [0.3, 0, 0]},

@@ -64,7 +64,13 @@ TEST_CASE("scene: renamed keys are read by their old names, with a warning", "[u
                "\"rotation\"", "ball.json:6:1:", "\"one_sided\" is now called \"unilateral\"", "next release"});
 }
 
-TEST_CASE("scene: the old and the new name of a key together are refused", "[unit][scene]") {
+TEST_CASE("scene: the old value of nearly_redundant is read as the new one, with a warning", "[unit][scene]") {
+  std::string scene = bounce("translation", "rotation", "unilateral");
+  scene.insert(scene.size() - 1, R"(, "run": {"nearly_redundant": "told", "until": 1})");
+  check_words(read(scene).said, {"\"told\" is now called \"report\"", "next release"});
+}
+
+TEST_CASE("scene: the old and the new name of a key together are an error", "[unit][scene]") {
   std::string both = bounce("slide", "spin", "one_sided");
   both.insert(both.find("\"slide\""), "\"translation\": [0, 0, 2], ");
   check_words(message_of<SceneError>([&] { scene_from_text(both, "ball.json"); }),

@@ -104,7 +104,7 @@ TEST_CASE("a counted number counts", "[unit][lock]") {
   CHECK(product.add == 6);
 }
 
-TEST_CASE("the six rows cost no more than the theory's table", "[unit][lock]") {
+TEST_CASE("the six constraints cost no more than the theory's table", "[unit][lock]") {
   const Cost all = cost(Mask::all, 63), none = cost(Mask::all, 0), aligned = cost(Mask::all, 0, true);
   CAPTURE(all.translation.total(), all.rotation.total(), none.translation.total(), none.rotation.total(),
           aligned.translation.total(), aligned.rotation.total());
@@ -127,7 +127,7 @@ TEST_CASE("the six rows cost no more than the theory's table", "[unit][lock]") {
   CHECK(aligned.total() < none.total());
 }
 
-TEST_CASE("a joint without turns never evaluates the rotational half, and the other way round", "[unit][lock]") {
+TEST_CASE("a joint without rotations never evaluates the rotational half, and the other way round", "[unit][lock]") {
   for (unsigned m = 1; m < 64; ++m) {
     const Mask mask = Mask(std::uint8_t(m));
     for (unsigned laws : {0u, 16u, 32u, 48u, 63u}) {
@@ -140,7 +140,7 @@ TEST_CASE("a joint without turns never evaluates the rotational half, and the ot
   CHECK(cost(Mask::none, 63).total() == 0);
 }
 
-TEST_CASE("each masked row saves its jacobian", "[unit][lock]") {
+TEST_CASE("each masked constraint saves its Jacobian", "[unit][lock]") {
   for (unsigned laws : {0u, 48u, 63u}) {
     for (unsigned m = 1; m < 64; ++m) {
       const Mask mask = Mask(std::uint8_t(m));
@@ -188,7 +188,7 @@ constexpr double kNear = 0.2;
 
 }  // namespace
 
-TEST_CASE("a plan of the block elimination says how many operations it takes", "[unit][solver]") {
+TEST_CASE("a plan of the block elimination reports its number of operations", "[unit][solver]") {
   for (const char* name :
        {"nfourbar_2", "andrews_ivp", "slider_crank", "spatial_slider_crank", "stewart", "hooke_double",
         "spatial_chain_10_tilted", "overconstrained/bennett", "overconstrained/delta"}) {
@@ -205,7 +205,7 @@ TEST_CASE("a plan of the block elimination says how many operations it takes", "
 }
 
 // What the joints themselves take is no part of the difference.
-TEST_CASE("the fronts of closures say how many operations their rows take along a tree", "[unit][joint]") {
+TEST_CASE("the fronts of closures report the operations of their constraints along a tree", "[unit][joint]") {
   for (const char* name : {"spatial_slider_crank", "stewart", "hooke_double", "overconstrained/bennett",
                            "overconstrained/sarrus_three", "overconstrained/spherical_five_bar"}) {
     Mechanism m = built(name, Formulation::joint);

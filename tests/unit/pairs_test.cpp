@@ -118,7 +118,7 @@ void check_words(const std::string& message, const std::vector<std::string>& wor
 
 }  // namespace
 
-TEST_CASE("a coupling that cannot be is refused at its place", "[unit][scene]") {
+TEST_CASE("an impossible coupling is rejected at its place", "[unit][scene]") {
   for (const Bad& bad : kBad) {
     std::string line = bad.line;
     const std::size_t column = line.find('~') + 1;
@@ -159,7 +159,7 @@ TEST_CASE("a coupling takes joints by name, markers and bodies", "[unit][scene]"
   }
 }
 
-TEST_CASE("what only shows in the mechanism names the link", "[unit][scene]") {
+TEST_CASE("an error that only appears in the mechanism names the joint", "[unit][scene]") {
   check_words(refusal_of(R"({"name": "G", "type": "universal", "p": "bead", "s": "ground"})"),
               {"joint 'G'", "'bead'", "particle"});
   check_words(refusal_of(R"({"name": "G", "type": "gear", "ratio": 2, "pairs": [{"p": "base", "s": "ground",

@@ -51,7 +51,7 @@ const std::string kScene = kNames + R"~(
 
 }  // namespace
 
-TEST_CASE("a length that stands once places all that hangs on it", "[unit][scene]") {
+TEST_CASE("a length given once places all its dependents", "[unit][scene]") {
   for (const double crank : {0.15, 0.2}) {
     const Scene scene = crank == 0.15 ? scene_of(kScene) : set_in_scene(scene_of(kScene), {"crank=200 mm"}, builtin());
     const Mechanism m = build_mechanism(scene, builtin());
@@ -84,7 +84,7 @@ TEST_CASE("parameters are listed with their values", "[unit][scene]") {
   CHECK(scene_of("\"bodies\": []").written.is_null());  // what is not in the scene costs nothing
 }
 
-TEST_CASE("parameters hang on one another in any order", "[unit][scene]") {
+TEST_CASE("parameters depend on one another in any order", "[unit][scene]") {
   const Scene scene = scene_of(R"("parameters": {"c": "=a + b", "b": "=2*a", "a": "1 mm", "n": 3, "v": "=P/n"},
                                   "points": {"P": ["=c", "=n*b", 0.5]})");
   CHECK(*scene.parameters[0].value.text() == "0.003 m");
@@ -105,7 +105,7 @@ TEST_CASE("a circle of parameters is named", "[unit][scene]") {
   check_words(refusal(deep + "}"), {"more than 200 parameters depend on one another"});
 }
 
-TEST_CASE("a faulty formula is refused with its key, formula and column", "[unit][scene]") {
+TEST_CASE("a faulty formula is rejected with its key, formula and column", "[unit][scene]") {
   const std::string body = R"("parameters": {"crank": "0.1 m", "m": "2 kg", "n": 2}, "points": {"A": [0, 0, 0]},
     "bodies": [{"name": "b", "rod": {"mass": )";
   const auto with = [&](const std::string& mass, const std::string& to, const std::string& more = "") {
@@ -270,7 +270,7 @@ TEST_CASE("repeated parts have an index in names, points and formulas", "[unit][
   check_words(refusal(R"("repeat": [{"times": 2, "points": {"P": [0, 0, 0]}}])"), {"\"P\" is a point already"});
 }
 
-TEST_CASE("an index below zero stands in brackets in formulas", "[unit][scene]") {
+TEST_CASE("an index below zero is in brackets in formulas", "[unit][scene]") {
   const Mechanism m = built(R"~("repeat": [{"times": 2, "from": -1, "index": "i",
     "bodies": [{"name": "b{i+1}", "particle": 1, "position": ["=i^2", "=3-i", "={i}^2"]}]}])~");
   CHECK((m.system.body("b0").home.x - Vec3(1, 4, 1)).norm() == 0);
@@ -286,7 +286,7 @@ TEST_CASE("an index is no unit", "[unit][scene]") {
                 {"repeat[0].index", "\"" + std::string(unit) + "\" is a unit", "choose another name"});
 }
 
-TEST_CASE("a parameter called like a variable is refused where a formula reads it", "[unit][scene]") {
+TEST_CASE("a parameter with the name of a variable is rejected in a formula that reads it", "[unit][scene]") {
   const std::string particle = R"("bodies": [{"name": "b", "particle": 1}], )";
   const auto law = [&](const std::string& parameters, const std::string& y) {
     return "\"parameters\": {" + parameters + "}, " + particle +

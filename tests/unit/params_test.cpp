@@ -182,7 +182,7 @@ TEST_CASE("parameters given in C++ are checked by the same table", "[unit][model
   check_words(message_of<SceneError>([] { Params{{"slope", 1}}.number("slope"); }), {"\"slope\"", "checked"});
 }
 
-TEST_CASE("an unknown key is refused with its place and the closest one", "[unit][model]") {
+TEST_CASE("an unknown key is rejected with its place and the closest one", "[unit][model]") {
   CHECK(ramp_problem("{\"start\": 1,\n  \"slop\": 2}") ==
         "four_bar.json:2:3: joint 'A', drive.law: unknown key \"slop\"; did you mean \"slope\"?");
   check_words(ramp_problem(R"({"radius": 2})"), {"unknown key \"radius\"", "known: slope, start, limit"});
@@ -192,7 +192,7 @@ TEST_CASE("an unknown key is refused with its place and the closest one", "[unit
               {"force 'g'", "unknown key \"a\"", "takes no keys"});
 }
 
-TEST_CASE("a missing key is refused with what it would hold", "[unit][model]") {
+TEST_CASE("a missing key is rejected with its expected content", "[unit][model]") {
   check_words(ramp_problem("{}"), {"four_bar.json:1:1: joint 'A', drive.law: missing key \"slope\"", "a speed in m/s",
                                    "rise a second", "add it"});
   const Params p = ramp(R"({"slope": 1})");
@@ -204,12 +204,12 @@ static_assert([]<std::size_t... k>(std::index_sequence<k...>) {
   return (std::is_nothrow_copy_constructible_v<std::variant_alternative_t<k, MadeLaw>> && ...);
 }(std::make_index_sequence<std::variant_size_v<MadeLaw>>{}));
 
-TEST_CASE("a parameter in a unit of another dimension is refused by both names", "[unit][model]") {
+TEST_CASE("a parameter in a unit of another dimension is rejected by both names", "[unit][model]") {
   check_words(ramp_problem(R"({"slope": "30 deg"})"),
               {"four_bar.json:1:11: joint 'A', drive.law.slope: \"30 deg\" is an angle", "a speed is expected"});
 }
 
-TEST_CASE("a wrong form is refused with what was expected and what was given", "[unit][model]") {
+TEST_CASE("a wrong form is rejected with the expected and the given one", "[unit][model]") {
   check_words(problem_of("number", "[1, 2]"),
               {"a.json:1:12: body 'B', number: expected a length", "12 mm", "got a list of 2"});
   check_words(problem_of("number", "true"), {"got true"});
@@ -242,19 +242,19 @@ TEST_CASE("a wrong form is refused with what was expected and what was given", "
   check_words(problem_of("laws", "[3, true]"), {"laws[1]", "got true"});
 }
 
-TEST_CASE("what is no object is refused", "[unit][model]") {
+TEST_CASE("a value that is no object is rejected", "[unit][model]") {
   check_words(message_of<SceneError>([] { Params(read_json("[1]", "a.json"), kRamp, "joint 'A'"); }),
               {"a.json:1:1: joint 'A': expected an object", "'ramp'", "a list of 1"});
 }
 
-TEST_CASE("a law where nothing makes laws is refused", "[unit][model]") {
+TEST_CASE("a law without a law registry is rejected", "[unit][model]") {
   check_words(message_of<SceneError>([] {
                 checked_params(Params::unchecked(read_json(R"({"law": 1})", "a.json")), kAll, "body 'B'", nullptr);
               }),
               {"a.json:1:9: body 'B', law: ", "registry"});
 }
 
-TEST_CASE("a maker refuses a value with its place, owner and key", "[unit][model]") {
+TEST_CASE("a maker rejects a value with its place, owner and key", "[unit][model]") {
   const Params p = ramp("{\n\"slope\": -1}");
   try {
     p.refuse("slope", "the slope is -1, it must be greater than zero");
@@ -305,7 +305,7 @@ TEST_CASE("orientations in all their forms", "[unit][model]") {
         1e-15);  // x is kept, z turned upright to it
 }
 
-TEST_CASE("orientations that cannot be are refused", "[unit][model]") {
+TEST_CASE("impossible orientations are rejected", "[unit][model]") {
   check_words(problem_of("turn", "[0, 0, 0, 0]"), {"a.json:1:10: body 'B', turn: ", "[0, 0, 0, 0]", "[1, 0, 0, 0]"});
   check_words(problem_of("turn", "[1, 0, 0, 1]"), {"turn: ", "has length 1.41", "[0.707106781, 0, 0, 0.707106781]"});
   check_words(problem_of("turn", "[1e-200, 0, 0, 1e-200]"), {"has length 1.41e-200", "[0.707106781, 0, 0, 0.7"});
@@ -330,7 +330,7 @@ TEST_CASE("orientations that cannot be are refused", "[unit][model]") {
   check_words(problem_of("turn", R"({"x": "y", "y": "z", "z": "x"})"), {"two of"});
 }
 
-TEST_CASE("a table of keys that is not sound is refused", "[unit][model]") {
+TEST_CASE("an inconsistent table of keys is rejected", "[unit][model]") {
   const auto problem = [](Keys keys) {
     return message_of<ModelError>([&] { check_type_info(TypeInfo{"cam", "", std::move(keys)}); });
   };

@@ -41,7 +41,7 @@ TEST_CASE("the front is what nothing beats in both", "[unit][pareto]") {
   CHECK(pareto_front(WorkPrecision{}).empty());
 }
 
-TEST_CASE("a lucky hit counts nowhere", "[unit][pareto]") {
+TEST_CASE("an accidental agreement counts nowhere", "[unit][pareto]") {
   WorkPrecision result;
   result.runs = {run_of("a", 8, 1e-6, 1), run_of("a", 4, 1e-2, 2), run_of("a", 2, 1.5e-2, 4), run_of("a", 1, 1e-7, 8)};
   CHECK_FALSE(counts(result, result.runs[0]));  // 1e-6, and finer 1e-2

@@ -166,7 +166,7 @@ void set(State& s, int slot, double angle, double z, double speed, double lift) 
 
 }  // namespace
 
-TEST_CASE("Joints from functions have the rows that were written by hand", "[unit][phi]") {
+TEST_CASE("Joints from functions have the constraints that were written by hand", "[unit][phi]") {
   for (const Twin& twin : twins())
     for (std::uint64_t seed = 1; seed <= 8; ++seed)
       for (const int grounded : {-1, 0, 1}) {
@@ -188,7 +188,7 @@ TEST_CASE("Joints from functions have the rows that were written by hand", "[uni
       }
 }
 
-TEST_CASE("Functions of several pairs and several rows pass the check of links", "[unit][phi]") {
+TEST_CASE("Functions of several pairs and several equations pass the check of joints", "[unit][phi]") {
   for (const int grounded : {-1, 0, 1, 3}) {
     CAPTURE(grounded);
     Bodies b(7, grounded);
@@ -212,7 +212,7 @@ TEST_CASE("Functions of several pairs and several rows pass the check of links",
   }
 }
 
-TEST_CASE("The tangent of a function joint is that of its rows", "[unit][phi]") {
+TEST_CASE("The tangent of a function joint is that of its constraints", "[unit][phi]") {
   std::vector<Add> links;
   for (const Twin& twin : twins()) links.push_back(twin.phi);
   links.push_back([](Bodies& b) -> Lock& {
@@ -248,7 +248,7 @@ TEST_CASE("The tangent of a function joint is that of its rows", "[unit][phi]") 
     }
 }
 
-TEST_CASE("A screw counts its turns, by steps of more than half a turn as well, and a rewound step counts once",
+TEST_CASE("A screw counts its revolutions, in steps beyond half a revolution as well, and a rewound step counts once",
           "[unit][phi]") {
   System system;
   Body& nut = system.add_body("nut", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()});
@@ -283,7 +283,7 @@ TEST_CASE("A screw counts its turns, by steps of more than half a turn as well, 
   CHECK(std::abs(angle) < 0.6);
 }
 
-TEST_CASE("A gear counts both its turns on a carrier that turns", "[unit][phi]") {
+TEST_CASE("A gear counts the revolutions of both wheels on a rotating carrier", "[unit][phi]") {
   System system;
   const MassProperties mass{1.0, Vec3::Zero(), Mat3::Identity()};
   Body& carrier = system.add_body("carrier", mass);
@@ -364,7 +364,7 @@ State wound(double& worst) {
 
 }  // namespace
 
-TEST_CASE("Turns are counted of a pair whose translation is not read, before or after one whose rotation is not",
+TEST_CASE("Revolutions are counted of a pair whose translation is not read, before or after one whose rotation is not",
           "[unit][phi]") {
   double first = 0, last = 0;
   const State a = wound<true>(first), b = wound<false>(last);
@@ -379,7 +379,7 @@ TEST_CASE("Turns are counted of a pair whose translation is not read, before or 
   }
 }
 
-TEST_CASE("What a function cannot be made of is refused in words", "[unit][phi]") {
+TEST_CASE("Impossible arguments of a function are rejected in words", "[unit][phi]") {
   const auto error = [](const std::function<void(Bodies&)>& act) {
     Bodies b(3);
     return message_of<ModelError>([&] { act(b), b.system.setup(); });

@@ -69,7 +69,7 @@ TEST_CASE("keys that the scene leaves out are put in", "[unit][scene]") {
   CHECK(find_place(bare, "gravity.1", find.registry).value->number() != nullptr);
 }
 
-TEST_CASE("a wrong path is refused with the nearest right one", "[unit][scene]") {
+TEST_CASE("a wrong path is rejected with the nearest right one", "[unit][scene]") {
   Searched find;
   check_words(find.refusal("bodies.rod.rod.mas"),
               {"\"bodies.rod.rod\" has no \"mas\"", "did you mean \"bodies.rod.rod.mass\"?"});

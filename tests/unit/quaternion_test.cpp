@@ -91,7 +91,7 @@ TEST_CASE("angular velocity and the rates of a quaternion", "[unit][math]") {
   }
 }
 
-TEST_CASE("turns of a vector: exponential, Cayley and the rotation vector", "[unit][math]") {
+TEST_CASE("rotations of a vector: exponential, Cayley and the rotation vector", "[unit][math]") {
   Draw draw(4);
   for (double angle : {0.0, 1e-12, 1e-9, 1e-5, 9.9e-3, 1.01e-2, 0.3, 1.0, 3.0, 3.14159}) {
     for (int k = 0; k < 5; ++k) {
@@ -120,7 +120,7 @@ TEST_CASE("turns of a vector: exponential, Cayley and the rotation vector", "[un
         kTolerance);
 }
 
-TEST_CASE("half turns of a vector normal to the axis", "[unit][math]") {
+TEST_CASE("half rotations of a vector normal to the axis", "[unit][math]") {
   // (1.11) q0 v + qv x v turns v by half the angle
   const Vec3 n = Vec3(1, 2, -2) / 3.0, v = Vec3(2, 0, 1).normalized();
   REQUIRE(std::abs(n.dot(v)) < kTolerance);

@@ -53,7 +53,7 @@ TEST_CASE("the quintic has local order 6 in positions and 5 in velocities", "[un
   CHECK(std::log2(error_v[0] / error_v[1]) == Approx(5).margin(0.2));
 }
 
-TEST_CASE("the quintic without a step knows only where it would begin", "[unit][integrators]") {
+TEST_CASE("the quintic without a step is defined only at its start", "[unit][integrators]") {
   const ThrownTop top;
   QuinticOutput output;
   State out;

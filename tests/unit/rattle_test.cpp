@@ -36,7 +36,7 @@ TEST_CASE("rattle goes back the way it came", "[unit][integrators]") {
   CHECK((s.v - start.v).norm() < 1e-11);
 }
 
-TEST_CASE("what others evaluate between two steps of rattle changes nothing", "[unit][integrators]") {
+TEST_CASE("evaluations by others between two steps of rattle change nothing", "[unit][integrators]") {
   RodPendulum pendulum;
   Dynamics dynamics = dynamics_of(pendulum.system);
   Rattle method(2);
@@ -52,7 +52,7 @@ TEST_CASE("what others evaluate between two steps of rattle changes nothing", "[
 }
 
 // Two equal rotors on one axis, one of them at rest: J w = 2 J w'.
-TEST_CASE("rattle takes a joint that holds its bodies where they stand", "[unit][integrators]") {
+TEST_CASE("rattle accepts a joint that holds its bodies at their places", "[unit][integrators]") {
   const int order = GENERATE(2, 4);
   System system;
   const MassProperties wheel{1.0, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()};
@@ -76,7 +76,7 @@ TEST_CASE("rattle takes a joint that holds its bodies where they stand", "[unit]
   CHECK(angle(b) == Approx(0.5).epsilon(1e-9));
 }
 
-TEST_CASE("rattle refuses a damper by its name", "[unit][integrators]") {
+TEST_CASE("rattle rejects a damper by its name", "[unit][integrators]") {
   const int order = GENERATE(2, 4);
   RodPendulum pendulum;
   Marker& hook = pendulum.system.add_marker("hook", pendulum.system.body("rod"));
@@ -93,7 +93,7 @@ TEST_CASE("rattle refuses a damper by its name", "[unit][integrators]") {
                        {order == 2 ? "rattle2" : "rattle4", "force 'dashpot'", "depends on velocities", "dopri5"});
 }
 
-TEST_CASE("rattle refuses a joint that is driven by its speed", "[unit][integrators]") {
+TEST_CASE("rattle rejects a joint that is driven by its speed", "[unit][integrators]") {
   RodPendulum pendulum;
   Body& disc = pendulum.system.add_body("disc", MassProperties{1, Vec3::Zero(), Mat3::Identity()});
   pendulum.system.add<Revolute>("motor", disc, pendulum.system.ground(), pose_at(Vec3::Zero(), Vec3(0, 0, 1)))

@@ -113,7 +113,7 @@ TEST_CASE("places stay right behind a byte order mark and with the line ends of 
   CHECK(*v.find("a")->number() == 7);
 }
 
-TEST_CASE("a key that stands twice is refused with both places", "[unit][scene]") {
+TEST_CASE("a repeated key is rejected with both places", "[unit][scene]") {
   check_words(problem_of("{\"a\": 1,\n \"b\": {\"a\": 1},\n \"a\": 2}"),
               {"a.json:3:2: ", "key \"a\" is given twice", "first at a.json:1:2", "remove one"});
   CHECK(problem_of(R"([{"a": 1}, {"a": 2}])") == "no error");
@@ -130,7 +130,7 @@ TEST_CASE("size is limited", "[unit][scene]") {
               {"a.json: ", "67108866 bytes", "limit is 67108864"});
 }
 
-TEST_CASE("broken text is refused with its place in plain words", "[unit][scene]") {
+TEST_CASE("broken text is rejected with its place in plain words", "[unit][scene]") {
   const std::vector<std::pair<std::string, std::vector<std::string>>> cases{
       {"", {"a.json:1:1: ", "empty"}},
       {" \n ", {"a.json:2:2: ", "empty"}},
@@ -222,7 +222,7 @@ TEST_CASE("broken scenes never crash", "[unit][scene]") {
   CHECK(bad > 100);
 }
 
-TEST_CASE("what is written reads back the same", "[unit][scene]") {
+TEST_CASE("written values read back the same", "[unit][scene]") {
   const Value scene = read_json(kScene, "a.json");
   const std::string text = write_json(scene);
   CHECK(same(read_json(text, "b.json"), scene));
@@ -252,7 +252,7 @@ TEST_CASE("written texts are escaped, empty things stay", "[unit][scene]") {
   CHECK(same(read_json(text, "a.json"), v));
 }
 
-TEST_CASE("what JSON cannot hold is not written", "[unit][scene]") {
+TEST_CASE("values that JSON cannot hold are not written", "[unit][scene]") {
   const std::string problem = message_of<SceneError>([] { write_json(Value::list({1, std::nan("")})); });
   check_words(problem, {"nan", "finite"});
   check_words(message_of<SceneError>([] { write_json(Value::object({{"a", INFINITY}})); }), {"inf"});
@@ -287,7 +287,7 @@ TEST_CASE("a file is read under its name", "[unit][scene]") {
   check_words(message_of<SceneError>([&] { read_json_file(bad.path); }), {bad.path + ":1:7: "});
 }
 
-TEST_CASE("a file that cannot be read is refused by name", "[unit][scene]") {
+TEST_CASE("a file that cannot be read is rejected by name", "[unit][scene]") {
   check_words(message_of<FileError>([] { read_json_file("no/such/scene.json"); }),
               {"no/such/scene.json", "No such file", "check the path"});
   check_words(message_of<FileError>([] { read_json_file("."); }), {"'.'", "folder"});

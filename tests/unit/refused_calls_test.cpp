@@ -62,7 +62,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-TEST_CASE("a mechanism refuses what is not there", "[unit][refusals]") {
+TEST_CASE("a mechanism rejects unknown names", "[unit][refusals]") {
   System system;
   Body& body = system.add_body("body", shapes::box(1, {1, 1, 1}));
   Revolute& hinge = system.add<Revolute>("hinge", body, system.ground(), Pose{});
@@ -76,7 +76,7 @@ TEST_CASE("a mechanism refuses what is not there", "[unit][refusals]") {
   });
 }
 
-TEST_CASE("parameters refuse laws that nobody can make, numbers that are none and empty choices", "[unit][refusals]") {
+TEST_CASE("parameters reject laws without a maker, numbers that are none and empty choices", "[unit][refusals]") {
   const TypeInfo with_law{"driven", "", {{"law", Form::law, Unit::any, kRequired, ""}}};
   const TypeInfo no_choice{"chosen", "", {{"how", Form::choice, Unit::none, kRequired, ""}}};
   check_refusals({
@@ -94,7 +94,7 @@ TEST_CASE("parameters refuse laws that nobody can make, numbers that are none an
   });
 }
 
-TEST_CASE("laws by points refuse what does not close", "[unit][refusals]") {
+TEST_CASE("laws by points reject open periods", "[unit][refusals]") {
   const SplineSettings closed{.ends = SplineEnds::periodic};
   check_refusals({
       {"a curve",
@@ -115,7 +115,7 @@ TEST_CASE("laws by points refuse what does not close", "[unit][refusals]") {
   });
 }
 
-TEST_CASE("copies refuse options that cannot be", "[unit][refusals]") {
+TEST_CASE("instances reject impossible options", "[unit][refusals]") {
   check_refusals({
       {"a step below zero",
        [] { make_copies([](CopiesOptions& o) { o.step = -1; }); },
@@ -143,7 +143,7 @@ TEST_CASE("copies refuse options that cannot be", "[unit][refusals]") {
   });
 }
 
-TEST_CASE("pictures refuse what cannot be drawn", "[unit][refusals]") {
+TEST_CASE("pictures reject impossible data", "[unit][refusals]") {
   check_refusals({
       {"one column",
        [] { draw([](MapSpec& m) { m.x = {1}; }); },
@@ -220,7 +220,7 @@ void set_up_careless(bool touches) {
 
 }  // namespace
 
-TEST_CASE("a joint of the user's own that forgets a number or its bodies is refused by name", "[unit][refusals]") {
+TEST_CASE("a custom joint that omits a number or its bodies is rejected by name", "[unit][refusals]") {
   check_refusals({
       {"a start",
        [] { set_up_careless(true); },
@@ -231,7 +231,7 @@ TEST_CASE("a joint of the user's own that forgets a number or its bodies is refu
   });
 }
 
-TEST_CASE("links, bodies and laws refuse numbers that cannot be", "[unit][refusals]") {
+TEST_CASE("joints, bodies and laws reject impossible numbers", "[unit][refusals]") {
   System system, other;
   Body& body = system.add_body("body", shapes::box(1, {1, 1, 1}));
   Marker &p = system.add_marker("p", body), &s = system.add_marker("s", system.ground());
@@ -276,13 +276,11 @@ TEST_CASE("links, bodies and laws refuse numbers that cannot be", "[unit][refusa
   });
 }
 
-TEST_CASE("checks, tables and pictures refuse what has nothing in it", "[unit][refusals]") {
+TEST_CASE("checks, tables and pictures reject empty data", "[unit][refusals]") {
   System system;
   system.setup();
   check_refusals({
-      {"no integrator",
-       [] { check_integrator(IntegratorMaker{}); },
-       {"the maker returns no integrator", "return one"}},
+      {"no integrator", [] { check_integrator(IntegratorMaker{}); }, {"the maker returns no integrator", "return one"}},
       {"no time",
        [] { check_law(*laws::ramp(1), {.from = 2, .to = 1}); },
        {"check_law: the end 1 s must be after the start 2 s", "a later end"}},
@@ -316,7 +314,7 @@ TEST_CASE("checks, tables and pictures refuse what has nothing in it", "[unit][r
          Copies(family.pointers()).run(states, std::vector<double>{1}, {});
        },
        {"joint 'hinge 0' is switched in a state", "active joints of System::start"}},
-      {"near rows", [] { nearly_redundant_from("maybe"); }, {"auto, told, free or held", "is 'maybe'"}},
+      {"near rows", [] { nearly_redundant_from("maybe"); }, {"auto, report, free or held", "is 'maybe'"}},
       {"no methods",
        [] { work_precision({.make = {}, .length = 1.0}, {}); },
        {"a chart needs an integrator", "give one of each"}},

@@ -63,7 +63,7 @@ std::set<std::string> causes(Swing& on, const Snapshot& saved) {
 
 }  // namespace
 
-TEST_CASE("a number of a checkpoint that no run has is refused by what it is", "[unit][refusals]") {
+TEST_CASE("an impossible number of a checkpoint is rejected by its meaning", "[unit][refusals]") {
   struct Case {
     std::string integrator;
     std::vector<std::string> causes;
@@ -94,14 +94,14 @@ TEST_CASE("a number of a checkpoint that no run has is refused by what it is", "
   CHECK(on.run.state().v == whole.run.state().v);
 }
 
-TEST_CASE("a checkpoint with an event of another name is refused by both names", "[unit][refusals]") {
+TEST_CASE("a checkpoint with an event of another name is rejected by both names", "[unit][refusals]") {
   const Snapshot saved = saved_at(0.05, "dop853");
   Swing other("dop853", "early");
   check_words(message_of<ModelError>([&] { other.run.loop().load(saved); }),
               {"saved with event 'late'", "has 'early' in its place", "in the same order"});
 }
 
-TEST_CASE("a saved state with flags of another number of joints is refused", "[unit][refusals]") {
+TEST_CASE("a saved state with flags of another number of joints is rejected", "[unit][refusals]") {
   Swing swing("dop853");
   Dynamics dynamics(swing.system, std::make_unique<SchurSolver>());
   for (std::vector<bool> State::*flags : {&State::modes, &State::watched}) {

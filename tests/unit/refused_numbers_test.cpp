@@ -58,7 +58,7 @@ class Fan final : public Force {
 
 }  // namespace
 
-TEST_CASE("a force that is no number is blamed itself, not the power that it puts in", "[unit][refusals]") {
+TEST_CASE("a force that is no number is itself named, not its power", "[unit][refusals]") {
   System system;
   system.add_particle("bob", 1, {0, 0, 0});
   system.add(std::make_unique<Fan>());
@@ -71,7 +71,7 @@ TEST_CASE("a force that is no number is blamed itself, not the power that it put
   CHECK_FALSE(lockstep::testing::says(said, {"supply()"}));
 }
 
-TEST_CASE("a mass that is no number is told by its body", "[unit][refusals]") {
+TEST_CASE("a mass that is no number is reported with its body", "[unit][refusals]") {
   System system(System::Options{{0, 0, -9.81}});
   system.add_body("block", shapes::box(1, {1, 1, 1})).mass.mass = std::numeric_limits<double>::quiet_NaN();
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
@@ -81,7 +81,7 @@ TEST_CASE("a mass that is no number is told by its body", "[unit][refusals]") {
   CHECK_FALSE(lockstep::testing::says(said, {"reduce the step"}));
 }
 
-TEST_CASE("an integrated state whose rate is no number is told by name", "[unit][refusals]") {
+TEST_CASE("an integrated state whose rate is no number is reported by name", "[unit][refusals]") {
   for (const Formulation formulation : {Formulation::joint, Formulation::omega}) {
     const std::unique_ptr<System> system = test::chain(2, 0);
     system->add(std::make_unique<Fed>());
@@ -120,7 +120,7 @@ TEST_CASE("a pose is not set in a state in joint coordinates", "[unit][refusals]
   CHECK(state.q.head<3>() == Vec3(1, 2, 3));
 }
 
-TEST_CASE("weighted starts of very many bodies are refused by the number of unknowns", "[unit][refusals]") {
+TEST_CASE("weighted starts of very many bodies are rejected by the number of unknowns", "[unit][refusals]") {
   const std::unique_ptr<System> system = test::chain(251, 0);
   Dynamics dynamics(*system, std::make_unique<SparseSolver>());
   State start = system->start();
@@ -130,7 +130,7 @@ TEST_CASE("weighted starts of very many bodies are refused by the number of unkn
 }
 
 // 2.8 rad in 0.07 s after slow ones: before them the curve of the quaternions swings through zero.
-TEST_CASE("a spline of orientations that turn too far is refused with both instants", "[unit][refusals]") {
+TEST_CASE("a spline of orientations too far apart is rejected with both times", "[unit][refusals]") {
   RotationPoints points;
   for (const auto& [t, angle] :
        {std::pair(0.0, 0.0), std::pair(1.83, 2.28), std::pair(3.4, 3.71), std::pair(3.47, 6.51)})

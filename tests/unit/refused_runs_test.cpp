@@ -51,7 +51,7 @@ void run_with(Event event) {
 
 }  // namespace
 
-TEST_CASE("an event refuses joints that are merged, and changes that it may not make", "[unit][refusals]") {
+TEST_CASE("an event rejects merged joints, and changes that it may not make", "[unit][refusals]") {
   check_refusals({
       {"a merged link",
        [] { run_with({.name = "e", .deactivate = {"bolt"}}); },
@@ -68,7 +68,7 @@ TEST_CASE("an event refuses joints that are merged, and changes that it may not 
   });
 }
 
-TEST_CASE("a grid and a recorded run refuse what comes too late or is too much", "[unit][refusals]") {
+TEST_CASE("a grid and a recorded run reject late and excessive data", "[unit][refusals]") {
   System system;
   add_door(system);
   Simulation run(system);
@@ -105,7 +105,7 @@ void loop_with(const StepLoopOptions& options) {
 
 }  // namespace
 
-TEST_CASE("a state of another size is refused by whoever takes one, not written past", "[unit][refusals]") {
+TEST_CASE("a state of another size is rejected by every function, not written past", "[unit][refusals]") {
   Driven driven;
   driven.system.setup();
   const auto cut = GENERATE(0, 1, 2, 3, 4);
@@ -143,7 +143,7 @@ TEST_CASE("a state of another size is refused by whoever takes one, not written 
   }
 }
 
-TEST_CASE("passes over a system and poses of bodies refuse vectors and states of another size", "[unit][refusals]") {
+TEST_CASE("passes over a system and poses of bodies reject vectors and states of another size", "[unit][refusals]") {
   const auto in = GENERATE(Formulation::omega, Formulation::joint);
   Driven driven;
   Body& door = driven.system.add_body("door", shapes::box(1, {1, 1, 1}));
@@ -187,7 +187,7 @@ TEST_CASE("passes over a system and poses of bodies refuse vectors and states of
   check_words(message_of<ModelError>([&] { method.first_step(dynamics, short_v, 1); }), {"does not fit"});
 }
 
-TEST_CASE("a run refuses settings and states that cannot be", "[unit][refusals]") {
+TEST_CASE("a run rejects impossible settings and states", "[unit][refusals]") {
   Driven driven;
   Dynamics dynamics = driven.dynamics();
   StepLoop loop(dynamics, std::make_unique<Dopri5>());

@@ -86,7 +86,7 @@ TEST_CASE("a law is made by its name", "[unit][plugin]") {
   CHECK(registry.laws.find("ramp") == nullptr);
 }
 
-TEST_CASE("an unknown name is refused with the closest one", "[unit][plugin]") {
+TEST_CASE("an unknown name is rejected with the closest one", "[unit][plugin]") {
   const Registry registry = some_registry();
   const auto problem = [&](const std::string& name) {
     return message_of<SceneError>([&] { registry.laws.make(name, Params{}, &registry, "joint 'A'"); });
@@ -130,7 +130,7 @@ TEST_CASE("a fault inside a law names the whole way to it", "[unit][plugin]") {
               {"joint 'A', law: expected an object", "a number (3)"});
 }
 
-TEST_CASE("what cannot stand on a shelf is refused", "[unit][plugin]") {
+TEST_CASE("impossible entries of a registry are rejected", "[unit][plugin]") {
   Registry registry = some_registry();
   registry.laws.set_origin("built in");
   const auto problem = [](const auto& act) { return message_of<PluginError>(act); };
@@ -145,7 +145,7 @@ TEST_CASE("what cannot stand on a shelf is refused", "[unit][plugin]") {
   CHECK(registry.laws.entries().size() == 2);
 }
 
-TEST_CASE("a maker that returns nothing is refused", "[unit][plugin]") {
+TEST_CASE("a maker that returns nothing is rejected", "[unit][plugin]") {
   Registry registry;
   registry.forces.add({"wind", "", {}}, &no_force);
   registry.forces.set_origin("storm");

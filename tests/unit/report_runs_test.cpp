@@ -50,7 +50,7 @@ TEST_CASE("a page of many runs keeps their histories and their motion", "[report
   std::vector<Table> tables(3);
   for (const long run : {3L, 1L}) {
     CHECK(kept.keeps(run));
-    const std::unique_ptr<report::Watcher> seen = kept.watcher();
+    const std::unique_ptr<report::Frames> seen = kept.watcher();
     const SweepRun done =
         watched_run(scene, registry, columns, {}, &tables[run - 1],
                     {seen.get(), [&](const Mechanism& m, const Table& table) { kept.add(run, table, *seen, m); }});
@@ -78,7 +78,7 @@ TEST_CASE("a page of many runs keeps their histories and their motion", "[report
   }
 }
 
-TEST_CASE("of very many runs a page keeps some, and of these some rows", "[report]") {
+TEST_CASE("of very many runs a page keeps some, and of these some outputs", "[report]") {
   const Scene scene = scene_from_text(kSwinging, "swinging.json");
   const Registry registry = builtin_registry();
   const Table columns = recorded_columns(scene, registry);
@@ -87,7 +87,7 @@ TEST_CASE("of very many runs a page keeps some, and of these some rows", "[repor
   for (long run = 1; run <= 100'000; ++run) n += kept.keeps(run) ? 1 : 0;
   CHECK(n == 2000);
   Table table = columns;
-  const std::unique_ptr<report::Watcher> seen = kept.watcher();
+  const std::unique_ptr<report::Frames> seen = kept.watcher();
   Scene fine = scene;
   fine.run.output = 0.5 / 4000;
   watched_run(fine, registry, columns, {}, &table,
@@ -112,15 +112,14 @@ TEST_CASE("of very many runs a page keeps some, and of these some rows", "[repor
   CHECK(frames <= 2 * (4001 / instants) + 2);
 }
 
-TEST_CASE("runs of mechanisms that all look different keep their columns, and as much motion as there is room for",
-          "[report]") {
+TEST_CASE("runs of mechanisms with different shapes keep their columns, and as much motion as fits", "[report]") {
   const Registry registry = builtin_registry();
   const auto add = [&](report::Histories& kept, long run, int metres) {
     std::string text = kSwinging;
     const std::string to = "[1, 0, 0]";
     text.replace(text.find(to), to.size(), "[" + std::to_string(metres) + ", 0, 0]");
     const Scene scene = scene_from_text(text, "swinging.json");
-    const std::unique_ptr<report::Watcher> seen = kept.watcher();
+    const std::unique_ptr<report::Frames> seen = kept.watcher();
     Table table;
     watched_run(scene, registry, recorded_columns(scene, registry), {}, &table,
                 {seen.get(), [&](const Mechanism& m, const Table& t) { kept.add(run, t, *seen, m); }});
@@ -148,7 +147,7 @@ TEST_CASE("runs of mechanisms that all look different keep their columns, and as
   CHECK(kept.left_out() == "no motion of " + std::to_string(without) + " of them");
 }
 
-TEST_CASE("a page of modes holds the shapes by body, about the origins of their slots", "[report]") {
+TEST_CASE("a page of modes holds the shapes by body, about the origins of their frames", "[report]") {
   const Scene scene = scene_from_text(kSwinging, "swinging.json");
   Mechanism m = build_mechanism(scene, builtin_registry());
   Dynamics dynamics(system_of(m), make_solver(m.run, builtin_registry()));

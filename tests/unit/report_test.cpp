@@ -139,7 +139,7 @@ TEST_CASE("a report changes nothing of its run", "[report]") {
   for (std::size_t c = 0; c < without.size(); ++c) CHECK(without[c].values == with[c].values);
 }
 
-TEST_CASE("what acts in a run is marked, with frames before and after", "[report]") {
+TEST_CASE("active parts of a run are marked, with frames before and after", "[report]") {
   Pendulum p;
   Simulation run(p.system, {.output = 0.1});
   run.record({"rod.x"});
@@ -276,7 +276,7 @@ TEST_CASE("every scene of the samples gives a report", "[report]") {
   CHECK(most < 2'000'000);
 }
 
-TEST_CASE("a scene says what its bodies look like", "[report]") {
+TEST_CASE("a scene defines the shapes of its bodies", "[report]") {
   const auto scene_with = [](const std::string& visual) {
     return scene_from_text(
         R"({"lockstep": 1, "bodies": [{"name": "ball", "sphere": {"mass": 1, "radius": 0.5}, "visual": )" + visual +
@@ -310,7 +310,7 @@ std::shared_ptr<const TriangleMesh> sheet(std::uint32_t n) {
   return mesh;
 }
 
-TEST_CASE("a mesh stands in the page once, with 16 bits a coordinate", "[report]") {
+TEST_CASE("a mesh is stored in the page once, with 16 bits per coordinate", "[report]") {
   for (const std::uint32_t n : {40U, 300U}) {  // 1600 points, and more than 16 bits count
     const std::shared_ptr<const TriangleMesh> mesh = sheet(n);
     Pendulum p;
@@ -356,7 +356,7 @@ TEST_CASE("links of a report are marked by name", "[report]") {
   CHECK(page.data["text"]["marked"] == Json::array({Json::array({"A", "it is </script> redundant"})}));
 }
 
-TEST_CASE("solids stand where the mass says", "[report]") {
+TEST_CASE("solids are at the place of their mass", "[report]") {
   const Scene scene = scene_from_text(R"({"lockstep": 1, "bodies": [
     {"name": "hammer", "position": [5, 0, 0], "compound": [
       {"rod": {"mass": 1, "from": [0, 0, 0], "to": [0, 0, 2], "radius": 0.1}},

@@ -9,7 +9,7 @@ namespace row_space_test {
 
 using namespace lockstep;
 
-TEST_CASE("rows leave of one unknown all or nothing", "[unit][dynamics]") {
+TEST_CASE("constraints leave of one unknown all or nothing", "[unit][dynamics]") {
   const VecX u = VecX::Constant(1, 3.0);
   Eigen::SparseMatrix<double> Jt(1, 1);
   Jt.insert(0, 0) = -2.0;
@@ -26,7 +26,7 @@ TEST_CASE("rows leave of one unknown all or nothing", "[unit][dynamics]") {
 }
 
 // Two of the rows differ by 1e-4 rad.
-TEST_CASE("of more rows than are factored densely those that nearly depend on others are found", "[unit][dynamics]") {
+TEST_CASE("near dependencies are found also among more constraints than are factored densely", "[unit][dynamics]") {
   Eigen::SparseMatrix<double> Jt(kDenseRows + 1, kDenseRows + 1);
   Jt.setIdentity();
   Jt.coeffRef(0, kDenseRows) = 1, Jt.coeffRef(kDenseRows, kDenseRows) = 1e-4;

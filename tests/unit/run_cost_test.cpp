@@ -77,7 +77,8 @@ TEST_CASE("the motions at the end of a step are those of the next first stage", 
   CHECK(calls - before == 4 * 500 + 1);  // a call of the run forgets what was found before it
 }
 
-TEST_CASE("accelerations along a tree cost one evaluation a row, and no rows of links", "[unit][dynamics]") {
+TEST_CASE("accelerations along a tree cost one evaluation per constraint, and no constraint blocks of joints",
+          "[unit][dynamics]") {
   Recorded run(Formulation::joint);
   Recorder rows(run.system, {"B.rz_dd", "b.ax", "b.center_ay"});
   run.loop.add_observer(rows);

@@ -69,7 +69,7 @@ std::string run_misled(Misled::Act act, double* violation = nullptr) {
 
 }  // namespace
 
-TEST_CASE("a step loop does not believe what an integrator reports", "[unit][dynamics]") {
+TEST_CASE("a step loop does not trust the report of an integrator", "[unit][dynamics]") {
   CHECK(run_misled({}) == "no error");
   const auto refused = [](Misled::Act act, std::initializer_list<std::string> words) {
     const std::string said = run_misled(std::move(act));
@@ -125,7 +125,8 @@ class Bent final : public Integrator {
 
 }  // namespace
 
-TEST_CASE("the violation that a foreign integrator leaves along joints is that of all rows", "[unit][dynamics]") {
+TEST_CASE("the violation that a foreign integrator leaves in joint coordinates is that of all constraints",
+          "[unit][dynamics]") {
   System system = loops::row_of_four_bars(2);
   Dynamics dynamics = loops::joint_dynamics(system);
   StepLoop run(dynamics, std::make_unique<Bent>(), {.step = 0.01});
@@ -171,7 +172,7 @@ TEST_CASE("a first guess of the step may be as short as it is: only steps that w
 }
 
 // A rod of 0.8 m between two pins 0.9 m apart.
-TEST_CASE("an end that cannot be brought back names the row that is violated most", "[unit][dynamics]") {
+TEST_CASE("an end that cannot be projected names the most violated constraint", "[unit][dynamics]") {
   RodPendulum pendulum(kPi / 2);
   System& system = pendulum.system;
   Body& rod = system.body("rod");
@@ -187,7 +188,7 @@ TEST_CASE("an end that cannot be brought back names the row that is violated mos
 }
 
 // Rows and forces change from one long step to the next whatever limits their number.
-TEST_CASE("a limit of steps that are as long as the motion has them blames nobody", "[unit][dynamics]") {
+TEST_CASE("a limit of steps as long as the motion needs names no cause", "[unit][dynamics]") {
   RodPendulum pendulum;
   Dynamics dynamics = dynamics_of(pendulum.system);
   StepLoop run(dynamics, std::make_unique<Dopri5>(), {.max_steps = 60});
@@ -197,7 +198,7 @@ TEST_CASE("a limit of steps that are as long as the motion has them blames nobod
   CHECK_FALSE(says(said, {"contradicts"}));
 }
 
-TEST_CASE("a run that is too long for its steps says so, and blames no row", "[unit][dynamics]") {
+TEST_CASE("a run that is too long for its steps reports it, and names no constraint", "[unit][dynamics]") {
   RodPendulum pendulum;
   Dynamics dynamics = dynamics_of(pendulum.system);
   StepLoop run(dynamics, std::make_unique<Dopri5>());
@@ -208,7 +209,7 @@ TEST_CASE("a run that is too long for its steps says so, and blames no row", "[u
   CHECK(run.report().steps < 2000);
 }
 
-TEST_CASE("an event is met where its condition passes to and fro inside a step", "[unit][dynamics]") {
+TEST_CASE("an event is found if its condition crosses in both directions inside a step", "[unit][dynamics]") {
   // z = 10 t - 5 t^2 passes 4.95 m at 1 -+ 0.1 s; steps of dopri5 are exact here and have no limit
   const auto [crossing, when] = GENERATE(std::pair{Event::Crossing::any, 0.9}, std::pair{Event::Crossing::rising, 0.9},
                                          std::pair{Event::Crossing::falling, 1.1});
@@ -225,7 +226,7 @@ TEST_CASE("an event is met where its condition passes to and fro inside a step",
   CHECK(run.state().t == Approx(when).margin(2e-9));
 }
 
-TEST_CASE("a condition that is zero at the start and goes on in its sense does not fire, and that is said",
+TEST_CASE("a condition that is zero at the start and continues in its direction does not fire, which is reported",
           "[unit][dynamics]") {
   // z = 10 t - 5 t^2 from the level z = 0: rises from it at once, falls back onto it after 2 s
   const auto told = [](Event::Crossing crossing, double speed, double level, double& met) {
@@ -262,7 +263,7 @@ TEST_CASE("a condition that is zero at the start and goes on in its sense does n
   CHECK(met == Approx(1e-10).epsilon(0.1));
 }
 
-TEST_CASE("a condition that is zero when its event is added to a run is told with that time, from a checkpoint too",
+TEST_CASE("a condition that is zero when its event is added to a run is reported with that time, from a checkpoint too",
           "[unit][dynamics]") {
   const bool beside = GENERATE(false, true);  // another event, watched from the start on
   Stone stone, same;
@@ -290,7 +291,7 @@ TEST_CASE("a condition that is zero when its event is added to a run is told wit
   }
 }
 
-TEST_CASE("events say what they leave out", "[unit][dynamics]") {
+TEST_CASE("events report what they skip", "[unit][dynamics]") {
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);
   StepLoop run(dynamics, std::make_unique<Dopri5>());
@@ -310,7 +311,7 @@ TEST_CASE("events say what they leave out", "[unit][dynamics]") {
 }
 
 // The steps end at multiples of 1/4 s exactly, so the condition is 0 to the last bit where the third begins.
-TEST_CASE("a condition that a later step leaves from exactly zero has fired there, and is not said to begin so",
+TEST_CASE("a condition that a later step leaves from exactly zero has fired there, and is not reported as a start",
           "[unit][dynamics]") {
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);
@@ -326,7 +327,7 @@ TEST_CASE("a condition that a later step leaves from exactly zero has fired ther
   CHECK(run.report().findings.empty());
 }
 
-TEST_CASE("a law that jumps in position is refused by name, however drift is removed", "[unit][dynamics]") {
+TEST_CASE("a law that jumps in position is rejected by name, with every stabilisation", "[unit][dynamics]") {
   const auto kind = GENERATE(Stabilization::Kind::project, Stabilization::Kind::baumgarte, Stabilization::Kind::none);
   const auto formulation = GENERATE(Formulation::omega, Formulation::automatic);
   System system;
@@ -340,7 +341,7 @@ TEST_CASE("a law that jumps in position is refused by name, however drift is rem
   CHECK(run.state().t <= 0.5);
 }
 
-TEST_CASE("fixed steps in which a body turns far are warned of, once and with the turn", "[unit][dynamics]") {
+TEST_CASE("fixed steps with large rotations give one warning, with the angle", "[unit][dynamics]") {
   System system;
   system.add_body("rotor", MassProperties{1.0, Vec3::Zero(), Vec3(1, 1, 1).asDiagonal()}).start.w = {0, 0, 30};
   const auto warnings_of = [&](std::unique_ptr<Integrator> method, double step) {
@@ -358,7 +359,7 @@ TEST_CASE("fixed steps in which a body turns far are warned of, once and with th
   CHECK(warnings_of(std::make_unique<Dopri5>(), 0).empty());
 }
 
-TEST_CASE("a fixed step that is longer than the time between outputs says that they cut it", "[unit][dynamics]") {
+TEST_CASE("a fixed step that is longer than the time between outputs reports that they cut it", "[unit][dynamics]") {
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);
   StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 0.1, .output = 0.03});
@@ -402,7 +403,7 @@ TEST_CASE("events switch forces on and off", "[unit][dynamics]") {
               {"event 'e'", "force 'steady'", "set_switched"});
 }
 
-TEST_CASE("events that undo each other at one instant are refused, in whichever order", "[unit][dynamics]") {
+TEST_CASE("events that reverse each other at one time are rejected, in either order", "[unit][dynamics]") {
   for (const bool reversed : {false, true}) {
     System system;
     Marker& p = system.add_marker("p", system.add_particle("stone", 2, {0, 0, 0}));
@@ -418,7 +419,7 @@ TEST_CASE("events that undo each other at one instant are refused, in whichever 
   }
 }
 
-TEST_CASE("who makes the steps short is named", "[unit][dynamics]") {
+TEST_CASE("the cause of short steps is named", "[unit][dynamics]") {
   SECTION("a force that is no function of the state") {
     const bool implicit = GENERATE(false, true);
     Stone stone;
@@ -453,7 +454,7 @@ TEST_CASE("who makes the steps short is named", "[unit][dynamics]") {
     StepLoop run(dynamics, std::make_unique<Dopri5>());
     run.set_state(start);
     const std::string said = message_of<Error>([&] { run.run_until(1); });
-    check_words(said, {"the laws of joints", "contradicts the others", "of joint '"});
+    check_words(said, {"contradicts the others", "of joint '"});
     CHECK((says(said, {"'bent'"}) || says(said, {"'straight'"})));
   }
 }

@@ -40,7 +40,7 @@ TEST_CASE("weights that are zero are left out", "[unit][integrators]") {
 }
 
 // 7 and 6 numbers a body: blocks of eight and every length of the rest come by.
-TEST_CASE("stages are combined as the formula says, however many numbers there are", "[unit][integrators]") {
+TEST_CASE("stages are combined as in the formula, for any number of values", "[unit][integrators]") {
   const int n_bodies = GENERATE(1, 2, 3, 4, 5, 6, 7, 8);
   CAPTURE(n_bodies);
   System system = thrown(n_bodies);
@@ -66,7 +66,7 @@ TEST_CASE("stages are combined as the formula says, however many numbers there a
   CHECK(end.t == y.t + h);
 }
 
-TEST_CASE("stages on the constraints are those of the projected states", "[unit][integrators]") {
+TEST_CASE("projected stages are those of the projected states", "[unit][integrators]") {
   RodPendulum pendulum;
   Dynamics dynamics = dynamics_of(pendulum.system);
   State y = pendulum.system.start();
@@ -85,7 +85,7 @@ TEST_CASE("stages on the constraints are those of the projected states", "[unit]
   CHECK((plain.k(0).v - k.v).norm() > 1e-3 * k.v.norm());
 }
 
-TEST_CASE("rates of another size are refused as those of a stage", "[unit][integrators]") {
+TEST_CASE("rates of another size are rejected as those of a stage", "[unit][integrators]") {
   const System system = thrown(2), other = thrown(3);
   Stages stages;
   stages.begin(kTableau, system.start());

@@ -13,7 +13,7 @@ namespace scene_errors_together_test {
 using namespace lockstep;
 using lockstep::testing::refusal_of;
 
-TEST_CASE("what is wrong with the things of a list is said of all of them at once", "[unit][scene]") {
+TEST_CASE("errors of the objects of a list are reported together", "[unit][scene]") {
   std::string scene = "{\"lockstep\": 1, \"bodies\": [";
   for (int i = 0; i < 3; ++i) scene += "{\"name\": \"b" + std::to_string(i) + "\", \"particle\": 1},\n";
   const std::string three = refusal_of(scene + R"({"name": "c", "particle": 0},
@@ -28,7 +28,7 @@ TEST_CASE("what is wrong with the things of a list is said of all of them at onc
   CHECK(many.find("more errors may follow") != std::string::npos);
 }
 
-TEST_CASE("what is wrong with things of several lists is said at once, but for what hangs on another error",
+TEST_CASE("errors of objects in several lists are reported together, except for consequences of other errors",
           "[unit][scene]") {
   const std::string message = refusal_of(R"({"lockstep": 1,
     "bodies": [{"name": "a", "particle": 0}, {"name": "b", "particle": 1, "velocit": [0,0,0], "positoin": [0,0,0]}, {"name": "c", "particle": 1, "velocity": [0,0], "position": 3}, {"name": "d", "particle": 1}],
@@ -73,7 +73,7 @@ void check_lines(const std::string& message, const std::vector<std::vector<std::
 
 }  // namespace
 
-TEST_CASE("what is wrong with the settings of a run is said at once", "[unit][scene]") {
+TEST_CASE("errors of the settings of a run are reported together", "[unit][scene]") {
   check_lines(refusal_of(R"({"lockstep": 1, "gravitiy": 3, "requires": ["a/b", "c/d"], "run": {
     "integrator": 3, "solver": [1], "stabilization": {"alpha": -1, "beta": -2, "tolerance": 0},
     "step": 0, "until": -1, "output": "0 s", "times": [3, 2], "max_steps": 0, "tolerance": 0, "energy_limit": -1, "violation_limit": 0,
@@ -113,7 +113,7 @@ TEST_CASE("what is wrong with the settings of a run is said at once", "[unit][sc
   check_lines(refusal_of(R"({"lockstep": 1, "run": 3})"), {{"run", "expected an object"}});
 }
 
-TEST_CASE("channels that are unknown are refused at once, of a record and of events", "[unit][scene]") {
+TEST_CASE("unknown channels are reported together, of a record and of events", "[unit][scene]") {
   const std::string body = R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1}], )";
   check_lines(refusal_of(body + R"("run": {"record": ["a.x", "a.xx", {"u": "b.x"}]}})"),
               {{"run.record", "a.xx"}, {"run.record", "b.x"}});
@@ -131,7 +131,7 @@ TEST_CASE("a name that may be that of a thing with a wrong name is not called un
               {{"body 'coupler'", "already taken"}});
 }
 
-TEST_CASE("formulas that cannot be computed are refused at once, each reason once", "[unit][scene]") {
+TEST_CASE("formulas that cannot be computed are reported together, each reason once", "[unit][scene]") {
   check_lines(refusal_of(R"({"lockstep": 1, "parameters": {"a": "=b", "b": "=a", "c": "=1 +", "d": "=2*c", "e": 2},
     "points": {"P": ["=e*nothing", 0, 0], "Q": [1, 2, 3]},
     "bodies": [{"name": "x", "particle": "=d"}, {"name": "y", "particle": "=e*f", "position": "R"},
@@ -144,7 +144,7 @@ TEST_CASE("formulas that cannot be computed are refused at once, each reason onc
                {"body 'z', particle"}});
 }
 
-TEST_CASE("each of several errors tells the formula that it is of", "[unit][scene]") {
+TEST_CASE("each of several errors names its formula", "[unit][scene]") {
   check_lines(
       refusal_of(
           R"({"lockstep": 1, "parameters": {"n": 2}, "run": {"step": "=n - 2", "tolerance": 0, "until": "=-n"}})"),
@@ -153,7 +153,7 @@ TEST_CASE("each of several errors tells the formula that it is of", "[unit][scen
        {"run.tolerance", "is 0; it must be greater than 0"}});
 }
 
-TEST_CASE("a scene of a newer format is refused for that alone", "[unit][scene]") {
+TEST_CASE("a scene of a newer format is rejected for that alone", "[unit][scene]") {
   check_lines(refusal_of(R"({"lockstep": 2, "of_then": 3, "bodies": 4, "run": {"step": 0}})"),
               {{"lockstep", "version 2 of the format is unknown", "reads version 1"}});
 }

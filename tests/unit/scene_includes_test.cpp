@@ -113,7 +113,7 @@ std::string text_of(const std::string& but = {}, const std::string& value = {}) 
 
 }  // namespace
 
-TEST_CASE("each key of an included scene is taken, applied or left out as the table says", "[unit][scene]") {
+TEST_CASE("each key of an included scene is used, applied or left out as in the table", "[unit][scene]") {
   for (const Key& key : scene_table("scene").info.keys) {
     if (key.name == "joints") continue;  // another name of "links"
     INFO("the table of this test has no row for \"" << key.name << "\": say what an include does with it");
@@ -149,7 +149,7 @@ TEST_CASE("each key of an included scene is taken, applied or left out as the ta
   CHECK(m.events.front().event.name == "my_e");
 }
 
-TEST_CASE("an included scene is refused for what it is refused for alone", "[unit][scene]") {
+TEST_CASE("an included scene is rejected for the same reason as alone", "[unit][scene]") {
   const Folder folder;
   folder.write("small.json", R"({"lockstep": 1, "bodies": [{"name": "ball", "particle": 3}]})");
   const auto check = [&](const std::string& text, const std::string& key) {
@@ -203,7 +203,7 @@ TEST_CASE("an event of an included scene has stops of its joints, alone and with
   }
 }
 
-TEST_CASE("gravity of an included scene is told of where the whole gives none", "[unit][scene]") {
+TEST_CASE("gravity of an included scene is reported if the whole gives none", "[unit][scene]") {
   const Folder folder;
   folder.write("part.json",
                "{\"lockstep\": 1,\n \"gravity\": [0, -9.81, 0], \"bodies\": [{\"name\": \"b\", \"particle\": 1}]}");

@@ -68,7 +68,7 @@ std::string times(double factor, double w, double x) {
 
 }  // namespace
 
-TEST_CASE("a quaternion farther than a tenth off length 1 is refused with its length and what it should be",
+TEST_CASE("a quaternion more than a tenth off length 1 is rejected with its length and the right one",
           "[unit][scene]") {
   for (const Place& place : kPlaces) {
     CAPTURE(place.owner);
@@ -82,7 +82,7 @@ TEST_CASE("a quaternion farther than a tenth off length 1 is refused with its le
   }
 }
 
-TEST_CASE("a quaternion off length 1 by more than rounding is said, and taken by its direction", "[unit][scene]") {
+TEST_CASE("a quaternion off length 1 by more than rounding is reported, and normalised", "[unit][scene]") {
   const Place& body = kPlaces[0];
   for (const double length : {0.91, 0.998, 1.002, 1.09}) {
     CAPTURE(length);
@@ -104,7 +104,7 @@ TEST_CASE("a quaternion off length 1 by more than rounding is said, and taken by
   }
 }
 
-TEST_CASE("directions of axes that are not at right angles are refused with their angle", "[unit][scene]") {
+TEST_CASE("directions of axes that are not at right angles are rejected with their angle", "[unit][scene]") {
   for (const Place& place : kPlaces) {
     CAPTURE(place.owner);
     // acos(0.5 / sqrt(1.25)) = 63.4 deg

@@ -141,7 +141,7 @@ TEST_CASE("an included scene stands somewhere else and moves there as it would a
   }
 }
 
-TEST_CASE("the place of an included scene hangs on parameters, points and what came before it", "[unit][scene]") {
+TEST_CASE("the place of an included scene depends on earlier parameters, points and parts", "[unit][scene]") {
   const Folder folder;
   folder.write("leg.json", R"~("parameters": {"L": "1 m"}, "points": {"hip": [0, 0, 0], "foot": "=[L, 0, 0]"},
     "bodies": [{"name": "leg", "rod": {"mass": 1, "from": "hip", "to": "foot"}}],
@@ -182,7 +182,7 @@ TEST_CASE("a formula that fails inside an included scene is named with its file"
       {"leg.json:", "points.foot"});
 }
 
-TEST_CASE("what parts bring is varied by path", "[unit][scene]") {
+TEST_CASE("contents of parts are varied by path", "[unit][scene]") {
   const Folder folder;
   folder.write("leg.json", R"~("parameters": {"L": "1 m"}, "points": {"hip": [0, 0, 0]},
     "bodies": [{"name": "leg", "rod": {"mass": 1, "from": "hip", "to": "=[L, 0, 0]"}}],
@@ -228,7 +228,7 @@ TEST_CASE("what parts bring is varied by path", "[unit][scene]") {
   check_words(folder.refusal(whole + R"(, "set": [1])"), {"scene.set", "an object of values by path"});
 }
 
-TEST_CASE("what is set by path reaches the parts that read it", "[unit][scene]") {
+TEST_CASE("values set by path reach the parts that read them", "[unit][scene]") {
   const Folder folder;
   folder.write("leg.json", R"~("parameters": {"L": "1 m"}, "points": {"hip": [0, 0, 0]},
     "bodies": [{"name": "leg", "rod": {"mass": 1, "from": "hip", "to": "=[L, 0, 0]"}}])~");
@@ -288,7 +288,7 @@ TEST_CASE("keys of plugins' types are set in parts before the plugins are known"
               {"scene.set", "has no \"sped\""});
 }
 
-TEST_CASE("a turned rod stays a rod", "[unit][scene]") {
+TEST_CASE("a rotated rod remains a rod", "[unit][scene]") {
   const Folder folder;
   folder.write("leg.json", R"~("parameters": {"L": "2 m"},
     "bodies": [{"name": "leg", "rod": {"mass": 1, "from": [0, 0, 0], "to": "=[L, 0, 0]"}}],
@@ -323,7 +323,7 @@ TEST_CASE("a turned rod stays a rod", "[unit][scene]") {
               {"visual", "roll", "a drawn rod is round"});
 }
 
-TEST_CASE("what an included scene brings is not lost beside keys of another form", "[unit][scene]") {
+TEST_CASE("contents of an included scene are not lost with keys of another form", "[unit][scene]") {
   const Folder folder;
   folder.write("ball.json", R"("bodies": [{"name": "b", "particle": 1}], "points": {"P": [1, 0, 0]})");
   folder.write("odd.json", R"("bodies": {"name": "b", "particle": 1})");

@@ -24,23 +24,23 @@ TEST_CASE("schur solves regular systems of every shape", "[unit][kkt]") {
   check_against_truth(solver, false, 1e-10, 1e-9, kSevenWide);
 }
 
-TEST_CASE("schur takes redundant rows: a exact, lambda smallest in the metric of E", "[unit][kkt]") {
+TEST_CASE("schur solves redundant constraints: a exact, lambda smallest in the metric of E", "[unit][kkt]") {
   SchurOnKkt solver;
   // rounding grows by 1/eps in the directions that redundant rows leave open, and eps is 1e-9 here
   check_against_truth(solver, true, 1e-9, 1e-5, kSevenWide);
 }
 
-TEST_CASE("schur: redundant rows do not reach a", "[unit][kkt]") {
+TEST_CASE("schur: redundant constraints do not affect a", "[unit][kkt]") {
   SchurOnKkt solver;
   check_redundancy_does_not_reach_a(solver, 1e-11);
 }
 
-TEST_CASE("schur: redundant reactions do not know the axes of their rows", "[unit][kkt]") {
+TEST_CASE("schur: redundant reactions do not depend on the axes of their constraints", "[unit][kkt]") {
   SchurOnKkt solver;
   check_axes_do_not_matter(solver, 1e-6);
 }
 
-TEST_CASE("schur tells contradictory rows from a singular place", "[unit][kkt]") {
+TEST_CASE("schur distinguishes contradictory constraints from a singular configuration", "[unit][kkt]") {
   SchurOnKkt solver;
   check_contradiction(solver);
   check_singular_place(solver);
@@ -51,7 +51,7 @@ TEST_CASE("schur's detector falls as the square of the way to a singular place",
   check_detector(solver);
 }
 
-TEST_CASE("schur meets the rule where rows have no scale", "[unit][kkt]") {
+TEST_CASE("schur meets the rule if constraints have no scale", "[unit][kkt]") {
   SchurOnKkt solver;
   check_rows_without_scale(solver);
 }
@@ -115,7 +115,7 @@ TEST_CASE("a joint between hubs alone waits for one of them", "[unit][kkt]") {
   CHECK(first_hub < between);
 }
 
-TEST_CASE("loops are told from trees, the ground being one body", "[unit][kkt]") {
+TEST_CASE("loops are distinguished from trees, the ground being one body", "[unit][kkt]") {
   CHECK(schur::make_plan(table_of({{0}, {1, 0}, {2}}), 3, false).tree);
   CHECK_FALSE(schur::make_plan(table_of({{0}, {1, 0}, {1}}), 2, false).tree);
   CHECK_FALSE(schur::make_plan(table_of({{0}, {0}}), 1, false).tree);
@@ -150,7 +150,7 @@ TEST_CASE("schur, sparse and dense agree on random mechanisms, hubs, laws and pa
   }
 }
 
-TEST_CASE("a hub at the end of an arm, beside a loop, and a particle as a hub", "[unit][kkt][schur]") {
+TEST_CASE("a hub at the end of an arm, near a loop, and a particle as a hub", "[unit][kkt][schur]") {
   const int kind = GENERATE(0, 1, 2);
   CAPTURE(kind);
   inputs::RandomMechanism m(40u + static_cast<unsigned>(kind));

@@ -63,7 +63,7 @@ TEST_CASE("A simulation with a named solver runs in omega", "[simulation]") {
   CHECK(run.dynamics().solver().name() == "sparse");  // as of a scene: the default needs six velocities per body
 }
 
-TEST_CASE("A simulation assembles its start, or refuses it where that is not wanted", "[simulation]") {
+TEST_CASE("A simulation assembles its start, or rejects it if assembly is off", "[simulation]") {
   System system = pendulum();
   system.setup();
   State start = system.start();
@@ -80,7 +80,7 @@ TEST_CASE("A simulation assembles its start, or refuses it where that is not wan
   testing::check_words(message_of<AssemblyError>([&] { run.set_state(start); }), {"hinge", "0.001"});
 }
 
-TEST_CASE("A simulation refuses what it cannot make, with the next move", "[simulation]") {
+TEST_CASE("A simulation rejects impossible settings, with the next move", "[simulation]") {
   System system = pendulum();
   CHECK(says(message_of<Error>([&] { Simulation bad(system, {.integrator = "dopri"}); }), {"did you mean \"dopri5\""}));
   CHECK(says(message_of<Error>([&] { Simulation bad(system, {.integrator = "dop853:stage=auto"}); }), {"did you mean \"stages\""}));

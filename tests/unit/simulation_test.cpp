@@ -122,7 +122,7 @@ TEST_CASE("listed output times are put out and nothing else", "[unit][dynamics]"
     CHECK(log.heights[i] == Approx(2 - 5 * log.outputs[i] * log.outputs[i]).epsilon(1e-13));
 }
 
-TEST_CASE("a run goes on where it ended, and every step is put out when no times were asked for", "[unit][dynamics]") {
+TEST_CASE("a run continues at its end, and every step is output when no times were requested", "[unit][dynamics]") {
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);
   StepLoopOptions options;
@@ -142,7 +142,7 @@ TEST_CASE("a run goes on where it ended, and every step is put out when no times
                        {"the end time of 0.5 s", "not before the present time of 1.05 s"});
 }
 
-TEST_CASE("thousands of fixed steps end where they shall", "[unit][dynamics]") {
+TEST_CASE("thousands of fixed steps end at the right times", "[unit][dynamics]") {
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);
   StepLoopOptions options;
@@ -152,7 +152,7 @@ TEST_CASE("thousands of fixed steps end where they shall", "[unit][dynamics]") {
   CHECK(run.run_until(7).steps == 7000);
 }
 
-TEST_CASE("the loop lands where a law jumps, with each side's own value", "[unit][dynamics]") {
+TEST_CASE("the loop ends a step at the jump of a law, with each side's value", "[unit][dynamics]") {
   const std::string name = GENERATE("rk4", "dopri5", "dop853");
   CAPTURE(name);
   System system;
@@ -174,7 +174,7 @@ TEST_CASE("the loop lands where a law jumps, with each side's own value", "[unit
   CHECK(run.state().q[2] == Approx(0.09 + 0.24 - 0.24 - 0.18).epsilon(1e-12));
 }
 
-TEST_CASE("a condition is located to its tolerance and the motion goes on from there", "[unit][dynamics]") {
+TEST_CASE("a condition is located to its tolerance and the motion continues from there", "[unit][dynamics]") {
   const std::string name = GENERATE("rk4", "dopri5", "dop853");
   CAPTURE(name);
   Stone stone;
@@ -236,7 +236,7 @@ TEST_CASE("an event at an instant switches a joint off, the body flies on freely
   CHECK_FALSE(run.state().modes[0]);
 }
 
-TEST_CASE("a joint that is put in force takes up the velocity, far from its place it is refused by name",
+TEST_CASE("a joint that becomes active takes up the velocity, far from its place it is rejected by name",
           "[unit][dynamics]") {
   Stone stone;
   Lock& hook = stone.system.add<Spherical>("hook", stone.system.body("stone"), stone.system.ground(), pose_at({0, 0, 2}));
@@ -277,7 +277,7 @@ TEST_CASE("a joint that is put in force takes up the velocity, far from its plac
   }
 }
 
-TEST_CASE("an event ends the run and says so, the last state is put out", "[unit][dynamics]") {
+TEST_CASE("an event ends the run and reports it, the last state is output", "[unit][dynamics]") {
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);
   StepLoopOptions options;
@@ -299,7 +299,7 @@ TEST_CASE("an event ends the run and says so, the last state is put out", "[unit
   CHECK(run.state().t < 3);
 }
 
-TEST_CASE("an error keeps what was computed and says when", "[unit][dynamics]") {
+TEST_CASE("an error keeps computed results and gives its time", "[unit][dynamics]") {
   System system;
   system.add_particle("cart", 2, {0, 0, 0});
   system.add(std::make_unique<Push>([](double t) { return t < 0.5 ? 1.0 : std::numeric_limits<double>::quiet_NaN(); },
@@ -322,7 +322,7 @@ TEST_CASE("an error keeps what was computed and says when", "[unit][dynamics]") 
   CHECK(run.state().t == Approx(0.48));
 }
 
-TEST_CASE("a start off the constraints and settings that cannot be are refused", "[unit][dynamics]") {
+TEST_CASE("a start off the constraints and impossible settings are rejected", "[unit][dynamics]") {
   RodPendulum pendulum;
   Dynamics dynamics = dynamics_of(pendulum.system);
   StepLoop run(dynamics, method_of("dopri5"));
@@ -358,7 +358,7 @@ TEST_CASE("the loop allocates nothing in its steps and outputs", "[unit][dynamic
   CHECK(allocations_of(steps) == 0);
 }
 
-TEST_CASE("a state that is not finite is refused, rows or none", "[unit]") {
+TEST_CASE("a state that is not finite is rejected, with or without constraints", "[unit]") {
   System system;
   system.add_body("ball", shapes::sphere(1, 0.1));
   Simulation run(system, {.output = 0.1});

@@ -75,7 +75,7 @@ bool finds_rates(Bays& bays) {
 
 }  // namespace
 
-TEST_CASE("rates in a flat position come from both sides of it", "[unit][dynamics]") {
+TEST_CASE("rates in a singular configuration come from both sides of it", "[unit][dynamics]") {
   const int n = GENERATE(1, 2, 6);
   Bays bays(n, 0, 1.5);
   Dynamics dynamics = schur_dynamics(bays.system);
@@ -124,12 +124,12 @@ TEST_CASE("laws that begin with the run are not asked before it", "[unit][dynami
   }
 }
 
-TEST_CASE("at rest in a flat position no motion is preferred", "[unit][dynamics]") {
+TEST_CASE("at rest in a singular configuration no motion is preferred", "[unit][dynamics]") {
   Bays bays(2, 0, 0);
   CHECK_FALSE(finds_rates(bays));
 }
 
-TEST_CASE("a run starts in a flat position and follows the motion", "[unit][dynamics]") {
+TEST_CASE("a run starts in a singular configuration and follows the motion", "[unit][dynamics]") {
   const char* method = GENERATE("dop853", "dopri5");
   const char* stages = GENERATE("auto", "manifold");
   Bays bays(2, 0, 1.5);
@@ -144,7 +144,7 @@ TEST_CASE("a run starts in a flat position and follows the motion", "[unit][dyna
   CHECK((top - Vec3(std::cos(theta), std::sin(theta), 0)).norm() < 2e-8);
 }
 
-TEST_CASE("a start at rest in a flat position is refused", "[unit][dynamics]") {
+TEST_CASE("a start at rest in a singular configuration is rejected", "[unit][dynamics]") {
   Bays bays(2, 0, 0);
   Dynamics dynamics = schur_dynamics(bays.system);
   StepLoop run(dynamics,

@@ -16,22 +16,22 @@ TEST_CASE("sparse solves regular systems of every shape", "[unit][kkt]") {
   check_against_truth(solver, false, 1e-10, 1e-9);
 }
 
-TEST_CASE("sparse takes redundant rows: a exact, lambda smallest in the metric of E", "[unit][kkt]") {
+TEST_CASE("sparse solves redundant constraints: a exact, lambda smallest in the metric of E", "[unit][kkt]") {
   SparseSolver solver;
   check_against_truth(solver, true, 1e-10, 1e-6);
 }
 
-TEST_CASE("sparse: redundant rows do not reach a", "[unit][kkt]") {
+TEST_CASE("sparse: redundant constraints do not affect a", "[unit][kkt]") {
   SparseSolver solver;
   check_redundancy_does_not_reach_a(solver, 1e-11);
 }
 
-TEST_CASE("sparse: redundant reactions do not know the axes of their rows", "[unit][kkt]") {
+TEST_CASE("sparse: redundant reactions do not depend on the axes of their constraints", "[unit][kkt]") {
   SparseSolver solver;
   check_axes_do_not_matter(solver, 1e-6);
 }
 
-TEST_CASE("sparse tells contradictory rows from a singular place", "[unit][kkt]") {
+TEST_CASE("sparse distinguishes contradictory constraints from a singular configuration", "[unit][kkt]") {
   SparseSolver solver;
   check_contradiction(solver);
   check_singular_place(solver);
@@ -42,7 +42,7 @@ TEST_CASE("sparse's detector falls as the square of the way to a singular place"
   check_detector(solver);
 }
 
-TEST_CASE("sparse meets the rule where rows have no scale", "[unit][kkt]") {
+TEST_CASE("sparse meets the rule if constraints have no scale", "[unit][kkt]") {
   SparseSolver solver;
   check_rows_without_scale(solver);
 }
@@ -60,7 +60,7 @@ TEST_CASE("sparse and dense agree", "[unit][kkt]") {
     }
 }
 
-TEST_CASE("sparse corrects at most three times, and not at all where nothing is wrong", "[unit][kkt]") {
+TEST_CASE("sparse corrects at most three times, and never an exact solution", "[unit][kkt]") {
   SparseSolver solver;
   CHECK(solve_once(solver, random_system(6, 1, false)).report.corrections <= 1);  // no rows
   for (int shape = 0; shape < kShapes; ++shape)

@@ -122,7 +122,7 @@ TEST_CASE("a torsion spring is wound from the pose that a body is given", "[unit
   CHECK(run.last("T.angle") == Approx(theta * std::cos(std::sqrt(2.0))));
 }
 
-TEST_CASE("a torsion spring on a driven hinge begins where the law does", "[unit][assembly]") {
+TEST_CASE("a torsion spring on a driven hinge begins at the angle of the law", "[unit][assembly]") {
   const std::string in = formulation();
   const bool assembled = GENERATE(true, false);
   CAPTURE(in, assembled);
@@ -139,7 +139,7 @@ TEST_CASE("a torsion spring on a driven hinge begins where the law does", "[unit
 }
 
 // Two hinges in a row, each at 200 degrees: the tip has turned by 400 against the ground.
-TEST_CASE("what counts the turns of several joints begins at their sum", "[unit][assembly]") {
+TEST_CASE("a coupling that counts several joints begins at their sum", "[unit][assembly]") {
   const std::string in = formulation();
   CAPTURE(in);
   const Table run = history_of(scene_of(
@@ -160,7 +160,7 @@ TEST_CASE("what counts the turns of several joints begins at their sum", "[unit]
 }
 
 // At 1 rad/s the stop, 20 degrees ahead, is met after 0.349 s and sends the bar back.
-TEST_CASE("a stop beyond a full turn is met from the turn that is asked for", "[unit][assembly]") {
+TEST_CASE("a stop beyond a full revolution is met from the requested revolution", "[unit][assembly]") {
   const std::string in = formulation();
   CAPTURE(in);
   const Table run =
@@ -172,7 +172,7 @@ TEST_CASE("a stop beyond a full turn is met from the turn that is asked for", "[
   CHECK(run.last("A.rz") == Approx(400 * kDegree - (1 - 20 * kDegree)));
 }
 
-TEST_CASE("a screw begins where all its turns have brought it", "[unit][assembly]") {
+TEST_CASE("a screw begins at the place of all its revolutions", "[unit][assembly]") {
   const auto [more, turns, rate] = GENERATE(table<std::string, double, double>(
       {{R"("start": {"position": {"rz": "540 deg"}})", 1.5, 0},
        {R"("start": {"position": {"rz": "-900 deg"}})", -2.5, 0},
@@ -193,7 +193,7 @@ TEST_CASE("a screw begins where all its turns have brought it", "[unit][assembly
 }
 
 // theta_A + 2 theta_B = 0.
-TEST_CASE("the other wheel of a gear begins in the turn that the first brings it to", "[unit][assembly]") {
+TEST_CASE("the other wheel of a gear begins in the revolution given by the first", "[unit][assembly]") {
   const std::string start =
       GENERATE(std::string(R"(, "start": {"position": {"rz": "380 deg"}, "velocity": {"rz": 1}})"),
                driven_from(380 * kDegree, 1));
@@ -208,7 +208,7 @@ TEST_CASE("the other wheel of a gear begins in the turn that the first brings it
 }
 
 // theta_B = -N theta_A, however many turns that is.
-TEST_CASE("a wheel that makes many turns for one of the other begins as many turns away", "[unit][assembly]") {
+TEST_CASE("a wheel with many revolutions for one of the other begins as many revolutions away", "[unit][assembly]") {
   const double teeth = GENERATE(3.0, 10.0, 60.0), asked = GENERATE(360.0, -370.0);
   const double ratio = std::stod(std::to_string(1 / teeth));
   CAPTURE(teeth, asked);
@@ -223,7 +223,7 @@ TEST_CASE("a wheel that makes many turns for one of the other begins as many tur
   CHECK(run.last("B.rz") == Approx(-(theta + 0.1) / ratio));
 }
 
-TEST_CASE("a start that is not assembled begins in the turn of its drive, too", "[unit][assembly]") {
+TEST_CASE("a start that is not assembled begins in the revolution of its drive, too", "[unit][assembly]") {
   const std::string text =
       scene_of(bar(R"("drive": {"axis": "rz", "law": {"type": "ramp", "slope": 0, "y0": "720 deg"}})") + kSpring, "");
   Mechanism m = build_mechanism(scene_from_text(text, "driven.json"), builtin_registry());
@@ -244,7 +244,8 @@ TEST_CASE("a start that is not assembled begins in the turn of its drive, too", 
   }
 }
 
-TEST_CASE("an angle that has no number of turns is told, and recorded within half a turn", "[unit][assembly]") {
+TEST_CASE("an angle without a number of revolutions is reported, and recorded within half a revolution",
+          "[unit][assembly]") {
   const std::string spring = GENERATE(
       "", R"(, "forces": [{"name": "T", "type": "torsion_spring_damper", "p": "p", "s": "ground", "at": [0, 0, 0]}])");
   CAPTURE(spring);
@@ -264,7 +265,7 @@ TEST_CASE("an angle that has no number of turns is told, and recorded within hal
 }
 
 // The wheels are driven apart: that is found out in a few iterations, not in as many as the way would take.
-TEST_CASE("wheels that contradict each other are refused at once", "[unit][assembly]") {
+TEST_CASE("wheels that contradict each other are rejected at once", "[unit][assembly]") {
   const std::string text = scene_of(wheels(driven_from(40), driven_from(3), 0.1), R"("g1.x")");
   Mechanism m = build_mechanism(scene_from_text(text, "apart.json"), builtin_registry());
   Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
@@ -279,7 +280,7 @@ TEST_CASE("wheels that contradict each other are refused at once", "[unit][assem
 
 // Given at 170 degrees, held at 185 by its tip: what nobody asked to turn begins within half a turn of zero, whatever else
 // the scene drives.
-TEST_CASE("a spring begins within half a turn of zero beside what is driven", "[unit][assembly]") {
+TEST_CASE("a spring begins within half a revolution of zero next to a driven joint", "[unit][assembly]") {
   const bool beside = GENERATE(false, true);
   CAPTURE(beside);
   const std::string tip = "[-0.99619469809174555, -0.087155742747658166, 0]";  // at 185 degrees
@@ -303,7 +304,7 @@ TEST_CASE("a spring begins within half a turn of zero beside what is driven", "[
 }
 
 // Bodies that may go anywhere come as near as is asked for, with all that is coupled to them.
-TEST_CASE("what is coupled goes along where a start is asked for approximately", "[unit][assembly]") {
+TEST_CASE("coupled joints follow if a start is requested approximately", "[unit][assembly]") {
   const double asked = GENERATE(3.0, 7.0, -7.0, 12.6, 20.0, -33.3);
   const bool free = GENERATE(true, false);
   CAPTURE(asked, free);
@@ -318,7 +319,7 @@ TEST_CASE("what is coupled goes along where a start is asked for approximately",
 }
 
 // A crank turned by a full turn more stands where it stood, and winds its spring by a turn more.
-TEST_CASE("a crank of a loop begins in its turn, with the rest of the loop where it was", "[unit][assembly]") {
+TEST_CASE("a crank of a loop begins in its revolution, with the rest of the loop unchanged", "[unit][assembly]") {
   const auto begun_at = [](const std::string& angle) {
     return history_of(
         scene_of(testing::four_bar({.A = R"(, "start": {"position": {"rz": ")" + angle + R"("}})"}) +
@@ -335,7 +336,7 @@ TEST_CASE("a crank of a loop begins in its turn, with the rest of the loop where
   CHECK(on.first("coupler.center_y") == Approx(near.first("coupler.center_y")));
 }
 
-TEST_CASE("runs in lanes begin in the turn that is asked for", "[unit][scene]") {
+TEST_CASE("vectorised runs begin in the requested revolution", "[unit][scene]") {
   const Registry registry = builtin_registry();
   const Scene scene = scene_from_text(
       scene_of(bar(R"("start": {"position": {"rz": "540 deg"}})") + kSpring, R"("A.rz", "T.angle")", "joint"),
@@ -355,7 +356,7 @@ TEST_CASE("runs in lanes begin in the turn that is asked for", "[unit][scene]") 
 }
 
 // At 180 degrees from the poses given the residual of a drive has no gradient.
-TEST_CASE("a drive may begin half a turn from the poses that bodies are given", "[unit][assembly]") {
+TEST_CASE("a drive may begin half a revolution from the given poses of bodies", "[unit][assembly]") {
   const std::string in = formulation();
   const double asked = GENERATE(180.0, -180.0, 540.0, 900.0);
   CAPTURE(in, asked);
@@ -391,7 +392,7 @@ TEST_CASE("a drive that cannot begin where its law does is named", "[unit][assem
 }
 
 // The hinges of a parallelogram turn along with its crank, which begins a turn away: D's angle is that of A.
-TEST_CASE("angles of the far hinges of a double crank begin in the turn of its drive", "[unit][assembly]") {
+TEST_CASE("angles of the far hinges of a double crank begin in the revolution of its drive", "[unit][assembly]") {
   const double turns = GENERATE(1.0, -1.0, 3.0);
   CAPTURE(turns);
   System s;
@@ -437,7 +438,7 @@ std::string linkage(double ground, double crank, double coupler, double rocker, 
 
 // theta_A + theta_B + theta_C = theta_D with all turns. The far end of a crank and rocker swings, of a drag link turns along.
 // What is recorded changes no position.
-TEST_CASE("every hinge of a loop begins in the turn to which its crank is led", "[unit][assembly]") {
+TEST_CASE("every hinge of a loop begins in the revolution to which its crank is driven", "[unit][assembly]") {
   const bool turns = GENERATE(false, true), driven = GENERATE(false, true);
   const double asked = GENERATE(4.0, -7.0, 18.0);
   CAPTURE(turns, driven, asked);

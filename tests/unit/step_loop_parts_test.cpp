@@ -47,7 +47,7 @@ TEST_CASE("two equal steps rather than a whole one and a sliver", "[unit][dynami
   CHECK(step_within(1.0, 1 - 1e-13, 1e-12) == 1.0);
 }
 
-TEST_CASE("a step cut short says nothing against the longer one advised before", "[unit][dynamics]") {
+TEST_CASE("a step cut short does not reject the longer one advised before", "[unit][dynamics]") {
   CHECK(advised_after(0.1, 0.01, 0.01, 0.05) == 0.1);
   CHECK(advised_after(0.1, 0.01, 0.01, 0.2) == 0.2);
   CHECK(advised_after(0.1, 0.01, 0.005, 0.005) == 0.005);  // rejected on the way

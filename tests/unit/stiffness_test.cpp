@@ -75,7 +75,7 @@ TEST_CASE("an undamped fast oscillation is not called stiff", "[unit][integrator
   CHECK(std::isinf(pulled(method, 1e6, 5, tolerance).stiff_since));  // damped by a 400th
 }
 
-TEST_CASE("what has no damped modes is not called stiff, whatever a method says", "[unit][integrators]") {
+TEST_CASE("a motion without damped modes is not called stiff, with any method", "[unit][integrators]") {
   using Kind = Stabilization::Kind;
   const auto says = [](double damping, Kind kind) {
     return std::isfinite(pulled(std::make_unique<TakesForStiff>(), 1e3, damping, 1e-6, kind).stiff_since);

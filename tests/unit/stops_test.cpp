@@ -38,7 +38,7 @@ std::string refusal(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("scene: stops of every coordinate are joints of their own", "[unit][scene]") {
+TEST_CASE("scene: stops of every coordinate are separate joints", "[unit][scene]") {
   const Mechanism m = made(arm(R"("stops": [{"axis": "rz", "low": "-60 deg", "high": 1, "restitution": 0.8},
                                             {"axis": "x", "high": "20 mm"}, {"axis": "rx", "low": -0.5},
                                             {"axis": "ry", "low": -0.5}])",
@@ -101,7 +101,7 @@ TEST_CASE("scene: friction of a joint, by its own key and by a force that names 
   CHECK(named.system.force("rub").reacting()->reads().front() == &named.system.link("A"));
 }
 
-TEST_CASE("scene: what cannot be is refused at its place", "[unit][scene]") {
+TEST_CASE("scene: impossible stops are rejected at their place", "[unit][scene]") {
   check_words(refusal(arm(R"("unilateral": {})")), {"arm.json", "joint 'A'", "5 constraints", "exactly one"});
   check_words(refusal(arm(R"("unilateral": {"restitution": 2})")), {"joint 'A', unilateral", "restitution", "0", "1"});
   check_words(refusal(arm(R"("stops": [{"axis": "rz"}])")), {"joint 'A', stops[0]", "low", "high"});
@@ -117,7 +117,7 @@ TEST_CASE("scene: what cannot be is refused at its place", "[unit][scene]") {
               {"rub", "unknown joint \"B\""});
 }
 
-TEST_CASE("scene: what would do nothing is refused", "[unit][scene]") {
+TEST_CASE("scene: stops without effect are rejected", "[unit][scene]") {
   check_words(refusal(arm(R"("stops": [{"axis": "x", "high": 1}])")),
               {"joint 'A', stops[0].axis", "constrains x", "free"});
   check_words(refusal(arm(R"("stops": [{"axis": "rx", "high": 1}])")), {"stops[0].axis", "constrains rx"});
@@ -126,7 +126,7 @@ TEST_CASE("scene: what would do nothing is refused", "[unit][scene]") {
               {"force 'F', link", "does not act in a joint"});
 }
 
-TEST_CASE("scene: friction is refused where a law turns the axis away", "[unit][scene]") {
+TEST_CASE("scene: friction is rejected if a law rotates the axis away", "[unit][scene]") {
   check_words(refusal(arm(R"("turn": {"type": "constant", "orientation": {"axis": "x", "angle": 1}},
                              "friction": {"mu": 0.1, "radius": 0.01})")),
               {"'A.friction'", "a law \"turn\"", "free axis"});
@@ -148,7 +148,7 @@ TEST_CASE("scene: who starts on a stop and moves into it bounces", "[unit][scene
 
 // The gears are fast before the stop and slow after it: neither the coupling nor the channel may count on at the speed
 // of before.
-TEST_CASE("scene: counted turns survive an impact", "[unit][scene]") {
+TEST_CASE("scene: counted revolutions survive an impact", "[unit][scene]") {
   for (const double restitution : {0.0, 0.01}) {
     CAPTURE(restitution);
     Mechanism m = made(R"({"lockstep": 1,
@@ -223,7 +223,7 @@ TEST_CASE("scene: a ball in a gap that closes ends the run by counts, and what c
   CHECK(report.steps < 100000);
 }
 
-TEST_CASE("scene: a law that begins against a stop is refused with both names", "[unit][scene]") {
+TEST_CASE("scene: a law that begins against a stop is rejected with both names", "[unit][scene]") {
   Mechanism m = made(arm(R"("stops": [{"axis": "rz", "low": 0, "high": 1}],
                             "drive": {"axis": "rz", "law": {"type": "ramp", "slope": -1}})"));
   Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>());

@@ -52,7 +52,7 @@ struct Runs {
 
 }  // namespace
 
-TEST_CASE("lanes record what single runs record, from start to end", "[unit][scene]") {
+TEST_CASE("vectorised runs record the same as single runs, from start to end", "[unit][scene]") {
   Runs group(scene_text(kRun), "bodies.bob.sphere.mass=0.5:4:8");
   std::vector<Table> histories(8);
   const std::vector<SweepRun> lanes = group.lanes(&histories);
@@ -77,7 +77,7 @@ TEST_CASE("lanes record what single runs record, from start to end", "[unit][sce
   CHECK(std::abs(lanes[0].columns[0].last - lanes[7].columns[0].last) > 1e-3);  // the runs do differ
 }
 
-TEST_CASE("what lanes cannot is said, what one run cannot is left to it", "[unit][scene]") {
+TEST_CASE("types that cannot be vectorised are reported, errors of one run are left to it", "[unit][scene]") {
   const auto why = [](const std::string& text) {
     Runs group(text, "bodies.bob.sphere.mass=1,2,3");
     CHECK(group.lanes().empty());
@@ -115,7 +115,7 @@ const std::string kFreeWheels = R"("links": [
 
 }  // namespace
 
-TEST_CASE("angles count their turns in lanes", "[unit][scene]") {
+TEST_CASE("angles count their revolutions in vectorised runs", "[unit][scene]") {
   const std::string pushed = kFreeWheels + R"("forces": [{"name": "push", "type": "applied_torque", "p": "rim",
     "at": [0,0,0], "direction": "z", "law": {"type": "sine", "amplitude": 0.9, "omega": 2}}],)";  // 20 rad/s^2 sin(2 t)
   Runs group(wheels_text(pushed, R"("record": ["A.rz", "B.rz", "hub.angle_z"])"), "parameters.speed=10:45:8");
@@ -137,7 +137,7 @@ TEST_CASE("angles count their turns in lanes", "[unit][scene]") {
   }
 }
 
-TEST_CASE("runs in lanes have verdicts on their energy where no law does work", "[unit][scene]") {
+TEST_CASE("vectorised runs have verdicts on their energy if no law does work", "[unit][scene]") {
   const std::string record = R"("record": ["A.rz", "energy.dissipated", "energy.balance"])";
   const std::string damped = kFreeWheels + R"("forces": [{"name": "brake", "type": "torsion_spring_damper", "p": "hub",
     "s": "rim", "at": [0,0,0], "stiffness": 3, "damping": 0.05}],)";
@@ -184,7 +184,7 @@ TEST_CASE("runs in lanes have verdicts on their energy where no law does work", 
   }
 }
 
-TEST_CASE("lanes can be broken off", "[unit][scene]") {
+TEST_CASE("vectorised runs can be interrupted", "[unit][scene]") {
   Runs group(scene_text(kRun), "bodies.bob.sphere.mass=1,2,3");
   const std::vector<SweepRun> lanes =
       sweep_lanes(group.scenes, group.registry, group.columns, [](double t) { return t < 0.5; });
@@ -192,7 +192,7 @@ TEST_CASE("lanes can be broken off", "[unit][scene]") {
   CHECK(lanes.front().broken_off);
 }
 
-TEST_CASE("lanes keep to what ends a run: too many steps, too short ones, a start that is open", "[unit][scene]") {
+TEST_CASE("vectorised runs obey the same limits: too many steps, too short ones, an open start", "[unit][scene]") {
   const auto compared = [](const std::string& text, const std::string& vary, std::size_t n_failed,
                            std::initializer_list<const char*> words) {
     Runs group(text, vary);

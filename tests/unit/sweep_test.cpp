@@ -75,7 +75,7 @@ TEST_CASE("pendulums of several lengths reach their lowest point after a quarter
   }
 }
 
-TEST_CASE("a run that fails is a row with its reason, the others stay", "[unit][scene]") {
+TEST_CASE("a run that fails is a line with its reason, the others stay", "[unit][scene]") {
   const Swept sweep(kPendulum, {"bodies.bob.particle=1,-1,2"});
   CHECK(sweep_header(sweep.variables, sweep.columns) ==
         "run,bodies.bob.particle [kg],t final [s],bob.x final [m],bob.x min [m],bob.x max [m],"
@@ -88,7 +88,7 @@ TEST_CASE("a run that fails is a row with its reason, the others stay", "[unit][
   CHECK(sweep.run(1).t == Approx(sweep.run(3).t).epsilon(1e-9));  // the period knows no mass
 }
 
-TEST_CASE("the row of a run says whether it failed, was wrong, and how it ended", "[unit][scene]") {
+TEST_CASE("the line of a run reports whether it failed, was wrong, and how it ended", "[unit][scene]") {
   SweepRun run;
   run.status = "ok";
   CHECK(run.outcome() == "ok");
@@ -103,7 +103,7 @@ TEST_CASE("the row of a run says whether it failed, was wrong, and how it ended"
   CHECK(run.outcome() == "failed: no way on");
 }
 
-TEST_CASE("whether a run was wrong is read back from its outcome, whatever else it says", "[unit][scene]") {
+TEST_CASE("a wrong run is read back from its outcome, with any other words in it", "[unit][scene]") {
   for (const std::string status : {"ok", "stopped by 'landed'", "stopped by 'wrong; it was'"})
     for (const long passed : {0l, 1l, 3l})
       for (const bool wrong : {false, true}) {
@@ -139,7 +139,7 @@ TEST_CASE("a run that fails on its way keeps its steps and its history", "[unit]
   CHECK(history.last("t") == Approx(1));
 }
 
-TEST_CASE("other columns, no end and no rows are failures or gaps, not numbers", "[unit][scene]") {
+TEST_CASE("other columns, no end and no output are failures or gaps, not numbers", "[unit][scene]") {
   const Registry registry = builtin_registry();
   const char* const kBob = R"({"lockstep": 1, "bodies": [{"name": "bob", "particle": 1}], "run": {)";
   const auto scene = [&](const std::string& run) { return scene_from_text(kBob + run + "}}", "bob.json"); };

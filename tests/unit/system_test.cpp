@@ -73,7 +73,7 @@ class OtherCounting final : public Counting {
 
 }  // namespace
 
-TEST_CASE("a name is given once, whatever it names", "[unit][system]") {
+TEST_CASE("a name is given once, for objects of all kinds", "[unit][system]") {
   System system;
   Body& b = system.add_body("crank", kMass);
   const auto refused = [&](auto&& act) { return message_of<ModelError>(act); };
@@ -109,7 +109,7 @@ TEST_CASE("every one of many names is known, and taken", "[unit][system]") {
   check_words(message_of<ModelError>([&] { moved.body("hinge7"); }), {"hinge7"});  // a link
 }
 
-TEST_CASE("a body that was named anew is found by its name, and its old one is free", "[unit][system]") {
+TEST_CASE("a renamed body is found by its name, and its old name is free", "[unit][system]") {
   System system;
   Body& b = system.add_body("crank", kMass);
   b.name = "lever";
@@ -119,7 +119,7 @@ TEST_CASE("a body that was named anew is found by its name, and its old one is f
   CHECK(&system.body("crank") == &other);
 }
 
-TEST_CASE("rows of like joints are stored once, those of others are their own", "[unit][system]") {
+TEST_CASE("constraint blocks of equal joints are stored once, others separately", "[unit][system]") {
   System system;
   Body &a = system.add_body("a", kMass), &b = system.add_body("b", kMass);
   Lock& first = system.add<Revolute>("first", a, system.ground(), pose_at(Vec3::Zero()));
@@ -134,7 +134,7 @@ TEST_CASE("rows of like joints are stored once, those of others are their own", 
   CHECK(&first.row(0) == &second.row(0));
 }
 
-TEST_CASE("names that are none are refused with the nearest", "[unit][system]") {
+TEST_CASE("unknown names are rejected with the nearest", "[unit][system]") {
   System system;
   Body& b = system.add_body("crank", kMass);
   system.add<Revolute>("hinge", b, system.ground(), pose_at(Vec3::Zero()));
@@ -147,7 +147,7 @@ TEST_CASE("names that are none are refused with the nearest", "[unit][system]") 
   CHECK(system.marker("hinge.P").body == &b);
 }
 
-TEST_CASE("poses that are none are refused", "[unit][system]") {
+TEST_CASE("impossible poses are rejected", "[unit][system]") {
   System system;
   const auto refused = [&](const Pose& pose) {
     return message_of<ModelError>([&] { system.add_body("b", kMass, pose); });
@@ -160,7 +160,7 @@ TEST_CASE("poses that are none are refused", "[unit][system]") {
   CHECK(says(message_of<ModelError>([] { pose_at(Vec3::Zero(), Vec3(0, 0, 0)); }), {"zero", "give a direction"}));
 }
 
-TEST_CASE("at puts z where it is told, right-handed", "[unit][system]") {
+TEST_CASE("at puts z along its argument, right-handed", "[unit][system]") {
   for (const Vec3& z : {Vec3(0, 0, 1), Vec3(0, 0, -2), Vec3(1, 0, 0), Vec3(-3, 1e-9, 0), Vec3(0.3, -0.5, 0.1)}) {
     const Pose p = pose_at(Vec3(1, 2, 3), z);
     CHECK((rotation(p.q).col(2) - z.normalized()).norm() < 1e-14);
@@ -170,7 +170,7 @@ TEST_CASE("at puts z where it is told, right-handed", "[unit][system]") {
   CHECK((rotation(pose_at(Vec3::Zero(), Vec3(0, 0, 5)).q) - Mat3::Identity()).norm() < 1e-14);
 }
 
-TEST_CASE("set-up counts slots and unknowns, and does so once", "[unit][system]") {
+TEST_CASE("setup counts rigid groups and unknowns, and does so once", "[unit][system]") {
   System system;
   Body& a = system.add_body("a", kMass, {Vec3(1, 0, 0), axis_angle(Vec3(1, 1, 0), 0.6)});
   Body& wall = system.add_fixed("wall", {Vec3(0, 1, 0), axis_angle(Vec3(0, 0, 1), 0.4)});
@@ -280,7 +280,7 @@ TEST_CASE("links of one kind are gathered by one call", "[unit][system]") {
   CHECK(Counting::n_calls == 0);
 }
 
-TEST_CASE("a joint that starts out of force has no rows", "[unit][system]") {
+TEST_CASE("a joint that starts inactive has no constraints", "[unit][system]") {
   System system;
   Body& a = system.add_body("a", kMass);
   system.add<Revolute>("hinge", a, system.ground(), pose_at(Vec3::Zero())).set_active_at_start(false);
@@ -325,7 +325,7 @@ TEST_CASE("a second gather asks for no memory", "[unit][system]") {
   CHECK(table.n_rows == 13);
 }
 
-TEST_CASE("markers and joints of another system are refused by name", "[unit][system]") {
+TEST_CASE("markers and joints of another system are rejected by name", "[unit][system]") {
   System other;
   Body& stranger = other.add_body("stranger", kMass);
   Marker& theirs = other.add_marker("theirs", stranger);
@@ -352,7 +352,7 @@ TEST_CASE("markers and joints of another system are refused by name", "[unit][sy
   }
 }
 
-TEST_CASE("a moment on a particle is refused by name", "[unit][system]") {
+TEST_CASE("a moment on a particle is rejected by name", "[unit][system]") {
   System system;
   Body& bead = system.add_particle("bead", 1, {1, 0, 0});
   Marker& p = system.add_marker("p", bead);
@@ -370,7 +370,7 @@ TEST_CASE("a moment on a particle is refused by name", "[unit][system]") {
   CHECK(says(said, {twists ? "0.5 N m on body 'bead'" : ""}));
 }
 
-TEST_CASE("a start velocity that is no number is refused by the name of its body", "[unit][system]") {
+TEST_CASE("a start velocity that is no number is rejected by the name of its body", "[unit][system]") {
   for (const bool turns : {false, true})
     for (const double bad : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
       System system;
@@ -380,7 +380,7 @@ TEST_CASE("a start velocity that is no number is refused by the name of its body
     }
 }
 
-TEST_CASE("a row without a gradient at the start is named", "[unit][system]") {
+TEST_CASE("a constraint without a gradient at the start is named", "[unit][system]") {
   System system;  // Counting's rows say nothing of their bodies
   Body& body = system.add_body("body", kMass);
   system.add<Counting>("flat", system.add_marker("p", body), system.add_marker("s", system.ground()));

@@ -41,7 +41,7 @@ std::string failure(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("a table finds columns by name and tells their change", "[unit][record]") {
+TEST_CASE("a table finds columns by name and detects their change", "[unit][record]") {
   const Table table = three_rows();
   CHECK(table.n_rows() == 3);
   CHECK(table["t"] == std::vector<double>{0.0, 0.1, 0.2});
@@ -53,7 +53,7 @@ TEST_CASE("a table finds columns by name and tells their change", "[unit][record
   check_words(message_of<ModelError>([&] { table.column("bx "); }), {"did you mean \"Bx\"?"});
 }
 
-TEST_CASE("a table refuses what would make it ambiguous", "[unit][record]") {
+TEST_CASE("a table rejects ambiguous columns", "[unit][record]") {
   Table table = three_rows();
   check_words(message_of<ModelError>([&] { table.add_column("late"); }), {"too late"});
   Table fresh;
@@ -136,7 +136,7 @@ TEST_CASE("a unit of nothing in a CSV header is none, and what is written of it 
   CHECK(back.column("n").unit == "m");
 }
 
-TEST_CASE("CSV faults are told with file and line", "[unit][record]") {
+TEST_CASE("CSV faults are reported with file and line", "[unit][record]") {
   check_words(failure("t,a\n0,1\n1,two\n"), {"x.csv:3", "\"a\"", "\"two\""});
   check_words(failure("t,a\n0,1\n1\n"), {"x.csv:3", "1 cells", "2 columns"});
   check_words(failure("t,a\n0,1e999\n"), {"x.csv:2", "1e999"});

@@ -21,7 +21,7 @@ void write(TangentSum& sum) {
 
 }  // namespace
 
-TEST_CASE("TangentSum adds by pairs of slots and knows no ground", "[unit][kkt]") {
+TEST_CASE("TangentSum adds by pairs of bodies and ignores the ground", "[unit][kkt]") {
   TangentSum sum;
   sum.lay_out(3);
   write(sum);
@@ -34,7 +34,7 @@ TEST_CASE("TangentSum adds by pairs of slots and knows no ground", "[unit][kkt]"
   }
 }
 
-TEST_CASE("TangentSum keeps its pattern, and tells when it grows", "[unit][kkt]") {
+TEST_CASE("TangentSum keeps its pattern, and reports its growth", "[unit][kkt]") {
   TangentSum sum;
   sum.lay_out(3);
   write(sum);
@@ -53,7 +53,7 @@ TEST_CASE("TangentSum keeps its pattern, and tells when it grows", "[unit][kkt]"
   CHECK(sum.pairs().size() == 5);
 }
 
-TEST_CASE("Differences move one unknown of a slot", "[unit][kkt]") {
+TEST_CASE("Differences move one unknown of a body", "[unit][kkt]") {
   Motion O;
   O.e = axis_angle(Vec3(0.3, -0.8, 0.5), 1.1), O.A = rotation(O.e);
   const double h = 1e-3;

@@ -16,7 +16,7 @@ namespace {
 const std::vector<std::string> kNames{"revolute", "prismatic", "spherical", "fixed"};
 }
 
-TEST_CASE("the closest name is found whatever the case", "[unit][support]") {
+TEST_CASE("the closest name is found for upper and lower case", "[unit][support]") {
   CHECK(text::closest_name("revolut", kNames) == "revolute");
   CHECK(text::closest_name("Prismatc", kNames) == "prismatic");
   CHECK(text::closest_name("sphercial", kNames) == "spherical");

@@ -63,7 +63,7 @@ void check_rows(const Table& table, std::size_t n = 11) {
 
 }  // namespace
 
-TEST_CASE("a channel that throws once costs no row, wherever it is", "[unit][record]") {
+TEST_CASE("a channel that throws once loses no output, wherever it is", "[unit][record]") {
   const auto method = GENERATE(as<std::string>(), "rk4", "dopri5", "radau5", "generalized_alpha");
   for (const double at : {0.1, 0.5, 1.0}) {
     CAPTURE(method, at);
@@ -103,7 +103,7 @@ TEST_CASE("a channel that throws always ends every run at its instant, by name",
   CHECK(run.before.outputs == run.recorder.table()["t"]);
 }
 
-TEST_CASE("a force that throws at any of its calls costs no row and doubles none", "[unit][record]") {
+TEST_CASE("a force that throws at any of its calls loses no output and doubles none", "[unit][record]") {
   const auto method = GENERATE(as<std::string>(), "rk4", "dopri5", "radau5", "generalized_alpha");
   const bool adaptive = method == "dopri5" || method == "radau5";
   System system({.gravity = {0, -9.81, 0}});
@@ -139,7 +139,7 @@ TEST_CASE("a force that throws at any of its calls costs no row and doubles none
   CHECK(thrown > calls / 2);
 }
 
-TEST_CASE("rows at a jump are made again too", "[unit][record]") {
+TEST_CASE("outputs at a jump are made again too", "[unit][record]") {
   Throw run;
   int calls = 0, fails_at = GENERATE(0, 1);
   std::vector<double> speeds;
@@ -160,7 +160,7 @@ TEST_CASE("rows at a jump are made again too", "[unit][record]") {
   check_rows(run.recorder.table());
 }
 
-TEST_CASE("a recorder that fails outside of a run is not told twice in it", "[unit][record]") {
+TEST_CASE("a recorder that fails outside of a run is not called twice in it", "[unit][record]") {
   Throw run;
   bool armed = false;
   int tracked = 0;

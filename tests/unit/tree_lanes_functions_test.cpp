@@ -70,7 +70,7 @@ std::unique_ptr<System> shaken(int k) {
 
 }  // namespace
 
-TEST_CASE("in lanes rows of functions and of moving markers are those of the links", "[unit][copies]") {
+TEST_CASE("vectorised constraints of functions and of moving markers are those of the joints", "[unit][copies]") {
   const auto check = [](Family family) {
     const RateDifferences worst = differences(family, 1e-4, anywhere);
     CHECK(worst.n >= static_cast<int>(family.systems.size()) - 1);
@@ -101,7 +101,7 @@ TEST_CASE("in lanes rows of functions and of moving markers are those of the lin
   }
 }
 
-TEST_CASE("copies with functions run in lanes as they run alone", "[unit][copies]") {
+TEST_CASE("instances with functions run vectorised as they run alone", "[unit][copies]") {
   const auto method = GENERATE(as<std::string>{}, "dop853", "dopri5", "rk4");
   const bool gears = GENERATE(false, true);
   CAPTURE(method, gears);
@@ -111,7 +111,7 @@ TEST_CASE("copies with functions run in lanes as they run alone", "[unit][copies
 }
 
 // J1 + J2/4 = 2: at 20 rad/s a moment of 20000 cos(20 t) N m makes 25 rad of each half swing. See counted_turns_test.
-TEST_CASE("in lanes the turns of a gear are counted however many a step makes", "[unit][copies]") {
+TEST_CASE("vectorised gears count all revolutions of a step", "[unit][copies]") {
   Family family(8, [](int k) { return shaken(k); });
   CopiesOptions options;
   options.formulation = Formulation::joint, options.integrator = "dop853", options.tolerance = {1e-1, 1e-9};

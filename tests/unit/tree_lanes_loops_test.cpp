@@ -50,7 +50,7 @@ std::unique_ptr<System> driven_four_bar(int k, int driven, double other = 0.3) {
 
 // A ring of six bodies and the ground, all of whose joints hold the same: as many rows as they have freedoms, or less. Where
 // they hold all turns, one of them leaves the turns.
-TEST_CASE("in lanes loops accelerate as alone: every mask, either way round", "[unit][copies]") {
+TEST_CASE("vectorised loops accelerate as alone: every mask, in both directions", "[unit][copies]") {
   int taken = 0, compared = 0;
   for (int mask = 1; mask < 63; ++mask)
     for (const bool reversed : {false, true}) {
@@ -76,7 +76,7 @@ TEST_CASE("in lanes loops accelerate as alone: every mask, either way round", "[
   CHECK(compared > 7 * taken);
 }
 
-TEST_CASE("in lanes loops accelerate as alone: in a plane, askew, driven, crossing", "[unit][copies]") {
+TEST_CASE("vectorised loops accelerate as alone: in a plane, askew, driven, crossing", "[unit][copies]") {
   const auto check = [](Family family) {
     const RateDifferences worst = differences(family, 1e-4, consistent);
     CHECK(worst.n == static_cast<int>(family.systems.size()));
@@ -152,7 +152,7 @@ std::unique_ptr<System> bead(int k) {
 
 }  // namespace
 
-TEST_CASE("in lanes loops are projected as alone", "[unit][copies]") {
+TEST_CASE("vectorised loops are projected as alone", "[unit][copies]") {
   const auto make = GENERATE(
       as<std::function<std::unique_ptr<System>(int)>>{}, [](int k) { return ladder(2, k); },
       [](int k) { return askew_ladder(2, k); }, bead);
@@ -195,7 +195,7 @@ TEST_CASE("in lanes loops are projected as alone", "[unit][copies]") {
   }
 }
 
-TEST_CASE("copies with loops run in lanes as they run alone", "[unit][copies]") {
+TEST_CASE("instances with loops run vectorised as they run alone", "[unit][copies]") {
   const auto method = GENERATE(as<std::string>{}, "dop853", "dopri5", "rk4");
   const auto what = GENERATE(as<std::string>{}, "row", "askew", "driven");
   CAPTURE(method, what);
@@ -206,7 +206,7 @@ TEST_CASE("copies with loops run in lanes as they run alone", "[unit][copies]") 
   check_lanes_against_alone(family, method, 0.6, {.q = 1e-9, .v = 1e-8, .violation = 1e-10});
 }
 
-TEST_CASE("a copy whose loops contradict is told by name, the others go on", "[unit][copies]") {
+TEST_CASE("an instance with contradictory loops is reported by name, the others continue", "[unit][copies]") {
   Family family(8, [](int k) { return driven_four_bar(k, 2, k == 2 ? 0.2 : 0.3); });
   std::vector<State> starts = family.starts();
   for (std::size_t k = 0; k < 8; ++k)
@@ -222,7 +222,7 @@ TEST_CASE("a copy whose loops contradict is told by name, the others go on", "[u
   check_words(ends.reports[2].error, {"the start", "foot"});
 }
 
-TEST_CASE("pivots of loops in lanes are those of any plane", "[unit][copies]") {
+TEST_CASE("pivots of vectorised loops are those of any plane", "[unit][copies]") {
   std::vector<double> smallest;
   for (const Vec3& axis : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 1)}) {  // the normal is y, z, x
     const Quat turn = axis.isZero() ? Quat() : axis_angle(axis, kPi / 2);
@@ -243,7 +243,7 @@ TEST_CASE("pivots of loops in lanes are those of any plane", "[unit][copies]") {
   CHECK(smallest[0] < 1);
 }
 
-TEST_CASE("loops that are not laid out alike are refused", "[unit][copies]") {
+TEST_CASE("loops of different layout are rejected", "[unit][copies]") {
   Family family(2, [](int k) { return k == 0 ? ladder(1, 0) : askew_ladder(1, 0); });
   CopiesOptions options;
   options.formulation = Formulation::joint;

@@ -75,7 +75,7 @@ std::unique_ptr<System> two_pendulums(int k, double from, bool throws) {
 
 }  // namespace
 
-TEST_CASE("copies in lanes cross a jump of velocity as a single run does", "[unit][copies]") {
+TEST_CASE("vectorised instances cross a jump of velocity as a single run does", "[unit][copies]") {
   const auto method = GENERATE(as<std::string>{}, "dop853", "dopri5", "rk4");
   CAPTURE(method);
   const double step = method == "rk4" ? 1e-3 : 0;
@@ -101,7 +101,7 @@ TEST_CASE("copies in lanes cross a jump of velocity as a single run does", "[uni
 }
 
 // Laws of pieces count an instant as the jump that is within a rounding of it: the step before has to end earlier.
-TEST_CASE("copies in lanes cross the jumps of laws of pieces", "[unit][copies]") {
+TEST_CASE("vectorised instances cross the jumps of piecewise laws", "[unit][copies]") {
   const double at = GENERATE(0.3, 0.25, 0.7);
   const LawPtr<MotionLaw> law = laws::sequence({{at, laws::constant(0)}, {2, laws::ramp(2)}});
   Family family(5, [&](int k) { return cart(k, law); });
@@ -120,7 +120,7 @@ TEST_CASE("copies in lanes cross the jumps of laws of pieces", "[unit][copies]")
   }
 }
 
-TEST_CASE("who follows copies sees every step of theirs, and jumps", "[unit][copies]") {
+TEST_CASE("an observer of instances sees every step of theirs, and jumps", "[unit][copies]") {
   for (const bool in_lanes : {true, false}) {
     Family family(5, [](int k) { return cart(k); });
     CopiesOptions options;
@@ -162,7 +162,8 @@ TEST_CASE("who follows copies sees every step of theirs, and jumps", "[unit][cop
   }
 }
 
-TEST_CASE("what the caller's functions throw leaves a run of copies as it is, in lanes and alone", "[unit][copies]") {
+TEST_CASE("exceptions of the caller's functions leave a run of instances unchanged, vectorised and alone",
+          "[unit][copies]") {
   for (const bool in_lanes : {true, false}) {
     Family family(3, [](int k) { return cart(k); });
     CopiesOptions options;
@@ -221,7 +222,7 @@ std::unique_ptr<System> crane(int k) {
 
 }  // namespace
 
-TEST_CASE("copies whose markers move by laws run in lanes as they run alone", "[unit][copies]") {
+TEST_CASE("instances with markers moved by laws run vectorised as they run alone", "[unit][copies]") {
   const auto method = GENERATE(as<std::string>{}, "dop853", "dopri5", "rk4");
   CAPTURE(method);
   const double step = method == "rk4" ? 1e-3 : 0;
@@ -245,7 +246,8 @@ TEST_CASE("copies whose markers move by laws run in lanes as they run alone", "[
   CHECK(largest(lanes.states[0].q - lanes.states[4].q) > 1e-2);  // they are not all the same
 }
 
-TEST_CASE("a copy whose force throws or is no number is told by name, the others go on", "[unit][copies]") {
+TEST_CASE("an instance with a force that throws or is no number is reported by name, the others continue",
+          "[unit][copies]") {
   const bool throws = GENERATE(false, true);
   const auto method = GENERATE(as<std::string>{}, "dop853", "rk4");
   CAPTURE(throws, method);

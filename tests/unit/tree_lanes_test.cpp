@@ -50,7 +50,9 @@ double difference(Family& family, double away, Instructions set = Instructions::
     own.t = t[k], own.q = states[k].q, own.v = states[k].v;
     StateRate truth, found = sized_like(own);
     dynamics.rates(own, truth);
-    batch->get(static_cast<int>(k), rate.data(), found);
+    State as_state = own;
+    batch->get(static_cast<int>(k), rate.data(), as_state);
+    found.q = as_state.q, found.v = as_state.v, found.s = as_state.s;
     for (const auto part : {&StateRate::q, &StateRate::v, &StateRate::s})
       keep_worst(worst, largest(found.*part - truth.*part) / std::max(1.0, largest(truth.*part)));
     keep_worst(worst, std::abs(batch->largest_a(k) - truth.largest_a) / std::max(1.0, truth.largest_a));
@@ -61,7 +63,7 @@ double difference(Family& family, double away, Instructions set = Instructions::
 
 }  // namespace
 
-TEST_CASE("in lanes a tree accelerates as alone: every mask, either way round", "[unit][copies]") {
+TEST_CASE("a vectorised tree accelerates as alone: every mask, in both directions", "[unit][copies]") {
   int taken = 0;
   for (int mask = 1; mask < 64; ++mask)
     for (const bool reversed : {false, true}) {
@@ -82,7 +84,8 @@ TEST_CASE("in lanes a tree accelerates as alone: every mask, either way round", 
   CHECK(taken == 2 * 62);
 }
 
-TEST_CASE("in lanes markers that move on their bodies carry as alone: every mask, either way round", "[unit][copies]") {
+TEST_CASE("vectorised markers that move on their bodies carry as alone: every mask, in both directions",
+          "[unit][copies]") {
   constexpr unsigned kMarkers = oracle::kUP | oracle::kQP | oracle::kUS | oracle::kQS;
   int taken = 0;
   for (int mask = 1; mask < 63; ++mask) {
@@ -104,7 +107,7 @@ TEST_CASE("in lanes markers that move on their bodies carry as alone: every mask
   CHECK(taken == 38 * 3 * 2);
 }
 
-TEST_CASE("in lanes markers that move on their bodies carry as alone: branches, drives, forces", "[unit][copies]") {
+TEST_CASE("vectorised markers that move on their bodies carry as alone: branches, drives, forces", "[unit][copies]") {
   Family family = random_family(6, [](inputs::RandomMechanism& m) {
     m.link(0, -1, Mask::xyz, oracle::kQS);
     m.link(0, 1, Mask::xyz | Mask::e1 | Mask::e2, oracle::kUP | oracle::kUS);
@@ -119,7 +122,7 @@ TEST_CASE("in lanes markers that move on their bodies carry as alone: branches, 
   CHECK(difference(family, 0.4) < 1e-12);
 }
 
-TEST_CASE("in lanes a tree accelerates as alone: branches, free bodies, particles", "[unit][copies]") {
+TEST_CASE("a vectorised tree accelerates as alone: branches, free bodies, particles", "[unit][copies]") {
   Family family = random_family(
       6,
       [](inputs::RandomMechanism& m) {
@@ -138,7 +141,7 @@ TEST_CASE("in lanes a tree accelerates as alone: branches, free bodies, particle
   }
 }
 
-TEST_CASE("in lanes a tree accelerates as alone: in a planar mechanism", "[unit][copies]") {
+TEST_CASE("a vectorised tree accelerates as alone: in a planar mechanism", "[unit][copies]") {
   Family family(4, [](int k) {
     auto sys = chain(4, k);
     sys->set_gravity(Vec3(0.1 * k, 0, -9.81));
@@ -152,14 +155,14 @@ TEST_CASE("in lanes a tree accelerates as alone: in a planar mechanism", "[unit]
   CHECK(difference(family, 0.4) < 1e-12);
 }
 
-TEST_CASE("in lanes a tree accelerates as alone: one copy in a plane, the others askew", "[unit][copies]") {
+TEST_CASE("a vectorised tree accelerates as alone: one instance in a plane, the others askew", "[unit][copies]") {
   Family askew(8, [](int k) { return chain(3, k, 0.2 * k); });
   CHECK(difference(askew, 0.4) < 1e-12);
   Family one_turned(8, [](int k) { return chain(3, k, k == 1 ? 0.3 : 0.0); });
   CHECK(difference(one_turned, 0.4) < 1e-12);
 }
 
-TEST_CASE("in lanes a tree accelerates as alone: laws, drives, forces", "[unit][copies]") {
+TEST_CASE("a vectorised tree accelerates as alone: laws, drives, forces", "[unit][copies]") {
   SECTION("imposed laws and drives, either way round") {
     Family family = random_family(5, [](inputs::RandomMechanism& m) {
       m.link(0, -1, Mask::all, oracle::kP | oracle::kQD);
@@ -185,7 +188,7 @@ TEST_CASE("in lanes a tree accelerates as alone: laws, drives, forces", "[unit][
   }
 }
 
-TEST_CASE("errors of steps in lanes are those of ErrorNorm", "[unit][copies]") {
+TEST_CASE("errors of vectorised steps are those of ErrorNorm", "[unit][copies]") {
   Family family = random_family(8, [](inputs::RandomMechanism& m) {
     m.link(0, -1, Mask::xyz);
     m.link(1, 0, Mask::xyz | Mask::e1 | Mask::e2);
@@ -201,7 +204,6 @@ TEST_CASE("errors of steps in lanes are those of ErrorNorm", "[unit][copies]") {
   CopiesOptions options;
   options.formulation = Formulation::joint;
   const auto batch = std::make_unique<lanes::Batch>(systems, 0, options);
-  REQUIRE(batch->weighs_errors());
   Aligned<double> y0(batch->n_numbers()), y1 = y0, error = y0;
   lanes::Numbers8 t{}, t1{}, h{};
   std::vector<State> from, to;
@@ -257,7 +259,8 @@ TEST_CASE("trees by plain x86-64, FMA and AVX-512 agree", "[unit][copies]") {
   CHECK(compared >= 1);
 }
 
-TEST_CASE("lanes have joint coordinates alone, but for bodies that lose digits there", "[unit][copies]") {
+TEST_CASE("vectorised batches have joint coordinates alone, except for bodies that lose digits there",
+          "[unit][copies]") {
   const Family family(1, [](int k) { return chain(2, k); });
   for (const Formulation other : {Formulation::omega, Formulation::quaternion})
     check_words(Copies::unsuited(*family.systems[0], other), {"a batch needs joint coordinates"});

@@ -26,7 +26,7 @@ struct Case {
 
 }  // namespace
 
-TEST_CASE("texts with a unit are turned into SI", "[unit][model]") {
+TEST_CASE("texts with a unit are converted to SI", "[unit][model]") {
   const Case cases[] = {{"12 mm", Unit::length, 0.012},
                         {"12mm", Unit::length, 0.012},
                         {" 1.5e2  cm ", Unit::length, 1.5},
@@ -167,7 +167,7 @@ TEST_CASE("every unit understands its own SI symbol and its own example", "[unit
   }
 }
 
-TEST_CASE("a unit of another dimension is refused by both names", "[unit][model]") {
+TEST_CASE("a unit of another dimension is rejected by both names", "[unit][model]") {
   check_words(read_quantity("30 deg", Unit::length).problem,
               {"\"30 deg\" is an angle", "a length is expected", "12 mm"});
   check_words(read_quantity("10 Hz", Unit::angular_speed).problem, {"is a frequency", "an angular speed", "1200 rpm"});
@@ -184,7 +184,7 @@ TEST_CASE("a unit of another dimension is refused by both names", "[unit][model]
         CHECK_FALSE(read_quantity("1 " + si_unit(static_cast<Unit>(k)), static_cast<Unit>(l)).problem.empty());
 }
 
-TEST_CASE("what cannot be read is refused with the text and what to write", "[unit][model]") {
+TEST_CASE("an unreadable value is rejected with the text and the right form", "[unit][model]") {
   check_words(read_quantity("3 mmm", Unit::length).problem,
               {"\"3 mmm\"", "unknown unit \"mmm\"", "did you mean \"mm\""});
   check_words(read_quantity("3 m/s2", Unit::acceleration).problem, {"unknown unit \"s2\"", "did you mean \"s^2\"?"});

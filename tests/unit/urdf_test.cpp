@@ -137,7 +137,7 @@ TEST_CASE("limits, colours and the first link of a robot in URDF", "[unit][scene
   CHECK(freedoms(read_urdf(heavy, "arms.urdf", true)) == 3);
 }
 
-TEST_CASE("what is wrong with a robot in URDF is named", "[unit][scene]") {
+TEST_CASE("errors of a robot in URDF are named", "[unit][scene]") {
   const auto said = [](const std::string& text) {
     return message_of<SceneError>([&] { read_urdf(text, "arms.urdf", false); });
   };
@@ -166,7 +166,7 @@ TEST_CASE("what is wrong with a robot in URDF is named", "[unit][scene]") {
       read_urdf(replaced(kArms, "<child link=\"tip\"/>", "<child link=\"tip\"/><axis xyz=\"0 0 0\"/>"), "a", false));
 }
 
-TEST_CASE("a robot that is no tree, or has sizes that cannot be, is refused by name", "[unit][scene]") {
+TEST_CASE("a robot that is no tree, or has impossible sizes, is rejected by name", "[unit][scene]") {
   const auto robot = [](const std::string& visual, const std::string& mass, const std::string& joints) {
     return message_of<SceneError>([&] {
       read_urdf("<robot name='r'><link name='a'/><link name='b'>" + visual + "<inertial><mass value='" + mass +
@@ -194,7 +194,7 @@ TEST_CASE("a robot that is no tree, or has sizes that cannot be, is refused by n
               {"link 'b': it has a mass and no <inertia>", "give it one"});
 }
 
-TEST_CASE("what links of a robot look like goes with their bodies", "[unit][scene]") {
+TEST_CASE("shapes of a robot's parts move with their bodies", "[unit][scene]") {
   // The tip has no mass: its sphere moves with the lower arm or the load, which are one. The world has a box.
   std::string text =
       replaced(kArms, "<link name=\"world\"/>",
@@ -243,7 +243,7 @@ TEST_CASE("what links of a robot look like goes with their bodies", "[unit][scen
   CHECK((shown - expected).norm() < 1e-12);
 }
 
-TEST_CASE("the mesh files of a robot are found beside it and in its package", "[unit][scene]") {
+TEST_CASE("the mesh files of a robot are found next to it and in its package", "[unit][scene]") {
   namespace fs = std::filesystem;
   const fs::path root = fs::temp_directory_path() / ("lockstep_urdf_" + std::to_string(::getpid()));
   for (const char* folder : {"arms/urdf", "arms/meshes", "other/meshes"}) fs::create_directories(root / folder);

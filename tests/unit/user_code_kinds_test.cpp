@@ -210,7 +210,7 @@ std::exception_ptr nested_in(const Error& error) {
 
 }  // namespace
 
-TEST_CASE("what code of any kind throws tells kind, name and time, and is nested", "[unit][dynamics]") {
+TEST_CASE("exceptions of code of any kind have kind, name and time, and are nested", "[unit][dynamics]") {
   for (const Told& told : kTold)
     for (const Thrown& thrown : all_thrown()) {
       CAPTURE(told.where, thrown.what);
@@ -238,7 +238,7 @@ TEST_CASE("what code of any kind throws tells kind, name and time, and is nested
     }
 }
 
-TEST_CASE("a lack of memory in code of any kind is told as it is", "[unit][dynamics]") {
+TEST_CASE("a lack of memory in code of any kind is reported as it is", "[unit][dynamics]") {
   for (const Told& told : kTold) {
     CAPTURE(told.where);
     CHECK_THROWS_AS(run({told.where, [] { throw std::bad_alloc(); }}), std::bad_alloc);
@@ -263,7 +263,7 @@ TEST_CASE("an error class of the host's own keeps its type, with name and time",
   }
 }
 
-TEST_CASE("what a force throws while an observer asks for it has the force's name alone", "[unit][dynamics]") {
+TEST_CASE("an exception of a force during an observer's request has the force's name alone", "[unit][dynamics]") {
   System system;
   Body& bob = system.add_particle("bob", 1, Vec3::Zero());
   Marker& p = system.add_marker("p", bob);

@@ -49,7 +49,7 @@ struct Thrower final : Observer {
 
 }  // namespace
 
-TEST_CASE("what a force throws has its name, whichever call of whichever method it is", "[unit][dynamics]") {
+TEST_CASE("an exception of a force has its name, in every call of every method", "[unit][dynamics]") {
   const Registry registry = builtin_registry();
   for (const std::string& method : registry.integrators.names()) {
     long n_named = 0, n = 0;
@@ -138,7 +138,7 @@ State end_of_loop(bool by_force, long call, long& n, int& errors) {
 
 }  // namespace
 
-TEST_CASE("what a force or a law throws in the joint coordinates of a loop leaves the run where it was",
+TEST_CASE("an exception of a force or a law in the joint coordinates of a loop leaves the run unchanged",
           "[unit][dynamics]") {
   const bool by_force = GENERATE(true, false);
   long calls = 0, n = 0;
@@ -159,7 +159,7 @@ TEST_CASE("what a force or a law throws in the joint coordinates of a loop leave
   CHECK(seen > 20);
 }
 
-TEST_CASE("what a force throws where it is asked again has its name too", "[unit][dynamics]") {
+TEST_CASE("an exception of a force in a repeated call has its name too", "[unit][dynamics]") {
   // A first call that is wrong in some way, and a second one, to find out whose fault that is, which throws.
   struct Wrong {
     const char* what;
@@ -213,7 +213,7 @@ TEST_CASE("what a force throws where it is asked again has its name too", "[unit
   check_words(message_of<UserCodeError>([&] { power.value(sample); }), {"force 'pull'", "int"});
 }
 
-TEST_CASE("what an observer throws has a name, and the run goes on as if it had not", "[unit][dynamics]") {
+TEST_CASE("an exception of an observer has a name, and the run continues as without it", "[unit][dynamics]") {
   const auto [where, from] = GENERATE(table<std::string, double>({{"start", 0.0},
                                                                   {"jumped", 0.0},
                                                                   {"step", 0.1},
@@ -289,7 +289,7 @@ struct Looker final : DetailObserver {
 
 }  // namespace
 
-TEST_CASE("what an observer throws before a jump has a name, and nobody is told of the jump twice",
+TEST_CASE("an exception of an observer before a jump has a name, and no observer receives the jump twice",
           "[unit][dynamics]") {
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);
@@ -357,7 +357,7 @@ TEST_CASE("user code may neither run the loop nor set its time", "[unit][dynamic
   CHECK(run.state().t <= 0.5);
 }
 
-TEST_CASE("what an integrated state or a channel of the user's own throws has a name", "[unit][dynamics]") {
+TEST_CASE("an exception of a custom integrated state or channel has a name", "[unit][dynamics]") {
   struct Failing final : Auxiliary {
     Failing() : Auxiliary("controller") {}
     int size() const override { return 1; }

@@ -7,7 +7,7 @@ namespace value_test {
 
 using namespace lockstep;
 
-TEST_CASE("a value says what it is", "[unit][model]") {
+TEST_CASE("a value reports its kind", "[unit][model]") {
   CHECK(Value().kind() == "null");
   CHECK(Value(true).kind() == "true");
   CHECK(Value(false).kind() == "false");

@@ -42,6 +42,8 @@ TEST_CASE("a range meets both ends and lies evenly between", "[unit][scene]") {
   CHECK(numbers(read("gravity.1 = 0.1 : 0.5 : 5")) == std::vector<double>{0.1, 0.2, 0.3, 0.4, 0.5});
   CHECK(numbers(read("gravity.1=-1e308:1e308:3")) == std::vector<double>{-1e308, 0, 1e308});
   CHECK(numbers(read("gravity.1=5:1:2")) == std::vector<double>{5, 1});
+  CHECK(numbers(read("bodies.bob.particle=1:1e3:4:log")) == std::vector<double>{1, 10, 100, 1000});
+  CHECK(numbers(read("bodies.bob.position.0=1mm:0.1m:3:log")) == std::vector<double>{0.001, 0.01, 0.1});
   const Variable length = read("bodies.bob.position.0=200 mm:1 m:3");
   CHECK(numbers(length) == std::vector<double>{0.2, 0.6, 1});
   CHECK(length.unit == "m");
@@ -61,7 +63,7 @@ TEST_CASE("a list takes numbers, units, words, true and false", "[unit][scene]")
   CHECK(read("links.A.drive.law.amplitude=10 mm,0.2 m").unit == "m");  // of any dimension, but of one
 }
 
-TEST_CASE("values that cannot stand at their place are refused", "[unit][scene]") {
+TEST_CASE("values that are impossible at their place are rejected", "[unit][scene]") {
   const Read read;
   check_words(read.refusal("bodies.bob.particle=1 mm"), {"bodies.bob.particle", "is a length; here a mass is expected"});
   check_words(read.refusal("bodies.bob.particle=heavy"), {"bodies.bob.particle", "heavy"});
@@ -72,6 +74,7 @@ TEST_CASE("values that cannot stand at their place are refused", "[unit][scene]"
   check_words(read.refusal("=1"), {"expected NAME=a:b:n"});
   check_words(read.refusal("bodies.bob.particle=1:5"), {"expected a:b:n"});
   check_words(read.refusal("bodies.bob.particle=1:5:2:3"), {"expected a:b:n"});
+  check_words(read.refusal("bodies.bob.particle=0:5:2:log"), {"a and b above 0"});
   for (const char* n : {"1", "0", "-3", "2.5", "x", "1000001"})
     check_words(read.refusal(std::string("bodies.bob.particle=1:5:") + n), {"an integer from 2 to 1000000"});
   check_words(read.refusal("bodies.bob.particle=1:500 g:3"), {"has a unit, the other has none"});
@@ -84,7 +87,7 @@ TEST_CASE("values that cannot stand at their place are refused", "[unit][scene]"
   check_words(read.refusal("bodies.bob.particel=1"), {"did you mean \"bodies.bob.particle\"?"});
 }
 
-TEST_CASE("the same place does not vary twice, by whatever path", "[unit][scene]") {
+TEST_CASE("the same place does not vary twice, by any path", "[unit][scene]") {
   const Read read;
   const auto twice = [&](const char* a, const char* b) {
     return message_of<ModelError>([&] { read_variables({a, b}, read.scene, read.registry); });
@@ -111,7 +114,7 @@ TEST_CASE("the varied scene has the values, the first one is as before", "[unit]
   CHECK(read.scene.root.find("run")->find("tolerance") == nullptr);
 }
 
-TEST_CASE("a value that cannot be is refused with the place of what it replaced", "[unit][scene]") {
+TEST_CASE("an impossible value is rejected with the place of the replaced one", "[unit][scene]") {
   const Read read;
   const std::vector<Variable> all = read_variables({"bodies.bob.particle=-1"}, read.scene, read.registry);
   const Scene scene = vary_scene(read.scene, all, {0}, read.registry);

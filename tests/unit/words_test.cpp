@@ -46,7 +46,7 @@ TEST_CASE("every key, form and unit of a scene is described", "[unit][scene]") {
   CHECK(describe_word(registry, "stifness").empty());
 }
 
-TEST_CASE("the examples in the description of a form can be read where it stands", "[unit][scene]") {
+TEST_CASE("the examples in the description of a form are readable", "[unit][scene]") {
   const Registry registry = builtin_registry();
   const std::string body = R"({"name": "b", "mass": 1, "inertia": [1, 1, 1])",
                     hinge = R"({"name": "A", "type": "revolute", "p": "b", "s": "ground", "at": [0, 0, 0])";

@@ -168,7 +168,7 @@ TEST_CASE("a failure is a result with its reason", "[unit][work_precision]") {
                     [](const std::string& line) { return line.find("frozen: too cold") != std::string::npos; }));
 }
 
-TEST_CASE("what a mechanism is not made for is left out with the reason", "[unit][work_precision]") {
+TEST_CASE("methods that a mechanism does not support are left out with the reason", "[unit][work_precision]") {
   class Unsuited final : public Integrator {
    public:
     IntegratorInfo info() const override { return {"unsuited", 1, false, false, 1}; }
@@ -184,7 +184,7 @@ TEST_CASE("what a mechanism is not made for is left out with the reason", "[unit
   for (const WorkPrecisionRun& run : result.runs) CHECK(run.integrator == "rk4");
 }
 
-TEST_CASE("a key without effect is no method of its own", "[unit][work_precision]") {
+TEST_CASE("a key without effect does not make a separate method", "[unit][work_precision]") {
   WorkPrecisionOptions options = quick_options();
   options.integrators = {choice<Dopri5>("dopri5"), choice<Dopri5>("dopri5:key=other"), choice<Dop853>("dop853")};
   const WorkPrecision result = work_precision({.make = swinging, .length = 1.0, .outputs = 5}, options);
@@ -290,7 +290,7 @@ TEST_CASE("the budget is kept by work", "[unit][work_precision]") {
 
 // A method that is a hundred times as dear as the others, of which there are many forms: it has its first hits before
 // their forms are tried, and only half of the budget goes into that.
-TEST_CASE("every integrator has its first hits before forms have their turn", "[unit][work_precision]") {
+TEST_CASE("every integrator has its first results before variants are measured", "[unit][work_precision]") {
   long n_steps = 0;
   struct Dear final : public Integrator {
     Dear(long* n, long cost) : n_(n), cost_(cost) {}
@@ -364,7 +364,7 @@ TEST_CASE("a reference that cannot be made is an error", "[unit][work_precision]
       {"a chart of 0 s", "a length > 0"});
 }
 
-TEST_CASE("where one reference fails the next is taken", "[unit][work_precision]") {
+TEST_CASE("if one reference fails the next is used", "[unit][work_precision]") {
   WorkPrecisionOptions options = quick_options();
   options.integrators = {choice<Rk4>("rk4")};
   options.references.insert(options.references.begin(), {"frozen", [] { return std::make_unique<Frozen>(1e9, true); }});

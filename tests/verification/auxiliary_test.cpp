@@ -96,7 +96,7 @@ TEST_CASE("a user's own state is integrated with the mechanism and closes a loop
 
 // Either hinge could carry all of the weight. Half a turn about the rod's axis swaps them and turns the weight over:
 // the smallest reactions are halves.
-TEST_CASE("an own state reads the smallest reactions of redundant rows, in joint coordinates too",
+TEST_CASE("a custom state reads the smallest reactions of redundant constraints, in joint coordinates too",
           "[verification][system][joint]") {
   const Formulation formulation = GENERATE(Formulation::joint, Formulation::omega);
   CAPTURE(to_string(formulation));

@@ -32,7 +32,7 @@ TEST_CASE("without a coarser run, or with one that was cut short, a cost is an u
   CHECK_FALSE(cheapest_of({line(0.2, 0, 0, "exception: no"), line(0.1, 1, 1e-4)}, 1e-3, &Line::error)->bound);
 }
 
-TEST_CASE("a lucky hit does not count", "[verification][bench]") {
+TEST_CASE("an accidental agreement does not count", "[verification][bench]") {
   const std::vector<Line> runs = {line(0.1, 1, 1e-4), line(0.05, 2, 5e-3), line(0.025, 4, 1.9e-3),
                                   line(0.0125, 8, 1e-4)};
   CHECK(cheapest_of(runs, 1e-3, &Line::error)->cpu == 8);

@@ -46,7 +46,7 @@ TEST_CASE("bench scenes on file are what their generator writes", "[verification
   CHECK(n_files == 7);
 }
 
-TEST_CASE("bench scenes start where the mechanisms do", "[verification][bench]") {
+TEST_CASE("benchmark scenes start in the same poses as the mechanisms", "[verification][bench]") {
   const Registry registry = builtin_registry();
   for (const peers::Mechanism& m : peers::all_mechanisms()) {
     if (peers::n_bodies(m) > 100) continue;

@@ -109,7 +109,7 @@ TEST_CASE("a differential shares torque and speed", "[verification][joints]") {
 }
 
 // Load, drum and large pulley, small pulley: m + J_large/r^2 + J_small (R/(r1))^2/r^2 seen from the load.
-TEST_CASE("a belt hoist falls as its equivalent mass says", "[verification][joints]") {
+TEST_CASE("a belt hoist falls with its equivalent mass", "[verification][joints]") {
   const char* solver = GENERATE("schur", "block");
   const Table t = run_of("belt", [&](RunSettings& r) { r.solver = {solver}; }).table;
   const double m = 3, r = 0.08, r1 = 0.1, r2 = 0.25, J1 = 0.5 * 1.5 * r1 * r1, J2 = 0.5 * 6 * r2 * r2;
@@ -212,7 +212,7 @@ TEST_CASE("a follower of a circle is a pendulum, on any start and in the plane",
 }
 
 // Parabola y = x^2/2, ellipse: m (c'.c') s'' + m c'.c'' s'^2 = -m g c_y'.
-TEST_CASE("a bead on a wire in a plane moves as its one equation says", "[verification][joints]") {
+TEST_CASE("a bead on a wire in a plane satisfies its single equation of motion", "[verification][joints]") {
   struct Wire {
     const char* name;
     LawPtr<TranslationLaw> path;
@@ -330,7 +330,7 @@ TEST_CASE("a flat face on an eccentric circle moves as a sine", "[verification][
 }
 
 // Splined profiles: every sample against a search along the profile; whatever integrates it.
-TEST_CASE("followers of splined cams stand where a search finds them", "[verification][joints]") {
+TEST_CASE("followers of splined cams agree with a search", "[verification][joints]") {
   struct Way {
     const char* integrator;
     double step, limit;

@@ -203,7 +203,7 @@ void check_ways(const std::vector<std::string>& files, const std::vector<Way>& w
 
 }  // namespace
 
-TEST_CASE("a run that goes on from any step of a sample equals the one not interrupted, with every integrator") {
+TEST_CASE("a run resumed after any step of a sample equals the uninterrupted one, with every integrator") {
   std::vector<Way> ways;
   for (const char* integrator :
        {"dopri5", "dop853", "dop853:stages=manifold", "dopri5:fixed=true", "rk4", "semi_implicit_euler", "radau5",
@@ -212,7 +212,7 @@ TEST_CASE("a run that goes on from any step of a sample equals the one not inter
   check_ways(sample_files(), ways, 0.04, 1, 300);
 }
 
-TEST_CASE("a run that goes on equals the one not interrupted, with every solver, formulation and stabilisation") {
+TEST_CASE("a resumed run equals the uninterrupted one, with every solver, formulation and stabilisation") {
   std::vector<Way> ways;
   for (const char* solver : {"dense", "sparse", "block"})
     for (const char* formulation : {"omega", "quaternion"})
@@ -228,7 +228,7 @@ TEST_CASE("a run that goes on equals the one not interrupted, with every solver,
   check_ways(files, ways, 0.02, 1, 150);
 }
 
-TEST_CASE("a run that goes on across events and impacts equals the one that was not interrupted") {
+TEST_CASE("a run resumed across events and impacts equals the uninterrupted one") {
   std::vector<Way> ways;
   for (const char* integrator : {"dopri5", "dop853", "rk4", "radau5", "generalized_alpha"})
     ways.push_back({.integrator = integrator});
@@ -241,7 +241,7 @@ TEST_CASE("a run that goes on across events and impacts equals the one that was 
 }
 
 // Rows of four hinges on parallel axes are redundant in space, and all that the watch knows of them is its solver's.
-TEST_CASE("a watch for singular positions goes on with what its solver has learned") {
+TEST_CASE("a resumed monitor of singular configurations keeps the state of its solver") {
   Scene scene = read_scene(std::string(paths::kSource) + "/samples/scenes/overconstrained/four_bar.json");
   scene.run.integrator = {"rk4"}, scene.run.until = 1, scene.run.step = 0.005, scene.run.output = 0.1;
   const auto learned = [](const SingularWatch& watch) {

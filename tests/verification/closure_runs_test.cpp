@@ -25,7 +25,7 @@ using namespace lockstep;
 using loops::joint_dynamics, loops::row_of_four_bars;
 using testing::largest;
 
-TEST_CASE("a loop that its closing joint drives moves in joint coordinates as in omega, also by Baumgarte's terms",
+TEST_CASE("a loop with a driven closing joint moves in joint coordinates as in omega, with Baumgarte stabilisation too",
           "[verification][joint]") {
   const auto run = [](Formulation formulation, Stabilization::Kind kind, Plane plane, double& work, double& drift) {
     System s({.gravity = Vec3(0, -9.81, 0)});
@@ -186,7 +186,7 @@ TEST_CASE("a look aside leaves nothing behind in joint coordinates either", "[ve
   CHECK(watched_q == q);
 }
 
-TEST_CASE("ten flat positions are passed in joint coordinates as in omega", "[verification][joint]") {
+TEST_CASE("ten singular configurations are passed in joint coordinates as in omega", "[verification][joint]") {
   const auto run = [&](Formulation formulation) {
     return run_scene(scene_path("nfourbar_2"), [&](RunSettings& s) {
       s.integrator = {"dop853"}, s.tolerance = {1e-9, 1e-9}, s.formulation = formulation;

@@ -220,7 +220,7 @@ TEST_CASE("projections in joint coordinates are those of omega", "[verification]
   CHECK(checked > 20);
 }
 
-TEST_CASE("redundant rows that differ off the constraints are left so, contradictions are named",
+TEST_CASE("redundant constraints that differ off the manifold are kept so, contradictions are named",
           "[verification][joint]") {
   // Sarrus' linkage: three of ten rows are redundant where hinges are parallel, which a step along the rates is off by 1e-7.
   Scene scene = read_scene(std::string(paths::kSource) + "/samples/scenes/overconstrained/sarrus_three.json");
@@ -258,7 +258,7 @@ TEST_CASE("redundant rows that differ off the constraints are left so, contradic
   testing::check_words(testing::message_of<SolveError>([&] { two.rates(shut, rate); }), {"contradicts the others"});
 }
 
-TEST_CASE("auto takes loops along joints where counts say that it costs less", "[verification][joint]") {
+TEST_CASE("auto uses joint coordinates in loops if operation counts are lower", "[verification][joint]") {
   const auto why = [](const std::string& file, bool reads) {
     Mechanism m = build_mechanism(in_space(read_scene(file)), builtin_registry());
     struct Reader final : Auxiliary {
@@ -300,7 +300,7 @@ System lying_four_bar(Last&& last) {
 
 }  // namespace
 
-TEST_CASE("rows normal to the plane of a tree are left out of what closes its loops", "[verification][joint]") {
+TEST_CASE("constraints normal to the plane of a tree are removed from its loop closures", "[verification][joint]") {
   const auto rows = [](System& s) {
     s.setup();
     return lay_out_tree(s, s.start().modes, Taken::all).closures.n_rows;
@@ -341,7 +341,7 @@ TEST_CASE("rows normal to the plane of a tree are left out of what closes its lo
   CHECK(rows(high) == 5);
 }
 
-TEST_CASE("few closures are open at a time in ladders and in rows of four-bars", "[verification][joint]") {
+TEST_CASE("few closures are open at a time in ladders and in chains of four-bars", "[verification][joint]") {
   for (const auto& [n, plane] : {std::pair(5, -1), {60, -1}, {5, 2}, {60, 2}}) {
     CAPTURE(n, plane);
     System row = row_of_four_bars(n), up = ladder(n);

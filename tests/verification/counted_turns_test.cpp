@@ -58,7 +58,8 @@ Dynamics along_joints(System& system) {
 
 }  // namespace
 
-TEST_CASE("links that count turns run along joints as in omega, in far fewer steps", "[verification][joint]") {
+TEST_CASE("joints with counted revolutions use joint coordinates as omega, in far fewer steps",
+          "[verification][joint]") {
   const auto scene = GENERATE(as<std::string>{}, "gear_train", "differential", "belt");
   CAPTURE(scene);
   const auto run = [&](Formulation formulation) {
@@ -73,7 +74,7 @@ TEST_CASE("links that count turns run along joints as in omega, in far fewer ste
 }
 
 // J1 + J2/4 = 2: w = 500 sin(20 t) rad/s, 25 rad in each half swing; a step of dop853 sees most of one at this tolerance.
-TEST_CASE("a wheel that swings many turns within a step or two is counted right", "[verification][joint]") {
+TEST_CASE("a wheel with many revolutions in one or two steps is counted correctly", "[verification][joint]") {
   for (const double relative : {1e-1, 1e-3, 1e-6}) {
     CAPTURE(relative);
     Wheels wheels;
@@ -115,7 +116,8 @@ class Runup final : public Force {
 
 // Two wheels on one axis, each on a hinge of the ground, speed up alike: 60 t^2 rad/s. A third is geared to the turn of one
 // against the other, a pair that no joint has: it is the difference of their angles and stays 0, however long the steps.
-TEST_CASE("the turn of two turning bodies in the plane is the difference of theirs", "[verification][joint]") {
+TEST_CASE("the relative rotation of two bodies in the plane is the difference of their angles",
+          "[verification][joint]") {
   System system;
   system.set_planar(Plane{2});
   const Pose axis = pose_at(Vec3::Zero());
@@ -146,7 +148,7 @@ TEST_CASE("the turn of two turning bodies in the plane is the difference of thei
 }
 
 // The steps are far too long for the moment, and the motion is not that of the equations; but it is one motion.
-TEST_CASE("fixed steps of many turns count the turns that they make", "[verification][joint]") {
+TEST_CASE("fixed steps of many revolutions count all of them", "[verification][joint]") {
   Wheels wheels;
   wheels.system.add(std::make_unique<Shaker>(2 * 500.0 * 20.0, 20.0));
   Dynamics dynamics = along_joints(wheels.system);
@@ -166,7 +168,8 @@ TEST_CASE("fixed steps of many turns count the turns that they make", "[verifica
   CHECK(most > kTwoPi);
 }
 
-TEST_CASE("links that keep a memory stay in omega, by name, but not those that count turns", "[verification][joint]") {
+TEST_CASE("joints with memory remain in omega, by name, except those with counted revolutions",
+          "[verification][joint]") {
   const auto why = [](System& system) { return along_joints(system).why_not_joint(system.start().modes); };
   Wheels plain, driven(true);
   plain.system.setup(), driven.system.setup();

@@ -51,7 +51,7 @@ double off(const Table& t, const char* column, F&& f) {
 }  // namespace
 
 // Willis: sun, one planet and the arm, the ring on the ground: w_sun = (1 + zr/zs) w_arm, w_planet = (1 - zr/zp) w_arm.
-TEST_CASE("a planetary gear turns about an arm that turns", "[verification][joints]") {
+TEST_CASE("a planetary gear rotates about a rotating arm", "[verification][joints]") {
   const bool merged = GENERATE(false, true), planar = GENERATE(false, true);
   CAPTURE(merged, planar);
   const double zs = 24, zp = 18, zr = 60, Js = 2e-3, Jp = 5e-4, Ja = 4e-3, m = 0.4, R = 0.1, T = 0.8;
@@ -94,7 +94,7 @@ TEST_CASE("a planetary gear turns about an arm that turns", "[verification][join
 }
 
 // Events are looked for inside of steps and the state is taken back to them; a jerk makes steps be rejected.
-TEST_CASE("turns are counted once through events and rejected steps", "[verification][joints]") {
+TEST_CASE("revolutions are counted once through events and rejected steps", "[verification][joints]") {
   const double lead = 0.05, J = 1e-3, m = 0.5;
   const auto torque = laws::law([](auto t) { return 0.2 * sin(4.0 * t) + 0.5 * exp(-400.0 * (t - 1.0) * (t - 1.0)); });
   System system;
@@ -132,7 +132,7 @@ TEST_CASE("turns are counted once through events and rejected steps", "[verifica
 }
 
 // 500 rad/s by steps of 5 rad, the first one too; these methods turn a body by an exponential.
-TEST_CASE("turns are counted from the first step on, however long", "[verification][joints]") {
+TEST_CASE("revolutions are counted from the first step on, also in long steps", "[verification][joints]") {
   const char* method = GENERATE("rattle2", "generalized_alpha", "semi_implicit_euler");
   CAPTURE(method);
   const double lead = 0.1, w = 500;

@@ -152,7 +152,7 @@ SimulationReport sidesteps(double aside, AuditLimits limits) {
 
 }  // namespace
 
-TEST_CASE("a host is told of an integrator of its own that leaves the constraints", "[verification][defects]") {
+TEST_CASE("a host receives the finding of a custom integrator that leaves the constraints", "[verification][defects]") {
   const SimulationReport off = sidesteps(1, {});
   CHECK(off.largest_violation == Approx(1).epsilon(1e-12));
   REQUIRE(off.findings.size() == 1);  // once, though it stays there for four steps more
@@ -165,7 +165,7 @@ TEST_CASE("a host is told of an integrator of its own that leaves the constraint
   CHECK(sidesteps(1e-4, {.violation = 1e-5}).findings.size() == 1);
 }
 
-TEST_CASE("not_conserved: energy that is lost is wrong, whatever the method", "[verification][defects]") {
+TEST_CASE("not_conserved: lost energy is wrong, with every method", "[verification][defects]") {
   const std::string file = scene_file("not_conserved", R"("gravity": [0, -9.81, 0],
     "bodies": [{"name": "a", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}},
                {"name": "b", "rod": {"mass": 1, "from": [1, 0, 0], "to": [2, 0, 0]}}],
@@ -190,7 +190,7 @@ TEST_CASE("not_conserved: energy that is lost is wrong, whatever the method", "[
 }
 
 // 7 N for 2e-5 s on 2 kg: 7e-5 m/s, by constant rates between the jumps.
-TEST_CASE("pulse: a force by a formula of time ends steps where it jumps", "[verification][defects]") {
+TEST_CASE("pulse: a force by a formula of time ends steps at its jumps", "[verification][defects]") {
   const std::string file = scene_file("pulse", R"x("bodies": [{"name": "b", "particle": 2}],
     "links": [{"name": "G", "type": "point_on_line", "p": "b", "s": "ground", "at": [0, 0, 0], "axis": "x"}],
     "forces": [{"name": "f", "type": "function_force", "link": "G", "coordinate": "z",
@@ -376,7 +376,7 @@ TEST_CASE("no_gradient: check ends as run does", "[verification][defects]") {
   CHECK(call("check " + scene_file("mast", kMast)).exit == 0);
 }
 
-TEST_CASE("kinematics_energy: a column that is integrated is refused where nothing runs", "[verification][defects]") {
+TEST_CASE("kinematics_energy: an integrated column is rejected if nothing is integrated", "[verification][defects]") {
   const std::string file = scene_file("kinematics_energy", R"("gravity": [0, -9.81, 0],
     "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
     "links": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0],
@@ -389,7 +389,7 @@ TEST_CASE("kinematics_energy: a column that is integrated is refused where nothi
 }
 
 // One of the recorded instants lies in a singular position.
-TEST_CASE("a sweep's row doubts what a run by itself doubts", "[verification][defects]") {
+TEST_CASE("a sweep reports the same doubts as a single run", "[verification][defects]") {
   const std::string file = paths::kSource + std::string("/tests/verification/defects/start_in_change_point.json");
   Scene scene = read_scene(file);
   scene.run.record = {{"A.force_on_p_link_x", "pull"}};
@@ -410,7 +410,7 @@ TEST_CASE("a sweep's row doubts what a run by itself doubts", "[verification][de
 }
 
 // At this tolerance rounding leaves more beside the flat position, by itself and in lanes, which the copies leave there.
-TEST_CASE("copies that left the lanes say which tolerance they did not reach", "[verification][defects]") {
+TEST_CASE("instances that left the batch report the tolerance that they did not reach", "[verification][defects]") {
   Scene scene = read_scene(paths::kSource + std::string("/tests/verification/scenes/parallelogram.json"));
   scene.run.tolerance.relative = 3e-16, scene.run.tolerance.atol_x = 1e-18, scene.run.until = 2.7;
   const Registry& registry = builtin_registry();

@@ -56,7 +56,7 @@ TEST_CASE("a speed law is integrated: angle, speed and torque in closed form", "
         }) < 1e-8);
 }
 
-TEST_CASE("a driven speed begins where the mechanism is", "[verification][drives]") {
+TEST_CASE("a driven speed begins at the present coordinate of the mechanism", "[verification][drives]") {
   System sys;
   Body& wheel = sys.add_body("wheel", flywheel(), Pose{{0, 0, 0}, axis_angle(Vec3::UnitZ(), 0.7)});
   Marker& P = sys.add_marker("P", wheel);
@@ -78,7 +78,7 @@ TEST_CASE("a linear actuator on a prismatic joint holds m (a + g)", "[verificati
         1e-12);  // the joint itself does not push along z
 }
 
-TEST_CASE("a trajectory leads a point and leaves its turns free, the full motion leads both",
+TEST_CASE("a trajectory leads a point and leaves its rotation free, the full motion leads both",
           "[verification][drives]") {
   const auto path = laws::translation([](auto t) { return std::array{0.3 * sin(2.0 * t), 0.2 * t * t, 0.1 * cos(t) - 0.1}; });
   SECTION("trajectory") {
@@ -145,7 +145,7 @@ TEST_CASE("a start may ask for the speed of a joint's free coordinate", "[verifi
                        {"A.rz", "D.rz", "are incompatible"});
 }
 
-TEST_CASE("a start velocity that no motion has is refused, whether the joints hold it or nearly so",
+TEST_CASE("a start velocity that no motion has is rejected, for exact and nearly redundant joints",
           "[verification][drives]") {
   const double tilt = GENERATE(0.001, 0.3);  // of a slide out of the plane of a trammel
   System sys;
@@ -165,7 +165,8 @@ TEST_CASE("a start velocity that no motion has is refused, whether the joints ho
                        {"start velocity: P1.z is impossible: the joints do not allow this motion"});
 }
 
-TEST_CASE("a speed drive that comes into force begins where the mechanism is", "[verification][drives]") {
+TEST_CASE("a speed drive that becomes active begins at the present coordinate of the mechanism",
+          "[verification][drives]") {
   System sys;
   Body& wheel = sys.add_body("wheel", flywheel());
   wheel.start.w = {0, 0, 2.0};

@@ -191,7 +191,7 @@ TEST_CASE("free bodies and particles: three formulations, one motion", "[verific
   }
 }
 
-TEST_CASE("Baumgarte's terms act alike in both formulations", "[verification][dynamics]") {
+TEST_CASE("Baumgarte stabilisation acts alike in both formulations", "[verification][dynamics]") {
   Stabilization s;
   s.kind = Stabilization::Kind::baumgarte, s.alpha = 7, s.beta = 11;
   for (std::uint64_t seed = 81; seed <= 84; ++seed) {
@@ -224,7 +224,7 @@ TEST_CASE("Baumgarte's terms act alike in both formulations", "[verification][dy
   }
 }
 
-TEST_CASE("redundant rows: both formulations share one set of multipliers", "[verification][dynamics]") {
+TEST_CASE("redundant constraints: both formulations share one set of multipliers", "[verification][dynamics]") {
   // a plane four-bar of four revolutes at rest: 20 rows, rank 17
   RandomMechanism m(91);
   const Pose p0 = pose_at(Vec3(0, 0, 0)), p1 = pose_at(Vec3(0, 1, 0)), p2 = pose_at(Vec3(1.5, 1.6, 0)), p3 = pose_at(Vec3(2, 0, 0));
@@ -245,7 +245,7 @@ TEST_CASE("redundant rows: both formulations share one set of multipliers", "[ve
   CHECK(apart(quaternion.lambda, omega.lambda) < kTolerance);
 }
 
-TEST_CASE("the 7-column rows of the library are Jh G: the raw rows of the paper but for e q'",
+TEST_CASE("the 7-column Jacobian of the library is Jh G: the raw one of the paper except for e q'",
           "[verification][dynamics]") {
   for (std::uint64_t seed = 101; seed <= 106; ++seed) {
     CAPTURE(seed);

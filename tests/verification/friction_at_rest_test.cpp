@@ -39,7 +39,7 @@ EquilibriumReport rest(System& system, const EquilibriumOptions& options = {}) {
 
 }  // namespace
 
-TEST_CASE("friction holds a block on a slope up to tan(alpha) = mu, and says what it carries",
+TEST_CASE("friction holds a block on a slope up to tan(alpha) = mu, and its load is reported",
           "[verification][statics][friction]") {
   for (const double mu : {0.1, 0.5, 1.2})
     for (const bool guided : {true, false})
@@ -117,8 +117,7 @@ TEST_CASE("friction at rest has the coefficient of rest, the preload and the sha
 
 // A footstep bearing: a disc on a vertical axis rests on a collar of radius r_a and leans against a journal of radius r. Its
 // weight is the axial load, a push P through the axis the radial one: a torque turns it beyond mu_s (r P + r_a m g).
-TEST_CASE("the limit of a bearing counts its axial load at the radius where that rubs",
-          "[verification][statics][friction]") {
+TEST_CASE("the limit of a bearing counts its axial load at the friction radius", "[verification][statics][friction]") {
   const double mu = 0.1, mu_s = 0.15, mass = 4;
   struct Bearing {
     double r, r_a, push;
@@ -152,7 +151,7 @@ TEST_CASE("the limit of a bearing counts its axial load at the radius where that
 
 // A load on an arm presses a clamp to its column by a moment, which friction turns into a grip: any load holds beyond the
 // arm b/mu, and none within it.
-TEST_CASE("a clamp jams on its column beyond the arm b/mu, whatever the load", "[verification][statics][friction]") {
+TEST_CASE("a clamp jams on its column beyond the arm b/mu, for every load", "[verification][statics][friction]") {
   const double mu = 0.25, b = 0.1;
   for (const double mass : {0.01, 1.0, 1e4})
     for (const double arm : {0.99 * b / mu, 1.01 * b / mu}) {
@@ -201,7 +200,7 @@ TEST_CASE("friction in several places is shared as far as the limits allow", "[v
   }
 }
 
-TEST_CASE("what friction does not grip is judged by itself, and equilibria without friction are found on request",
+TEST_CASE("joints that do not stick are judged separately, and equilibria without friction are found on request",
           "[verification][statics][friction]") {
   // A block that friction holds carries a pendulum, which hangs or stands.
   for (const bool hangs : {true, false}) {
@@ -232,7 +231,7 @@ TEST_CASE("what friction does not grip is judged by itself, and equilibria witho
 }
 
 // Friction could carry both blocks; but the lid above the first is a row that takes its load before friction does.
-TEST_CASE("friction that could hold the start is not taken where a one-sided joint would have to pull",
+TEST_CASE("friction that could hold the start is not used if a one-sided joint would have to pull",
           "[verification][statics][friction]") {
   constexpr double mass = 2, stiffness = 1000;
   System system({.gravity = {0, -kG, 0}});

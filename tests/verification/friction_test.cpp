@@ -86,7 +86,7 @@ double largest(const Table& table, const std::string& column) {
 }  // namespace
 
 // v' = -mu g tanh(v/v0):  sinh(v/v0) = sinh(V/v0) exp(-mu g t/v0), and dx = -v dv/(mu g tanh(v/v0)).
-TEST_CASE("a block slides to rest under Coulomb friction as the closed form says", "[verification][friction]") {
+TEST_CASE("a block slides to rest under Coulomb friction as in the closed form", "[verification][friction]") {
   const double mu = 0.3, v0 = 0.05, V = 1.5;
   JointFriction::Options o;
   o.mu = mu, o.smoothing_speed = v0, o.load_smoothing = 0;
@@ -136,7 +136,7 @@ TEST_CASE("friction and the reaction that it makes itself are found together", "
 
 // Without gravity the bearing carries the mass centre only: N^2 = (m d)^2 (w^4 + w'^2), J w' = -mu r N, so
 // w' = -c w^2 with c = k/sqrt(J^2 - k^2), k = mu r m d, and w = W/(1 + c W t).
-TEST_CASE("an unbalanced wheel is braked by the load of its own turning", "[verification][friction]") {
+TEST_CASE("an unbalanced wheel is braked by its centrifugal load", "[verification][friction]") {
   const double mu = 0.3, r = 0.05, d = 0.1, W = 30;
   JointFriction::Options o;
   o.mu = mu, o.radius = r, o.smoothing_speed = 1e-4, o.load_smoothing = 0;
@@ -157,7 +157,7 @@ TEST_CASE("an unbalanced wheel is braked by the load of its own turning", "[veri
 }
 
 // J w' = -mu r m g tanh(r w/v0): sinh(r w/v0) = sinh(r W/v0) exp(-mu r^2 m g t/(J v0)).
-TEST_CASE("a level wheel runs down in its bearing as the closed form says", "[verification][friction]") {
+TEST_CASE("a level wheel runs down in its bearing as in the closed form", "[verification][friction]") {
   const double mu = 0.2, r = 0.04, v0 = 0.1, W = 50, J = 0.02;
   JointFriction::Options o;
   o.mu = mu, o.radius = r, o.smoothing_speed = v0, o.load_smoothing = 0;
@@ -244,7 +244,8 @@ std::string refusal_of(const std::function<double(double)>& law) {
 
 }  // namespace
 
-TEST_CASE("a force on its own reactions that does not settle is told by its cause", "[verification][friction]") {
+TEST_CASE("a force on its own reactions that does not converge is reported with its cause",
+          "[verification][friction]") {
   // N = m g - F(N): it settles for slopes below one, and Anderson's line meets a straight one of any slope at once.
   testing::check_words(refusal_of([](double normal) { return normal > 10 ? 15.0 : -15.0; }),
                        {"force 'answer'", "joint 'guide'", "100 % still changes after 50 solutions",
@@ -265,7 +266,7 @@ TEST_CASE("a force on its own reactions that does not settle is told by its caus
 
 // How two aligned hinges share their load is the choice of each solver; the rounding of it must not keep the friction from
 // settling. A looser tolerance gives the same angle.
-TEST_CASE("a door on two hinges with friction turns by every solver", "[verification][friction]") {
+TEST_CASE("a door on two hinges with friction rotates with every solver", "[verification][friction]") {
   const auto turned = [](const std::string& solver, const std::string& integrator, double tolerance) {
     System system{{{0, 0, -kG}}};
     Body& door = system.add_body("door", shapes::box(25, {0.8, 0.05, 2.1}));
@@ -291,7 +292,7 @@ TEST_CASE("a door on two hinges with friction turns by every solver", "[verifica
   }
 }
 
-TEST_CASE("rattle and lanes refuse friction", "[verification][friction]") {
+TEST_CASE("rattle and vectorised batches reject friction", "[verification][friction]") {
   JointFriction::Options o;
   o.mu = 0.3;
   Block block(o, 1.0);
@@ -319,7 +320,8 @@ TEST_CASE("steps with friction allocate nothing", "[verification][friction]") {
         }) == 0);
 }
 
-TEST_CASE("in a plane friction is the same, and what a plane leaves out is refused", "[verification][friction]") {
+TEST_CASE("in a plane friction is the same, and friction with components out of the plane is rejected",
+          "[verification][friction]") {
   JointFriction::Options o;
   o.mu = 0.4, o.smoothing_speed = 1e-3, o.load_smoothing = 0, o.bending_length = 0.2;
   Block space(o, 3.0, 0.3), plane(o, 3.0, 0.3);

@@ -190,7 +190,7 @@ TEST_CASE("a rope goes slack, and taut again with a jerk", "[verification][impac
 }
 
 // A weight is lifted by a force that grows as k t: it leaves the floor at t0 = m g/k, then z = k (t - t0)^3/(6 m).
-TEST_CASE("a weight leaves its floor when the force on it says so", "[verification][impacts]") {
+TEST_CASE("a weight leaves its floor at the time given by the force on it", "[verification][impacts]") {
   const double k = 4, m = 0.5, t0 = m * kG / k;
   const auto way =
       GENERATE(Way{"dop853", 0, 1e-10, 1e-9}, Way{"rk4", 1e-2, 1e-6, 1e-9}, Way{"generalized_alpha", 1e-3, 1e-6, 1e-5});

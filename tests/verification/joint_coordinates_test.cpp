@@ -356,7 +356,7 @@ TEST_CASE("the power of laws by what joints carry is that by the multipliers of 
     }
 }
 
-TEST_CASE("masks with one turn alone move as in omega, either way round", "[verification][joint]") {
+TEST_CASE("masks with one rotation alone move as in omega, in both directions", "[verification][joint]") {
   for (const Mask mask : all_masks())
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       if (!holds_one_turn(mask)) continue;
@@ -381,7 +381,7 @@ TEST_CASE("masks with one turn alone move as in omega, either way round", "[veri
     }
 }
 
-TEST_CASE("a lock of one turn and nothing else closes a loop, its body is free", "[verification][joint]") {
+TEST_CASE("a lock of one rotation and nothing else closes a loop, its body is free", "[verification][joint]") {
   for (const Mask mask : {Mask::e1, Mask::e2, Mask::e3}) {
     System system = tree(3, 1, [&](int) { return mask; });
     system.setup();
@@ -390,7 +390,7 @@ TEST_CASE("a lock of one turn and nothing else closes a loop, its body is free",
   }
 }
 
-TEST_CASE("slots without a joint move freely", "[verification][joint]") {
+TEST_CASE("bodies without a joint move freely", "[verification][joint]") {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     System system({.gravity = {0, 0, -9.81}});
     system.add_body("free", MassProperties{1.0, {0.1, 0, 0}, Vec3(1, 2, 2.5).asDiagonal()});
@@ -401,7 +401,7 @@ TEST_CASE("slots without a joint move freely", "[verification][joint]") {
   }
 }
 
-TEST_CASE("particles that are free or tied to the ground accelerate as in omega, whatever the axes of their markers",
+TEST_CASE("particles that are free or tied to the ground accelerate as in omega, for all axes of their markers",
           "[verification][joint]") {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     CAPTURE(seed);

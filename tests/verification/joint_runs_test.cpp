@@ -106,7 +106,7 @@ TEST_CASE("events change states and joints in joint coordinates as in omega", "[
   check_alike(joint, omega);
 }
 
-TEST_CASE("turns are counted on over events, a saved state goes on elsewhere", "[verification][joint]") {
+TEST_CASE("revolutions are counted on over events, a saved state continues elsewhere", "[verification][joint]") {
   const auto make = [](System& system) {
     Body& wheel = system.add_body("wheel", MassProperties{1.0, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()});
     wheel.start.w = {0, 0, 20};
@@ -128,7 +128,7 @@ TEST_CASE("turns are counted on over events, a saved state goes on elsewhere", "
   CHECK(std::abs(A(0, 0) - std::cos(60.0)) + std::abs(A(1, 0) - std::sin(60.0)) < 1e-10);
 }
 
-TEST_CASE("what has no joint coordinates is refused in them by name, and runs in omega by auto",
+TEST_CASE("mechanisms without joint coordinates are rejected in them by name, and run in omega by auto",
           "[verification][joint]") {
   const auto run = [&](const std::string& scene, Formulation formulation) {
     return run_scene(scene_path(scene), [&](RunSettings& s) { s.until = 0.05, s.formulation = formulation; });
@@ -222,7 +222,7 @@ TEST_CASE("a mass changed in mid-run counts from there on", "[verification][join
   check_alike(joint, omega);
 }
 
-TEST_CASE("gains of a stabilisation have nothing to act on in joint coordinates, and a run says so",
+TEST_CASE("gains of a stabilisation have no effect in joint coordinates, and a run reports it",
           "[verification][joint]") {
   const auto warnings = [](Formulation formulation, Stabilization::Kind kind) {
     System system({.gravity = {0, -9.81, 0}});
@@ -274,7 +274,7 @@ TEST_CASE("a torque that a host changes between runs acts from their first stage
 }
 
 // Methods that keep accelerations from step to step begin anew where they would be those of before.
-TEST_CASE("what a host changes between two calls acts from there on, in every method", "[verification][joint]") {
+TEST_CASE("changes by a host between two calls act from then on, in every method", "[verification][joint]") {
   const auto name = GENERATE(as<std::string>{}, "dopri5", "dop853", "rk4", "radau5", "rattle2", "rattle4",
                              "generalized_alpha", "semi_implicit_euler");
   const bool by_steps = GENERATE(false, true);

@@ -29,7 +29,7 @@ void fixed_rk4(RunSettings& run) { run.integrator = {"rk4"}, run.step = 2e-3; }
 }  // namespace
 
 // Closed form; 22 turns.
-TEST_CASE("a nut runs down its screw as the closed form says", "[verification][joints]") {
+TEST_CASE("a nut moves down its screw as in the closed form", "[verification][joints]") {
   const Table truth = trusted("screw");
   const SceneRun run = run_scene(scene_path("screw"));
   const auto errors = compare(run.table, truth);
@@ -41,7 +41,7 @@ TEST_CASE("a nut runs down its screw as the closed form says", "[verification][j
 }
 
 // Closed forms. Driven: whatever the step.
-TEST_CASE("Hooke joints turn as their closed forms say", "[verification][joints]") {
+TEST_CASE("Hooke joints rotate as in their closed forms", "[verification][joints]") {
   const std::string name = GENERATE(as<std::string>(), "hooke_single", "hooke_double");
   const bool rk4 = GENERATE(false, true);
   const Table truth = trusted(name);
@@ -69,7 +69,7 @@ TEST_CASE("Hooke joints turn as their closed forms say", "[verification][joints]
 
 // Both stages seen from shaft 1: J = J1 + J2/2^2 + J3/8^2; the tooth multipliers from each shaft's own equation. All
 // ways to solve and to integrate.
-TEST_CASE("a gear train speeds up as its equivalent inertia says", "[verification][joints]") {
+TEST_CASE("a gear train accelerates with its equivalent inertia", "[verification][joints]") {
   struct Way {
     const char *integrator, *solver;
     double step, tolerance;

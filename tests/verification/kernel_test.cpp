@@ -178,7 +178,7 @@ TEST_CASE("a law that is absent enters a larger instance as zero", "[verificatio
   }
 }
 
-TEST_CASE("a masked row leaves its jacobian untouched and the others as they are", "[verification][lock]") {
+TEST_CASE("a masked constraint leaves its Jacobian untouched and the others unchanged", "[verification][lock]") {
   const KernelInputs in(oracle::random_configuration(77));
   constexpr unsigned kT = with::uP | with::uS | with::qS | with::p, kR = with::qP | with::qS | with::qD;
   const MatX t = kernel_translation<kT>(in).J, r = kernel_rotation<kR>(in).J;

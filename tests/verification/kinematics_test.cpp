@@ -182,7 +182,7 @@ TEST_CASE("kinematics: what is locked is not named as what moves, in any order o
 }
 
 // A crank that is to turn past where rod and rocker are in line.
-TEST_CASE("kinematics: where the mechanism does not reach, the time and the row are named",
+TEST_CASE("kinematics: if the mechanism does not reach a pose, the time and the constraint are named",
           "[verification][kinematics]") {
   System sys;
   Body& crank = sys.add_body("crank", shapes::rod(1.0, Vec3::Zero(), Vec3(1, 0, 0)));
@@ -262,7 +262,7 @@ TEST_CASE("explain: all that acts on each body sums to m a and the rate of its a
   }
 }
 
-TEST_CASE("explain: a joint with its rows, its law, and why it is redundant", "[verification][explain]") {
+TEST_CASE("explain: a joint with its constraints, its law, and its redundancy", "[verification][explain]") {
   Driven d("four_bar", [](Scene& scene) { scene = in_space(scene); });
   const double t = 0.1;
   DrivenMotion motion(d.dynamics, d.start);

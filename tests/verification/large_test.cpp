@@ -147,7 +147,7 @@ TEST_CASE("the setup of a mechanism of many bodies asks for as much memory a bod
   CHECK(many.allocations <= 1.1 * few.allocations);
 }
 
-TEST_CASE("a run of many bodies that writes a checkpoint, or goes on from one, takes no more memory than others",
+TEST_CASE("a run of many bodies that writes a checkpoint, or resumes one, takes no more memory than others",
           "[large]") {
   const std::string kind = GENERATE("chain", "ladder", "ladder in space");
   CAPTURE(kind);

@@ -137,7 +137,7 @@ TEST_CASE("linear equations: the response to a push and to a drive is that of a 
   }
 }
 
-TEST_CASE("linear equations refuse inputs without effect and outputs that are integrals", "[verification][linear]") {
+TEST_CASE("linear equations reject inputs without effect and outputs that are integrals", "[verification][linear]") {
   DoubleRod rods(By::push, laws::constant(0));
   const std::vector<Channel> works = {make_channel(rods.sys, "damper.dissipated")};
   Dynamics dynamics = dynamics_of(rods.sys);

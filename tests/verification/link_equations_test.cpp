@@ -98,7 +98,7 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("the equations of a joint are the derivatives of its rows along motions of its bodies",
+TEST_CASE("the equations of a joint are the derivatives of its constraints along motions of its bodies",
           "[verification][explain]") {
   Bench bench;
   Dynamics dynamics(bench.system, std::make_unique<SchurSolver>());
@@ -137,7 +137,7 @@ TEST_CASE("the equations of a joint are the derivatives of its rows along motion
   }
 }
 
-TEST_CASE("the equations of a joint have names: rows of drives and of the function, and the bodies of their columns",
+TEST_CASE("the equations of a joint have names: drives, function, and the bodies of their columns",
           "[verification][explain]") {
   Bench bench;
   Dynamics dynamics(bench.system, std::make_unique<SchurSolver>());
@@ -150,7 +150,7 @@ TEST_CASE("the equations of a joint have names: rows of drives and of the functi
   CHECK(names("rod").C.size() == 1);  // which is not in force
 }
 
-TEST_CASE("a joint that was merged has no equations, which is said with the next move", "[verification][explain]") {
+TEST_CASE("a merged joint has no equations, which is reported with the next move", "[verification][explain]") {
   System system;
   Body& one = system.add_body("one", MassProperties{2, Vec3::Zero(), Mat3::Identity()});
   Body& two = system.add_body("two", MassProperties{3, Vec3::Zero(), Mat3::Identity()});

@@ -80,7 +80,7 @@ void check_all_masks(const Configuration& c, unsigned laws, int grounded) {
 
 }  // namespace
 
-TEST_CASE("every mask with every set of laws gives the exact rows", "[verification][lock]") {
+TEST_CASE("every mask with every set of laws gives the exact constraints", "[verification][lock]") {
   long n = 0;
   for (unsigned laws = 0; laws < 64; ++laws) {
     for (std::uint64_t seed = 1; seed <= 2; ++seed)
@@ -90,7 +90,7 @@ TEST_CASE("every mask with every set of laws gives the exact rows", "[verificati
   CHECK(n == 64);
 }
 
-TEST_CASE("markers parallel to their bodies give the exact rows", "[verification][lock]") {
+TEST_CASE("markers parallel to their bodies give the exact constraints", "[verification][lock]") {
   for (unsigned laws : {0u, unsigned(oracle::kP), unsigned(oracle::kQD), unsigned(oracle::kP | oracle::kQD)})
     check_all_masks(oracle::random_configuration(40 + laws, {laws, true}), laws, 0);
   // q_P = -1 is the same turn as +1; the rows keep the sign that r = q_S' q_2' q_1 q_P has
@@ -99,20 +99,20 @@ TEST_CASE("markers parallel to their bodies give the exact rows", "[verification
   check_all_masks(c, 0, 0);
 }
 
-TEST_CASE("every mask with P or S on the ground gives the exact rows", "[verification][lock]") {
+TEST_CASE("every mask with P or S on the ground gives the exact constraints", "[verification][lock]") {
   for (unsigned laws = 0; laws < 64; ++laws)
     for (int grounded : {1, 2})
       check_all_masks(at_rest(oracle::random_configuration(7000 + laws, {laws}), grounded), laws, grounded);
 }
 
-TEST_CASE("the rows of a mask that has none are refused", "[verification][lock]") {
+TEST_CASE("the constraints of an empty mask are rejected", "[verification][lock]") {
   TwoBodies two(oracle::random_configuration(3), 0);
   two.lock(oracle::random_configuration(3), Mask::none, 0);
   testing::check_words(testing::message_of<ModelError>([&] { two.system.setup(); }),
                        {"joint", "a joint has 1 to", "give it a mask"});
 }
 
-TEST_CASE("drives add the rows of their axes with the laws as p and q_D", "[verification][lock]") {
+TEST_CASE("drives add the constraints of their axes with the laws as p and q_D", "[verification][lock]") {
   const LawValue law{0.7, -1.3, 2.1};
   for (int axis = 0; axis < 6; ++axis) {
     for (unsigned m = 0; m < 64; ++m) {
@@ -175,7 +175,7 @@ TEST_CASE("a driven speed takes its value from the state and its rates from the 
   CHECK(sd == Eigen::Vector2d(0.4, 1.7));
 }
 
-TEST_CASE("a revolute joint driven at rest starts its angle where the mechanism stands", "[verification][lock]") {
+TEST_CASE("a revolute joint driven at rest starts at the present angle of the mechanism", "[verification][lock]") {
   for (double angle : {0.0, 0.5, -2.0, kPi, 3.5, -6.0}) {
     Configuration c = oracle::random_configuration(6, {0});
     oracle::place_body_1(c, Vec4(std::cos(angle / 2), 0, 0, std::sin(angle / 2)));
@@ -188,7 +188,7 @@ TEST_CASE("a revolute joint driven at rest starts its angle where the mechanism 
   }
 }
 
-TEST_CASE("free turns through half and full turns stay right", "[verification][lock]") {
+TEST_CASE("free rotations through half and full revolutions remain correct", "[verification][lock]") {
   for (const char* words : {"x y z e1 e2", "e1 e2", "x y e1 e2", "x y z e3", "x y z", "e3"}) {
     const Mask mask = mask_from(words);
     for (int degrees = -720; degrees <= 720; degrees += 45) {
@@ -215,7 +215,7 @@ TEST_CASE("free turns through half and full turns stay right", "[verification][l
   }
 }
 
-TEST_CASE("a driven turn goes on through full turns", "[verification][lock]") {
+TEST_CASE("a driven rotation continues through full revolutions", "[verification][lock]") {
   for (int degrees = -1080; degrees <= 1080; degrees += 60) {
     const double angle = degrees * kPi / 180;
     Configuration c = oracle::random_configuration(9, {0});
@@ -239,7 +239,7 @@ TEST_CASE("a driven turn goes on through full turns", "[verification][lock]") {
   }
 }
 
-TEST_CASE("every mask has full row rank on its whole constraint set", "[verification][lock]") {
+TEST_CASE("every mask has full rank on its whole constraint set", "[verification][lock]") {
   // (4.23); points of the set: e any quaternion whose masked components are zero, the free translations anywhere
   for (unsigned m = 1; m < 64; ++m) {
     const Mask mask = Mask(std::uint8_t(m));

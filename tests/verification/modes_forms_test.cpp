@@ -75,7 +75,7 @@ TEST_CASE("modes: damping ratio of a mass on a spring, overdamped and not", "[ve
 
 // It z'' - i Iz w z' - m g d z = 0 of the tip z = x + iy, seen from axes at rest; from axes that turn with the top each l
 // of the tip is less by i w.
-TEST_CASE("modes of a sleeping top, from axes at rest and turning", "[verification][modes][linear]") {
+TEST_CASE("modes of a sleeping top, from axes at rest and rotating", "[verification][modes][linear]") {
   const double m = 2, d = 0.3, Iz = 0.05, It = 0.04 + m * d * d, g = 9.81;
   for (const double w : {2.0, 120.0}) {
     System sys({.gravity = {0, 0, -g}});
@@ -115,7 +115,8 @@ TEST_CASE("modes of a top in steady precession, which is found from the state", 
   check_same(modes.eigenvalues(), {0.0, 0.0, 0.0, 0.0, Complex(0, nutation), Complex(0, -nutation)}, 1e-10);
 }
 
-TEST_CASE("modes: what is no equilibrium is refused by name, or frozen when asked", "[verification][modes][linear]") {
+TEST_CASE("modes: a state that is no equilibrium is rejected by name, or frozen on request",
+          "[verification][modes][linear]") {
   System sys({.gravity = {0, -9.81, 0}});
   Body& arm = sys.add_body("arm", {2.0, Vec3::Zero(), Vec3::Constant(0.2).asDiagonal()}, {Vec3(0.5, 0, 0), {}});
   sys.add<Revolute>("pivot", arm, sys.ground(), pose_at(Vec3::Zero()));
@@ -177,7 +178,7 @@ TEST_CASE("modes: no inertia is so small that a fall is called rest, nor rest a 
 
 // A rod under its weight between two hinges is held twice along its length; two rods in line between two balls lose rank
 // in this pose only.
-TEST_CASE("modes: a pose in which rank is lost is refused, redundant rows are not", "[verification][modes][linear]") {
+TEST_CASE("modes: a pose that loses rank is rejected, redundant constraints are not", "[verification][modes][linear]") {
   System line({.gravity = {0, 0, 0}});
   const MassProperties rod{1.0, Vec3::Zero(), Vec3(0.01, 0.08, 0.08).asDiagonal()};
   Body& a = line.add_body("a", rod, {Vec3(0.5, 0, 0), {}});
@@ -226,7 +227,8 @@ TEST_CASE("modes of a chain of 300 hinges: sparse as dense, and as in absolute a
 }
 
 // The light body's spring has a round-off of 1e8 N/m times the length, which says nothing of the heavy one.
-TEST_CASE("modes: a light body on a stiff spring hides no unrest of a heavy one", "[verification][modes][linear]") {
+TEST_CASE("modes: a light body on a stiff spring hides no residual acceleration of a heavy one",
+          "[verification][modes][linear]") {
   for (const double force : {0.0, 0.1}) {
     System sys;
     Body& light = sys.add_body("light", shapes::sphere(0.01, 0.01), {Vec3(1, 0, 0), {}});

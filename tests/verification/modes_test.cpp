@@ -104,7 +104,7 @@ TEST_CASE("modes of a double pendulum", "[verification][modes]") {
   check("double_pendulum", sys);
 }
 
-TEST_CASE("modes of a damped four-bar in space, three rows too many", "[verification][modes]") {
+TEST_CASE("modes of a damped four-bar in space, with three redundant constraints", "[verification][modes]") {
   struct Pose4 {
     std::string name;
     double crank, coupler, rocker;

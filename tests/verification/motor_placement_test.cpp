@@ -211,7 +211,9 @@ void check_motions(bool turns) {
 
 }  // namespace
 
-TEST_CASE("a turn law on q_D, on S, on P or as a drive is one motor", "[verification][lock]") { check_places(true); }
+TEST_CASE("a rotation law on q_D, on S, on P or as a drive is one motor", "[verification][lock]") {
+  check_places(true);
+}
 TEST_CASE("a translation law on p, on S, on P or as a drive is one motor", "[verification][lock]") {
   check_places(false);
 }

@@ -174,7 +174,7 @@ TEST_CASE("random configurations have consistent quaternions and only the laws a
   }
 }
 
-TEST_CASE("the oracles give what lock-checks.json says", "[verification][oracle]") {
+TEST_CASE("the oracles agree with lock-checks.json", "[verification][oracle]") {
   const LockChecks checks = stored_checks();
   REQUIRE(checks.entries.size() == 6);
   for (const LockCheck& check : checks.entries) {
@@ -202,7 +202,7 @@ TEST_CASE("the oracles give what lock-checks.json says", "[verification][oracle]
   }
 }
 
-TEST_CASE("the special entries of lock-checks.json are what their names say", "[verification][oracle]") {
+TEST_CASE("the special entries of lock-checks.json match their names", "[verification][oracle]") {
   for (const LockCheck& check : stored_checks().entries) {
     INFO(check.name);
     const Vector7 C = exact_C(check.input);
@@ -232,7 +232,7 @@ TEST_CASE("the paper's equations are the exact derivatives for every set of laws
   }
 }
 
-TEST_CASE("the oracles agree at half and full turns with every set of laws", "[verification][oracle]") {
+TEST_CASE("the oracles agree at half and full revolutions with every set of laws", "[verification][oracle]") {
   const Eigen::Vector4d half(0.0, 0.0, 0.0, 1.0), full(-1.0, 0.0, 0.0, 0.0);
   for (unsigned laws = 0; laws <= kAllLaws; ++laws) {
     INFO("laws " << laws);
@@ -247,7 +247,7 @@ TEST_CASE("the oracles agree at half and full turns with every set of laws", "[v
   }
 }
 
-TEST_CASE("functions of relative coordinates are what lock-checks.json says", "[verification][oracle]") {
+TEST_CASE("functions of relative coordinates agree with lock-checks.json", "[verification][oracle]") {
   const LockChecks checks = stored_checks();
   for (const LockCheck& check : checks.entries) {
     unsigned n_compared = 0;
@@ -280,7 +280,7 @@ TEST_CASE("functions of relative coordinates are what lock-checks.json says", "[
   }
 }
 
-TEST_CASE("reactions by virtual work are what lock-checks.json says", "[verification][oracle]") {
+TEST_CASE("reactions by virtual work agree with lock-checks.json", "[verification][oracle]") {
   for (const LockCheck& check : stored_checks().entries) {
     INFO(check.name);
     const Vector6 lam = check.at("reaction.lam");

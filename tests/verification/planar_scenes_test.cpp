@@ -92,7 +92,7 @@ TEST_CASE("every scene that is planar is in the list, and stays planar", "[verif
   CHECK(found == lines_of(root + "/tests/verification/data/planar_scenes.txt"));
 }
 
-TEST_CASE("forces and formulas say what leaves the plane, also where it is zero at the start",
+TEST_CASE("forces and formulas report components out of the plane, also those that are zero at the start",
           "[verification][plane]") {
   struct Example {
     const char *key, *thing;
@@ -132,7 +132,7 @@ TEST_CASE("forces and formulas say what leaves the plane, also where it is zero 
   CHECK(planes_with(builtin_registry(), example.key, thing) == (example.planar ? "z" : "-"));
 }
 
-TEST_CASE("plugins that say that they stay in the plane leave mechanisms there", "[verification][plane]") {
+TEST_CASE("plugins that declare to stay in the plane leave mechanisms there", "[verification][plane]") {
   Registry registry = builtin_registry();
   for (const char* plugin : {"drag", "cam_follower", "bump"}) load_plugin(registry, plugin, {paths::kPlugins});
   CHECK(planes_with(registry, "forces", R"({"name": "F", "type": "drag", "p": "rod", "at": [0.4, 0.2, 0],
@@ -146,7 +146,7 @@ TEST_CASE("plugins that say that they stay in the plane leave mechanisms there",
         "z");
 }
 
-TEST_CASE("who does not say that it stays in the plane is named with the line to add", "[verification][plane]") {
+TEST_CASE("a type that does not declare to stay in the plane is named with the line to add", "[verification][plane]") {
   struct Mute final : TranslationLaw {
     TranslationValue at(double) const override { return {}; }
   };

@@ -153,7 +153,7 @@ TEST_CASE("every axis can be the normal", "[verification][plane]") {
   CHECK(rate[2] == Approx(rate[0]).epsilon(1e-14));
 }
 
-TEST_CASE("whoever leaves the plane is named", "[verification][plane]") {
+TEST_CASE("a motion that leaves the plane is named", "[verification][plane]") {
   {
     Rod r;
     CHECK(refusal(r.system, 1).find("gravity has -9.81 m/s^2") != std::string::npos);
@@ -199,7 +199,7 @@ TEST_CASE("a law that leaves the plane later stops the run by name", "[verificat
   CHECK_FALSE(find_plane(r.system));  // a law that does not say that it stays
 }
 
-TEST_CASE("what does not say that it stays in the plane keeps the mechanism in space", "[verification][plane]") {
+TEST_CASE("a type that does not declare to stay in the plane keeps the mechanism in space", "[verification][plane]") {
   const auto found = [](auto&& add) {
     Rod r;
     add(r);
@@ -303,7 +303,7 @@ TEST_CASE("planar by default: loops that are known to stay in their plane", "[ve
   CHECK_FALSE(plane_of(own_scene("conical_pendulum"), Formulation::omega));
 }
 
-TEST_CASE("what is added to a mechanism in its plane may bring it back into space", "[verification][plane]") {
+TEST_CASE("an addition to a mechanism in its plane may bring it back into space", "[verification][plane]") {
   Mechanism m = build_mechanism(read_scene(scene_path("four_bar")), builtin_registry());
   REQUIRE(m.system.plane() == Plane{2});
   const Marker& tip = system_of(m).add_marker("tip", system_of(m).body(system_of(m).bodies().back().name));
@@ -328,7 +328,7 @@ TEST_CASE("lever arms of small mechanisms are seen", "[verification][plane]") {
   CHECK_FALSE(find_plane(system));
 }
 
-TEST_CASE("a start or a force that leaves the plane is refused by name", "[verification][plane]") {
+TEST_CASE("a start or a force that leaves the plane is rejected by name", "[verification][plane]") {
   const auto refused = [](const std::string& scene, const char* normal) {
     const Registry registry = builtin_registry();
     Scene read = read_scene(own_scene(scene));

@@ -53,7 +53,7 @@ State moved(Dynamics& dynamics, const State& from, double angle) {
 
 }  // namespace
 
-TEST_CASE("redundant rows are those of the branch, at each pose of it", "[verification]") {
+TEST_CASE("redundant constraints are those of the branch, at each pose of it", "[verification]") {
   constexpr auto kOmega = Formulation::omega, kJoint = Formulation::joint;
   const Linkage of = GENERATE(values<Linkage>({{"bennett", kOmega, 3, true},
                                                {"bennett", kJoint, 3, true},
@@ -85,7 +85,8 @@ TEST_CASE("redundant rows are those of the branch, at each pose of it", "[verifi
 }
 
 // The rod from the arm lies in line with the arm's hinge: the arm does not move along it, but what it holds does.
-TEST_CASE("no solver takes a row for singular because one of its bodies does not move along it", "[verification]") {
+TEST_CASE("no solver treats a constraint as singular because one of its bodies does not move along it",
+          "[verification]") {
   const std::string solver = GENERATE("schur", "block", "dense", "sparse");
   const bool arm_first = GENERATE(true, false);
   CAPTURE(solver, arm_first);
@@ -108,7 +109,7 @@ TEST_CASE("no solver takes a row for singular because one of its bodies does not
 
 // At 1e-3 rad beside the flat position rows have pivots as small as those of redundant rows, and a law that begins at rest
 // shows no pose beside it.
-TEST_CASE("which rows are redundant is not decided by a start that no law has moved yet", "[verification]") {
+TEST_CASE("redundancy is not decided by a start before the first motion of its laws", "[verification]") {
   const Formulation formulation = GENERATE(Formulation::omega, Formulation::joint);
   const double angle = GENERATE(3e-3, 1e-3);
   CAPTURE(to_string(formulation), angle);
@@ -129,7 +130,7 @@ TEST_CASE("which rows are redundant is not decided by a start that no law has mo
 }
 
 // In joint coordinates of a tree the rows of closures are some of all rows.
-TEST_CASE("no more rows are redundant in joint coordinates than in all", "[verification]") {
+TEST_CASE("joint coordinates have no more redundant constraints than all", "[verification]") {
   const std::string text =
       testing::driven_parallelogram(0, R"({"type": "ramp", "slope": 3})", R"("integrator": "dopri5", "until": 0.3)");
   Mechanism m = build_mechanism(scene_from_text(text, "parallelogram.json"), builtin_registry());
@@ -144,7 +145,7 @@ TEST_CASE("no more rows are redundant in joint coordinates than in all", "[verif
 
 // A parallelogram of cranks that turn at 2 rad/s: a row fades as the square of the distance from the flat position, and
 // poses up to 0.4 rad beside it are looked at. Beside a regular position those of 0.1 rad are enough.
-TEST_CASE("a flat position is told by the most regular of the poses beside it", "[verification][joint]") {
+TEST_CASE("a singular configuration is judged by the most regular of the nearby poses", "[verification][joint]") {
   const double angle = GENERATE(0.0, 0.15);
   const Vec3 B(0.2 * std::cos(angle), 0.2 * std::sin(angle), 0), D(0.6, 0, 0), C = B + D;
   System sys;
@@ -168,7 +169,7 @@ TEST_CASE("a flat position is told by the most regular of the poses beside it", 
 }
 
 // A door 20 m high counts as on its constraints up to 1e-6 m.
-TEST_CASE("redundant rows are found as far off the constraints as the length of a mechanism allows", "[verification]") {
+TEST_CASE("redundant constraints are found up to violations of the order of the mechanism's length", "[verification]") {
   System sys;
   Body& door = sys.add_body("door", shapes::rod(1, {0, 0, 0}, {1, 0, 0}));
   for (const double z : {-10.0, 10.0})
@@ -181,7 +182,8 @@ TEST_CASE("redundant rows are found as far off the constraints as the length of 
 
 // Masses that differ by 2e4: a row that fades in the flat position has a pivot as small as that of a redundant row up to
 // 0.15 rad from there, but not at 0.45 rad. Of the 20 rows of four hinges 17 hold three bodies.
-TEST_CASE("redundant rows are told from those that fade beside a flat position of heavy cranks", "[verification]") {
+TEST_CASE("redundant constraints are distinguished from those that fade near a singular configuration of heavy cranks",
+          "[verification]") {
   const double c = std::cos(0.05), s = -std::sin(0.05);
   const Vec3 B1(0.2 * c, 0.2 * s, 0), A2(0.3, 0, 0), B2 = A2 + B1;
   System sys;
@@ -199,7 +201,7 @@ TEST_CASE("redundant rows are told from those that fade beside a flat position o
 }
 
 // The first hinge leaves its own turn free; the row y of the second, of length 1, has this share of it.
-TEST_CASE("rows that nearly depend and hold say how nearly", "[verification]") {
+TEST_CASE("nearly dependent constraints that hold report their singular value", "[verification]") {
   const auto two = doors::door({}, true);
   two->begin(NearlyRedundant::held, "schur");
   const double l = two->system.length(), row = std::hypot(1, 0.8 / l, 0.45 / l), turn = std::hypot(0.45, l);

@@ -38,7 +38,7 @@ void check_columns(const Table& ours, const Table& truth, std::vector<std::strin
 }  // namespace
 
 // One coordinate, quadruple precision. At tolerance 1e-10.
-TEST_CASE("the spatial slider-crank holds to its reference over eight turns", "[verification][joints]") {
+TEST_CASE("the spatial slider-crank agrees with its reference over eight revolutions", "[verification][joints]") {
   const std::string name = GENERATE(as<std::string>(), "spatial_slider_crank", "spatial_slider_crank_crank_at_A");
   CAPTURE(name);
   const SceneRun run = run_scene(scene_path(name));

@@ -61,7 +61,7 @@ TEST_CASE("free-running references hold to 1e-8 over the whole history", "[verif
 }
 
 // Driven mechanisms hold to 1e-10 m (rad) whatever the step, reactions to 1e-8 of their size.
-TEST_CASE("driven references hold to 1e-10 whatever the step", "[verification][references]") {
+TEST_CASE("driven references agree to 1e-10 at every step size", "[verification][references]") {
   const auto r =
       GENERATE(Reference{"slider_crank", "slider_crank", {"drive_torque_by_power"}},
                Reference{"four_bar", "four_bar", {"drive_torque_by_power"}}, Reference{"oldham", "oldham", {}},
@@ -83,7 +83,7 @@ TEST_CASE("driven references hold to 1e-10 whatever the step", "[verification][r
 }
 
 // Closed form: R_out = Rz(beta(t)) Rx(phi(t)), beta = 0.4 sin 3t, phi = 2 pi t.
-TEST_CASE("the homokinetic joint turns both shafts alike at every bend", "[verification][references]") {
+TEST_CASE("the homokinetic joint rotates both shafts equally at every bend", "[verification][references]") {
   const SceneRun run = run_scene(scene_path("homokinetic"));
   const Table& t = run.table;
   double worst = 0;

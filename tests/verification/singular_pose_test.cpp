@@ -115,7 +115,7 @@ TEST_CASE("accelerations at a start in a change point are those of the branch th
 // The uprights of a parallelogram of like rods turn as one: alpha = -2 m g cos(q) / (2 J + m), J about the end of a rod
 // whose radius is a fiftieth of its length. At a distance of 1e-3 rad from the flat position, errors of the motion grow a
 // thousandfold in it, and by as much again.
-TEST_CASE("accelerations near a flat position are as good as elsewhere", "[verification]") {
+TEST_CASE("accelerations near a singular configuration are as accurate as elsewhere", "[verification]") {
   const double per_cosine = 2 * kG / (2 * (1.0 / 3 + 1e-4) + 1);
   double near = 0, away = 0;
   for (const double tolerance : {1e-9, 1e-10}) {
@@ -146,7 +146,7 @@ TEST_CASE("accelerations near a flat position are as good as elsewhere", "[verif
 }
 
 // At 1e-4 rad beside the flat position rounding leaves 1e-1 of a reaction; a spline has no values before its start.
-TEST_CASE("reactions beside a singular position are uncertain where a law begins, too", "[verification]") {
+TEST_CASE("reactions near a singular configuration are uncertain at the start of a law, too", "[verification]") {
   const std::string law = GENERATE(as<std::string>(), R"({"type": "ramp", "slope": 3})",
                                    R"({"type": "spline", "points": [[0, 0], [0.2, 0.6], [0.4, 1.2]],
                                        "ends": "natural", "outside": "refuse"})");
@@ -176,7 +176,7 @@ TEST_CASE("a multiplier without a value leaves the forces across its direction",
 }
 
 // To first order each hinge between moves across, and all that do lengthen the chain.
-TEST_CASE("a stretched chain goes nowhere, which is told of three motions and not of more", "[verification]") {
+TEST_CASE("a stretched chain cannot move, which is reported with three motions and not more", "[verification]") {
   const int n = GENERATE(2, 4, 5);
   const double l = GENERATE(1.0, 1e-3, 1e4);
   System system;

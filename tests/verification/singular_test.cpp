@@ -59,7 +59,8 @@ double slope_of(const std::vector<double>& tolerance, const std::vector<double>&
 
 }  // namespace
 
-TEST_CASE("through ten flat positions the error follows the tolerance to 1e-9 m", "[verification][integrators]") {
+TEST_CASE("through ten singular configurations the error follows the tolerance to 1e-9 m",
+          "[verification][integrators]") {
   struct Way {
     std::string method, stages;
     std::vector<double> tolerances;
@@ -84,7 +85,7 @@ TEST_CASE("through ten flat positions the error follows the tolerance to 1e-9 m"
   CHECK(slope_of(w.tolerances, errors) == Approx(1).margin(0.3));
 }
 
-TEST_CASE("forty bays pass their flat positions to 1e-9 m", "[verification][integrators]") {
+TEST_CASE("forty bays pass their singular configurations to 1e-9 m", "[verification][integrators]") {
   const Formulation formulation = GENERATE(Formulation::omega, Formulation::joint);
   const std::string stages = GENERATE("manifold", "auto");
   for (const double tolerance : {1e-5, 1e-10}) {
@@ -97,7 +98,7 @@ TEST_CASE("forty bays pass their flat positions to 1e-9 m", "[verification][inte
 // Near a flat position of forty bays rounding leaves errors of 1e-10 in a step: it goes on with what can be reached. Along
 // joints a closure is met to the rounding of a chain of turns, which is more than that of two bodies: the error is noise. Of
 // 25 tolerances from 1e-12 to 2e-11 its median is 4e-11 m by gcc and 2e-11 m by clang, its largest value 3e-10 and 6e-10 m.
-TEST_CASE("forty bays go on at tolerances below what can be reached", "[verification][integrators]") {
+TEST_CASE("forty bays continue at tolerances below the attainable one", "[verification][integrators]") {
   const auto [formulation, largest_error, most_steps] =
       GENERATE(table<Formulation, double, int>({{Formulation::omega, 1e-10, 2000}, {Formulation::joint, 1e-9, 4000}}));
   std::vector<double> errors;
@@ -114,7 +115,7 @@ TEST_CASE("forty bays go on at tolerances below what can be reached", "[verifica
 
 // In space three rows are redundant, and the moments about the axes of the rods have a scale a thousand times as large
 // as others; by default it moves in its plane. The angles: of one rod of the inertia of all three, which the parallelogram is.
-TEST_CASE("a parallelogram in space passes its flat positions on its branch", "[verification][integrators]") {
+TEST_CASE("a parallelogram in space passes its singular configurations on its branch", "[verification][integrators]") {
   const auto [solver, tolerance, space] = GENERATE(table<std::string, double, bool>({{"schur", 1e-6, true},
                                                                                      {"schur", 1e-9, true},
                                                                                      {"schur", 1e-11, true},
@@ -154,7 +155,7 @@ TEST_CASE("a slider-crank of equal arms passes the crank's axis on its branch", 
 // Four hinges whose axes meet: three rows are redundant, in omega on the constraints only. A little off them, as plain
 // stages are, multipliers are anything. Along joints the axes of the other three always meet. The work of the drive over a
 // turn is zero.
-TEST_CASE("the drive of a spherical four-bar does no work over a turn", "[verification][integrators]") {
+TEST_CASE("the drive of a spherical four-bar does no work over a revolution", "[verification][integrators]") {
   const Formulation formulation = GENERATE(Formulation::omega, Formulation::joint);
   const auto [method, tolerance] =
       GENERATE(table<std::string, double>({{"dopri5", 1e-4}, {"dopri5", 1e-6}, {"dopri5", 1e-8}, {"dop853", 1e-8}}));
@@ -170,7 +171,7 @@ TEST_CASE("the drive of a spherical four-bar does no work over a turn", "[verifi
   CHECK(std::abs(run.table.last("energy.balance")) < 10 * tolerance);
 }
 
-TEST_CASE("rows that differ off the constraints are no contradiction", "[verification][integrators]") {
+TEST_CASE("constraints that differ off the manifold are no contradiction", "[verification][integrators]") {
   const double step = GENERATE(0.01, 0.002);
   const SceneRun run = run_scene(own_scene("spherical_four_bar"), [&](RunSettings& s) {
     s.integrator = {"rk4"};
@@ -182,7 +183,7 @@ TEST_CASE("rows that differ off the constraints are no contradiction", "[verific
 
 // At coarse tolerances its stages left the constraints so far that they looked like usual positions and its own like
 // singular ones: it crept on in ever smaller steps.
-TEST_CASE("a loop of six hinges that moves against the count of its rows runs at every tolerance",
+TEST_CASE("a loop of six hinges that moves against the mobility formula runs at every tolerance",
           "[verification][integrators]") {
   const double tolerance = GENERATE(1e-2, 1e-4, 1e-8);
   const SceneRun run =

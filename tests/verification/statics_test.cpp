@@ -191,7 +191,7 @@ TEST_CASE("statics: a four-bar of four hinges on springs rests in its one stable
   }
 }
 
-TEST_CASE("statics: the nearest equilibrium of a four-bar may be unstable, which is said with its motion",
+TEST_CASE("statics: the nearest equilibrium of a four-bar may be unstable, which is reported with its motion",
           "[verification][statics]") {
   FourBar four_bar(-2.8);
   const AtRest found(four_bar.sys, {.nearest = true});
@@ -249,7 +249,7 @@ TEST_CASE("statics: a standing pendulum is left for the hanging one, unless the 
 
 // In axes that turn with the shaft a steady rotation is rest under centrifugal forces, given here as a force of the
 // user's own. Without Coriolis terms in the arms' plane the frequencies are the governor's own.
-TEST_CASE("statics: a governor in turning axes rests where it rotates steadily", "[verification][statics]") {
+TEST_CASE("statics: a governor in rotating axes rests at its steady rotation", "[verification][statics]") {
   static constexpr double kSpin = 8;
   System sys({.gravity = {0, 0, -9.81}});
   Body& shaft = sys.add_body("shaft", plain(0.3, Vec3::Constant(0.02)));
@@ -310,7 +310,7 @@ std::pair<double, double> least(const std::function<double(double, double)>& V) 
 
 }  // namespace
 
-TEST_CASE("statics: two rods on a spring rest where a search finds the least energy", "[verification][statics]") {
+TEST_CASE("statics: two rods on a spring rest at the least energy that a search finds", "[verification][statics]") {
   for (const double first : {0.2, 2.0, -2.5}) {
     CAPTURE(first);
     System sys({.gravity = {0, -9.81, 0}});
@@ -459,7 +459,7 @@ TEST_CASE("statics: a note names a marker that a law moves under a damper", "[ve
   CHECK(body_pose(m.system.body("b"), found.state).x[0] == Approx(1.1 + 10.0 / 123).epsilon(1e-10));
 }
 
-TEST_CASE("statics: turns are counted from pose to pose", "[verification][statics]") {
+TEST_CASE("statics: revolutions are counted from pose to pose", "[verification][statics]") {
   const auto at_rest = [](const std::string& hinge, const std::string& members) {
     const std::string text = R"({"lockstep": 1, "gravity": [0, 0, 0],
       "bodies": [{"name": "arm", "mass": 2, "inertia": [0.1, 0.1, 0.1], "center": [0.5, 0, 0]}],

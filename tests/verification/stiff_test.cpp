@@ -45,7 +45,8 @@ TEST_CASE("the flyball governor holds to 1e-4 m with generalized_alpha at a mill
   }
 }
 
-TEST_CASE("explicit methods blow up on the flyball governor at a millisecond and say so", "[verification][stiff]") {
+TEST_CASE("explicit methods become unstable on the flyball governor at a millisecond and report it",
+          "[verification][stiff]") {
   const std::string method = GENERATE("semi_implicit_euler", "rk4", "dopri5", "dop853");
   CAPTURE(method);
   double t = -1;

@@ -102,7 +102,8 @@ class OfOthers final : public Integrator {
 
 }  // namespace
 
-TEST_CASE("what laws alone move has no unknowns: exact at any tolerance, between steps too", "[verification][joint]") {
+TEST_CASE("a mechanism that laws alone move has no unknowns: exact at any tolerance, between steps too",
+          "[verification][joint]") {
   for (const bool flat : {false, true})
     for (const bool by_name : {false, true}) {
       CAPTURE(flat, by_name);
@@ -127,7 +128,7 @@ TEST_CASE("what laws alone move has no unknowns: exact at any tolerance, between
     }
 }
 
-TEST_CASE("rates of slots that laws alone move are the accelerations of omega", "[verification][joint]") {
+TEST_CASE("rates of bodies that laws alone move are the accelerations of omega", "[verification][joint]") {
   for (const bool flat : {false, true}) {
     System system = arm(flat);
     Dynamics dynamics = dynamics_of(system, Formulation::joint);
@@ -181,7 +182,7 @@ TEST_CASE("steps along laws are hardly shorter than those of omega, and not twic
   }
 }
 
-TEST_CASE("what drives do to a mechanism that they alone move is its energy", "[verification][joint]") {
+TEST_CASE("the work of drives on a mechanism that they alone move is its energy", "[verification][joint]") {
   System system = arm();
   const Table t = recorded<Dop853>(
       system, {"energy.kinetic", "energy.potential", "hinge0.drive.work", "hinge1.drive.work", "hinge2.drive.work"},
@@ -241,7 +242,7 @@ TEST_CASE("an event lets a driven hinge go, and another takes it again", "[verif
   CHECK(largest(joint.q - omega.q) < 1e-9);
 }
 
-TEST_CASE("a condition on a motion by laws is met when its closed form says so", "[verification][joint]") {
+TEST_CASE("a condition on a motion by laws is met at the time of its closed form", "[verification][joint]") {
   System system = arm();
   Dynamics dynamics = dynamics_of(system);
   StepLoop loop(dynamics, std::make_unique<Dopri5>(), {.tolerance = {1e-3, 1e-5}});
@@ -278,7 +279,7 @@ TEST_CASE("a speed that a law gives is the one state of a mechanism that it alon
   CHECK(std::abs(v - other.state().slot_twist(0).v.x()) < 1e-9);
 }
 
-TEST_CASE("a run along laws that is saved goes on to the last bit", "[verification][joint]") {
+TEST_CASE("a saved run along laws continues to the last bit", "[verification][joint]") {
   const auto make = [](System& system) {
     system = arm();
     Body& wheel = system.add_body("wheel", MassProperties{1.0, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()},
@@ -329,7 +330,7 @@ TEST_CASE("fixed steps along laws simply step, and allocate nothing", "[verifica
   CHECK(allocations() == before);
 }
 
-TEST_CASE("who takes no mechanism that laws alone move runs it in omega", "[verification][joint]") {
+TEST_CASE("a method that does not support mechanisms moved by laws alone runs them in omega", "[verification][joint]") {
   System system = arm();
   Dynamics dynamics = dynamics_of(system), by_name = dynamics_of(system, Formulation::joint);
   StepLoop loop(dynamics, std::make_unique<OfOthers>(), {.tolerance = {1e-6, 1e-8}}),
@@ -371,7 +372,7 @@ class Broken final : public Force {
 
 }  // namespace
 
-TEST_CASE("a force that fails is told by name though laws alone move all", "[verification][joint]") {
+TEST_CASE("a force that fails is reported by name although laws alone move everything", "[verification][joint]") {
   const bool throws = GENERATE(false, true);
   System system = arm();
   system.add(std::make_unique<Broken>(throws));

@@ -81,7 +81,7 @@ SimulationReport run(System& system, Formulation formulation, Tolerance toleranc
 
 }  // namespace
 
-TEST_CASE("bars on balls turn about their own axes as exactly as in omega, whatever hangs on them",
+TEST_CASE("bars on balls rotate about their axes as exactly as in omega, with every load on them",
           "[verification][joint]") {
   const auto [n, load] =
       GENERATE(std::pair(1, 1.0), std::pair(3, 1.0), std::pair(10, 1.0), std::pair(30, 1.0), std::pair(4, 1000.0));
@@ -111,7 +111,7 @@ TEST_CASE("bars on balls take the steps that they take in omega", "[verification
   CHECK(joint.steps < 1.2 * omega.steps + 5);
 }
 
-TEST_CASE("where the turn of a slender bar is a rounding of what it carries omega runs, and says why",
+TEST_CASE("if the rotation of a slender bar is a rounding error of its load omega runs, and reports why",
           "[verification][joint]") {
   System slender = bars(4, 1000, 1e-4), stout = bars(4, 1000);
   const auto why = [](System& system, Formulation formulation) {
@@ -123,7 +123,7 @@ TEST_CASE("where the turn of a slender bar is a rounding of what it carries omeg
   CHECK(why(stout, Formulation::automatic) == "");
 }
 
-TEST_CASE("steps that rounding keeps short in joint coordinates are told by the body and the tolerance",
+TEST_CASE("steps that rounding keeps short in joint coordinates are reported with the body and the tolerance",
           "[verification][joint]") {
   const double tolerance = 1e-12;
   const auto ending = [&](Formulation formulation) {
@@ -141,7 +141,8 @@ TEST_CASE("steps that rounding keeps short in joint coordinates are told by the 
   CHECK(ending(Formulation::omega) == "no error");
 }
 
-TEST_CASE("what laws move beside what is free has the errors that it has in omega", "[verification][joint]") {
+TEST_CASE("bodies moved by laws in a partly free mechanism have the errors that they have in omega",
+          "[verification][joint]") {
   System system = beside();
   const SimulationReport omega = run<Dopri5>(system, Formulation::omega, {1e-6, 1e-8}, 1);
   Recorder recorder(system, {"hinge.drive.work"});
@@ -159,7 +160,7 @@ TEST_CASE("what laws move beside what is free has the errors that it has in omeg
 }
 
 // A flat parallelogram starts in a singular position: its first stage is found from both sides.
-TEST_CASE("what laws move beside a start in a singular position hinders no step", "[verification][joint]") {
+TEST_CASE("bodies moved by laws near a singular start hinder no step", "[verification][joint]") {
   System system({.gravity = Vec3(0, -kG, 0)});
   const auto rod = [&](const char* name, const Vec3& middle, const Vec3& velocity, double w) -> Body& {
     Body& body = system.add_body(name, {1.0, Vec3::Zero(), Vec3(0.01, 1.0 / 12, 1.0 / 12).asDiagonal()}, {middle, {}});
@@ -181,7 +182,7 @@ TEST_CASE("what laws move beside a start in a singular position hinders no step"
   CHECK(joint.steps < 2 * omega.steps + 20);
 }
 
-TEST_CASE("a condition on what a law moves beside what is free is met when its closed form says so",
+TEST_CASE("a condition on a body moved by laws in a partly free mechanism is met at the time of its closed form",
           "[verification][joint]") {
   System system = beside();
   const Channel angle = make_channel(system, "hinge.rz");
@@ -193,7 +194,7 @@ TEST_CASE("a condition on what a law moves beside what is free is met when its c
   CHECK(loop.state().t == Approx(std::asin(0.99) / 60).epsilon(1e-6));
 }
 
-TEST_CASE("in lanes what laws move beside what is free takes the steps that it takes alone", "[verification][joint]") {
+TEST_CASE("in a vectorised batch bodies moved by laws take the steps that they take alone", "[verification][joint]") {
   const auto method = GENERATE(as<std::string>{}, "dopri5", "dop853");
   std::vector<std::unique_ptr<System>> systems;
   std::vector<System*> pointers;

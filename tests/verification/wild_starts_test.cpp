@@ -21,7 +21,7 @@ namespace wild_starts_test {
 
 using namespace lockstep;
 
-TEST_CASE("samples are assembled from wild starts as often as the table says", "[verification][assembly]") {
+TEST_CASE("samples are assembled from random starts as often as the table states", "[verification][assembly]") {
   std::ifstream table(std::string(paths::kSource) + "/tests/verification/data/wild_starts.csv");
   std::string line;
   std::getline(table, line);

@@ -28,24 +28,18 @@ std::string flags(const lockstep_abi_record& r) {
 // Magic, size and number are at the same place in the record of every version, so that an old plugin is recognised.
 lockstep_abi_record record_of(const std::string& path, PluginStamp& stamp) {
   const std::string who = "plugin file '" + path + "' ";
-  const auto [of_file, data] = exported_data(path, kAbiSymbol);
-  stamp = of_file;
-  if (!data)
-    throw PluginError(who + "is not a lockstep plugin: it has no symbol \"" + kAbiSymbol +
-                      "\"; add a LOCKSTEP_PLUGIN(registry) { ... } to it");
-  constexpr std::size_t kHead = offsetof(lockstep_abi_record, compiler);
   lockstep_abi_record record{};
-  std::memcpy(static_cast<void*>(&record), data->data(), std::min(data->size(), kHead));
-  if (data->size() < kHead || field_text(record.magic) != kAbiMagic)
-    throw PluginError(who + "has an unreadable ABI record; rebuild it against this lockstep");
+  abi_detail::put(record.magic, kAbiMagic);
+  const auto [of_file, data] = data_from(path, {record.magic, sizeof record.magic}, sizeof record);
+  stamp = of_file;
+  if (data.empty())
+    throw PluginError(who + "is not a lockstep plugin: it has no record \"" + kAbiMagic +
+                      "\"; add a LOCKSTEP_PLUGIN(registry) { ... } to it");
+  std::memcpy(static_cast<void*>(&record), data.data(), data.size());
   if (record.size != sizeof record)
     throw PluginError(who + "was built for ABI " + std::to_string(record.abi) + " with a record of " +
                       std::to_string(record.size) + " bytes, this host is ABI " + std::to_string(kAbiNumber) +
                       " with " + std::to_string(sizeof record) + "; rebuild the plugin against this lockstep");
-  if (data->size() < sizeof record)  // clang's -fsanitize=address counts the bytes that it keeps free behind it
-    throw PluginError(who + "has a record of " + std::to_string(sizeof record) + " bytes, of which " +
-                      std::to_string(data->size()) + " exist; rebuild the plugin against this lockstep");
-  std::memcpy(static_cast<void*>(&record), data->data(), sizeof record);
   return record;
 }
 

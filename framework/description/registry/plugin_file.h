@@ -2,7 +2,7 @@
 // A plugin's file, read before anything of it is opened.
 #pragma once
 
-#include <optional>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -10,18 +10,18 @@
 
 namespace lockstep {
 
-/// What was read of a plugin's file.
+/// A part of a plugin's file.
 struct CheckedFile {
   PluginStamp stamp;
-  std::optional<std::string> data;  ///< of the symbol; nothing when it exports no such data
+  std::string data;  ///< from the first place of the magic bytes on; "" if the file does not have them
 };
 
 /// Size and checksum of a file, whatever it holds. Throws PluginError when it is not a regular file or cannot be read.
 PluginStamp stamp_of(const std::string& file);
 
-/// The bytes of a data symbol that a shared library exports, without opening it. Throws PluginError with the file, what is
-/// wrong, its value and the limit for a file that is cut, is no shared library or is made for another machine. Other
-/// damage is not looked for, as in any library that the system loads.
-CheckedFile exported_data(const std::string& path, std::string_view symbol);
+/// At most `most` bytes of a shared library, from the first place of these magic bytes on, without opening it. Throws
+/// PluginError for a file that is cut, is no shared library or is made for another machine. Other damage is left to the
+/// loader of the system.
+CheckedFile data_from(const std::string& path, std::string_view magic, std::size_t most);
 
 }  // namespace lockstep

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // build_mechanism(): makes the parts of a scene in order, and what those parts share.
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 
 #include <lockstep/author/integrator.h>
@@ -12,9 +14,15 @@
 #include "framework/description/scene/tree.h"
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/tree/tree_layout.h"
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/system/rows_at_start.h"
 
 namespace lockstep {
+namespace {
+
+constexpr double kMostGravity = 300;  // m/s^2; the Sun's is 274
+
+}  // namespace
 
 std::string owner_of(const std::string& kind, const std::string& name) {
   return (kind == "link" ? "joint" : kind) + " '" + name + "'";
@@ -111,9 +119,11 @@ bool Builder::is_taken(const std::string& kind, const std::string& name) const {
 
 std::vector<std::string> Builder::names(std::initializer_list<std::string> kinds) const {
   std::vector<std::string> all;
-  for (const std::string& kind : kinds)
+  for (const std::string& kind : kinds) {
     for (const auto& [name, by] : taken_[kind == "event"])
       if (by.first == kind) all.push_back(name);
+    if (kind == "body") all.push_back("ground");
+  }
   return all;
 }
 
@@ -160,9 +170,23 @@ void Builder::all(const Params& root, const std::string& list, const std::string
   });
 }
 
+void Builder::set_gravity(const Params& root) {
+  const Vec3 g = root.vector3("gravity");
+  system_.set_gravity(g);
+  if (g.norm() < kMostGravity) return;
+  report_finding({.kind = &finding::implausible,
+                  .thing = "scene",
+                  .message = fmt::format("gravity is {:.4g} m/s^2; that of the Earth is 9.81", g.norm()),
+                  .advice = "check the units of the scene: numbers without a unit are in m, kg and s",
+                  .value = g.norm(),
+                  .limit = kMostGravity,
+                  .unit = "m/s^2",
+                  .place = root.value("gravity").where.text()});
+}
+
 void Builder::build() {
   const Params root = params_of(scene_.root, "scene", "scene", &registry_);
-  system_.set_gravity(root.vector3("gravity"));
+  set_gravity(root);
   out_.run = scene_.run;
   all(root, "bodies", "body", &Builder::body, &Builder::stand_in);
   all(root, "markers", "marker", &Builder::marker, nullptr);
@@ -193,20 +217,19 @@ void Builder::check_assembled() const {
 
 void Builder::set_merge(const std::string& how) {
   if (how != "auto") return;
-  std::vector<const Lock*> keep;
-  const auto named = [&](const std::string& text, const std::string& name) {
-    return text == name || text.rfind(name + ".", 0) == 0;
-  };
-  for (const auto& link : system_.links()) {
-    bool wanted = false;
-    for (const ChannelRequest& r : out_.run.record) wanted = wanted || named(r.channel, link->name());
-    for (const EventRequest& e : out_.events) {
-      wanted = wanted || named(e.channel, link->name());
-      for (const auto* names : {&e.event.activate, &e.event.deactivate})
-        for (const std::string& name : *names) wanted = wanted || name == link->name();
-    }
-    if (wanted) keep.push_back(link.get());
+  std::vector<std::string> named;  // channels, joints and forces
+  for (const ChannelRequest& r : out_.run.record) named.push_back(r.channel);
+  for (const EventRequest& e : out_.events) {
+    named.push_back(e.channel);
+    for (const auto* names : {&e.event.activate, &e.event.deactivate})
+      named.insert(named.end(), names->begin(), names->end());
   }
+  std::vector<const Lock*> keep;
+  for (const auto& link : system_.links())
+    if (std::ranges::any_of(named, [&](const std::string& text) {
+          return text == link->name() || text.starts_with(link->name() + ".");
+        }))
+      keep.push_back(link.get());
   system_.set_merge(true, std::move(keep));
 }
 

@@ -5,10 +5,13 @@
 #include <lockstep/body.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/params/csv_reader.h"
 
 namespace lockstep {
 namespace {
+
+constexpr double kLeastDensity = 1e-3;  // kg/m^3
 
 // Those of the keys that are given.
 std::vector<std::string> given(const Params& p, const std::vector<std::string>& keys) {
@@ -101,6 +104,20 @@ Mat3 read_inertia(const Params& body) {
   return read_vector3(v, Unit::inertia, place).asDiagonal();
 }
 
+// A radius of gyration so large for its mass has a wrong unit: the body would be a thousand times lighter than air.
+void doubt_inertia(const Params& body, const MassProperties& m) {
+  const double radius = std::sqrt(m.J.diagonal().maxCoeff() / m.mass);
+  if (m.mass > kLeastDensity * radius * radius * radius) return;
+  report_finding({.kind = &finding::implausible,
+                  .thing = body.owner(),
+                  .message = body.owner() + ": the radius of gyration is " + text::brief(radius) +
+                             " m, which is implausible for " + text::brief(m.mass) + " kg",
+                  .advice = "check the unit of the inertia: numbers without a unit are in kg m^2",
+                  .value = radius,
+                  .unit = "m",
+                  .place = body.value("inertia").where.text()});
+}
+
 // Of a body, or of a part of one, which has no key "particle".
 MassProperties read_mass(const Params& body, bool is_part) {
   const double mass = positive(body, "mass", "mass");
@@ -119,6 +136,7 @@ MassProperties read_mass(const Params& body, bool is_part) {
   return placed(body.value("inertia").where, [&] {
     const MassProperties m = shapes::about(mass, center, read_inertia(body), origin, body.orientation("inertia_axes"));
     check_mass(m, body.owner());
+    doubt_inertia(body, m);
     return m;
   });
 }
@@ -336,11 +354,8 @@ void Builder::marker(const Value& object, const std::string& owner) {
   const Params p = params_of(object, "marker", owner, &registry_);
   const std::string name = claim(p.value("name"), "marker");
   const std::string carrier = p.text("body");
-  if (carrier != "ground" && !is_taken("body", carrier)) {
-    std::vector<std::string> known = names({"body"});
-    known.push_back("ground");
-    p.refuse("body", "unknown body \"" + carrier + "\"" + text::suggestion(carrier, known));
-  }
+  if (carrier != "ground" && !is_taken("body", carrier))
+    p.refuse("body", "unknown body \"" + carrier + "\"" + text::suggestion(carrier, names({"body"})));
   Body& body = system_.body(carrier);
   const bool world = p.has("world_at") || p.has("world_orientation");
   if (world)

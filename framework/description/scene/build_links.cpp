@@ -74,9 +74,8 @@ void warn_of_held_turns(const Params& p, const std::string& type, const System& 
 void Builder::check_side(const Value& word, const std::string& context) const {
   const std::string& name = *word.text();
   if (name == "ground" || is_taken("marker", name) || is_taken("body", name)) return;
-  std::vector<std::string> known = names({"marker", "body"});
-  known.push_back("ground");
-  refuse(word.where, context, "unknown marker or body \"" + name + "\"" + text::suggestion(name, known),
+  refuse(word.where, context,
+         "unknown marker or body \"" + name + "\"" + text::suggestion(name, names({"marker", "body"})),
          {.value = name});
 }
 

@@ -156,6 +156,7 @@ class Builder {
   std::vector<std::string> switched_by(const Params& event, const std::string& key);
   void check_assembled() const;
   void set_merge(const std::string& how);
+  void set_gravity(const Params& root);
   void set_up(const Params& root);
   void choose_plane(bool asked);
   std::shared_ptr<const JointTree> tree() const;

@@ -47,10 +47,6 @@ std::pair<std::string, std::string> split_form(const Key& key, const std::vector
   return {all.substr(0, at), all.substr(at + kSee.size())};
 }
 
-}  // namespace
-
-namespace {
-
 // Of the keys that all forces share, those that this type takes, with those that it needs marked. A plugin's may take all.
 Keys shared_keys(const Description& d, Keys keys) {
   if (d.shelf != "forces" || d.origin != "built in" || d.info.name == "function_force") return keys;

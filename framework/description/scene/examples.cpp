@@ -15,7 +15,7 @@ const std::map<std::string, const char*>& samples() {
   static const std::map<std::string, const char*> all = {
       {"link lock", R"({"mask": "x z e2"})"},
       {"link stop", R"({"coordinate": "rz", "low": -0.5})"},
-      {"link screw", R"({"lead": 0.2, "slip": {"type": "sine", "omega": 2, "amplitude": 0.1}})"},
+      {"link screw", R"({"lead": 0.2, "offset": {"type": "sine", "omega": 2, "amplitude": 0.1}})"},
       {"link rack_and_pinion", R"({"radius": 0.3})"},
       {"link gear", R"({"teeth_1": 20, "teeth_2": 30})"},
       {"link belt", R"({"radius_1": 0.2, "radius_2": 0.3})"},
@@ -102,9 +102,7 @@ std::string example_keys(const std::string& kind, const std::string& type) {
 }
 
 int example_pairs(const std::string& type) {
-  static const std::map<std::string, int> pairs = {{"gear", 2}, {"belt", 2}, {"differential", 3}};
-  const auto at = pairs.find(type);
-  return at == pairs.end() ? 1 : at->second;
+  return type == "differential" ? 3 : type == "gear" || type == "belt" ? 2 : 1;
 }
 
 std::string example_of(const Description& d) {

@@ -16,8 +16,10 @@ struct Renamed {
   const char* old_name;
   const char* name;
 };
-constexpr Renamed kRenamed[] = {
-    {"markers", "slide", "translation"}, {"markers", "spin", "rotation"}, {"links", "one_sided", "unilateral"}};
+constexpr Renamed kRenamed[] = {{"markers", "slide", "translation"},
+                                {"markers", "spin", "rotation"},
+                                {"links", "one_sided", "unilateral"},
+                                {"links", "slip", "offset"}};
 
 // Logs that `old_name` is outdated, at a place or, if that is "", on the command line.
 void warn(const std::string& place, const Renamed& key) {
@@ -34,6 +36,15 @@ void rename(Value::Member& member, const Value& owner, const Renamed& key) {
         fmt::format("\"{0}\" is the old name of \"{1}\", which is given too; remove \"{0}\"", key.old_name, key.name));
   warn(member.where.text(), key);
   member.key = key.name;
+}
+
+void rename_choice(Value::Object& run) {
+  for (Value::Member& m : run) {
+    if (m.key != "nearly_redundant" || m.value.text() == nullptr || *m.value.text() != "told") continue;
+    const SourceLocation where = m.value.where;
+    warn(where.text(), {"run", "told", "report"});
+    m.value = "report", m.value.where = where;
+  }
 }
 
 // "joints" is another name of "links": both are one list, in the order of the file.
@@ -65,6 +76,7 @@ void rename_old_keys(Value& root) {
   if (root.object() == nullptr) return;
   join_lists(root);
   for (Value::Member& part : *root.object()) {
+    if (part.key == "run" && part.value.object() != nullptr) rename_choice(*part.value.object());
     if (part.key == "repeat" && part.value.list() != nullptr) std::ranges::for_each(*part.value.list(), join_lists);
     for (const Renamed& key : kRenamed) {
       if (part.key != key.list || part.value.list() == nullptr) continue;

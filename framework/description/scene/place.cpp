@@ -223,14 +223,6 @@ std::string nearest(const Value& root, const std::string& path, const Registry& 
   return closest_number(root, path);
 }
 
-std::string known(std::vector<std::string> names) {
-  constexpr std::size_t kMost = 12;
-  if (names.empty()) return {};
-  const bool cut = names.size() > kMost;
-  if (cut) names.resize(kMost);
-  return "; known: " + text::join(names, ", ") + (cut ? ", ..." : "");
-}
-
 }  // namespace
 
 void for_each_leaf(const Value& v, const LeafVisit& visit, const std::string& path, const std::string& key) {
@@ -262,7 +254,7 @@ ScenePlace find_place(Value& root, const std::string& path, const Registry& regi
   }
   const std::string near = nearest(root, path, registry);
   throw ModelError("\"" + path + "\": " + miss->problem +
-                   (near.empty() ? known(miss->candidates) : "; did you mean \"" + near + "\"?"));
+                   (near.empty() ? text::suggestion("", miss->candidates) : "; did you mean \"" + near + "\"?"));
 }
 
 }  // namespace lockstep

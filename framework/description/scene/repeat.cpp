@@ -97,8 +97,7 @@ void expand(Value& root, const Value& object, const std::string& owner, Definiti
   Value settled = object;
   if (settled.object() != nullptr)
     for (Value::Member& m : *settled.object())
-      if ((m.key == "times" || m.key == "from") && is_formula(m.value))
-        m.value = Definitions::placed_value(definitions.evaluate(m.value, part_of(owner, m.key)), m.value.where);
+      if (m.key == "times" || m.key == "from") m.value = definitions.resolved(m.value, part_of(owner, m.key));
   const Params p = params_of(settled, "repeat", owner, nullptr);
   const std::string index = p.text("index");
   std::string problem;

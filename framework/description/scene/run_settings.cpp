@@ -5,7 +5,6 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/description/registry/law_units.h"
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/run_outputs.h"
 #include "framework/mechanism/params/refusals.h"
@@ -42,7 +41,6 @@ void read_stabilization(const Params& run, Stabilization& s, Refusals& wrong) {
   s.alpha = p.number("alpha"), s.beta = p.number("beta");
   for (const char* rate : {"alpha", "beta"})
     wrong.attempt([&] {
-      check_unit(p, rate, Unit::frequency);
       if (p.number(rate) < 0) p.refuse(rate, "the rate is " + text::brief(p.number(rate)) + " 1/s; it must be >= 0");
     });
   wrong.attempt([&] { s.tolerance = positive(p, "tolerance", "tolerance"); });
@@ -80,15 +78,15 @@ std::vector<ChannelRequest> read_record(const Params& run) {
   std::vector<ChannelRequest> all;
   Refusals wrong;
   for (const Value& item : items_of(run, "record", "a list of channels")) {
-    if (item.text() != nullptr)
-      wrong.attempt([&] { add_request(all, {*item.text(), "", item.where}); });
-    else if (item.object() != nullptr)
+    if (item.object() != nullptr)
       for (const Value::Member& m : *item.object())
         wrong.attempt([&] { add_request(all, {read_text(m.value, "run.record." + m.key), m.key, m.value.where}); });
     else
       wrong.attempt([&] {
-        refuse(item.where, "run.record",
-               "expected a channel's name or {\"own name\": \"channel\"}, got " + shown(item));
+        if (item.text() == nullptr)
+          refuse(item.where, "run.record",
+                 "expected a channel's name or {\"own name\": \"channel\"}, got " + shown(item));
+        add_request(all, {*item.text(), "", item.where});
       });
   }
   wrong.raise();
@@ -236,10 +234,10 @@ RunSettings read_run(const Value& v) {
 
 NearlyRedundant nearly_redundant_from(std::string_view word) {
   if (word == "auto") return NearlyRedundant::automatic;
-  if (word == "told") return NearlyRedundant::told;
+  if (word == "report") return NearlyRedundant::reported;
   if (word == "free") return NearlyRedundant::free;
   if (word == "held") return NearlyRedundant::held;
-  throw ModelError("nearly_redundant is '" + std::string(word) + "'; it must be auto, told, free or held");
+  throw ModelError("nearly_redundant is '" + std::string(word) + "'; it must be auto, report, free or held");
 }
 
 std::unique_ptr<Integrator> make_integrator(const RunSettings& run, const Registry& registry) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <string>
-#include <vector>
 
 #include <lockstep/author/registry.h>
 #include <lockstep/text.h>

@@ -117,11 +117,11 @@ s | text | | marker S, from which P is measured, or the body on which a new mark
 at | vector3; length | | position of both new markers at the start, world
 at_p | vector3; length | | position of the new marker P at the start, world
 at_s | vector3; length | | position of the new marker S at the start, world
-axis | axis | | z axis of the new markers at the start, world
+axis | axis | | z axis of the new markers at the start, world; their x axis is as close as possible to x of the world, or to y if z is along x
 orientation | orientation | | orientation of the new markers at the start, world
 ## link | links | a joint, a coupling or another constraint between bodies
 name | text | ! | name, unique in the scene
-type | text | ! | type, see `lockstep list links`
+type | text | ! | type, see `lockstep list joints`
 < attachment
 pairs | list of names or objects; pair | | for couplings, instead of p and s: names of the coupled joints, or {"p":, "s":, ...} each
 drive | object or list of objects; drive | | prescribed motions of free coordinates (motors)
@@ -213,7 +213,7 @@ max_steps | integer | | limit of the number of steps; the run then ends with an 
 formulation | choice; omega; quaternion; joint; auto | "auto" | unknowns: joint coordinates, 6 velocities per body (omega), or 7 coordinates per body (quaternion); auto: joint coordinates if they cost less and no solver is named, else omega
 stabilization | choice, or object; stabilization; project; baumgarte; none | | correction of the constraint violation (drift); default "project"
 solver | name or object; solvers | | a name of `lockstep list solvers`, or {"type": name, and its keys}; default "schur", with formulation quaternion "sparse"
-nearly_redundant | choice; auto; told; free; held | "auto" | treatment of nearly dependent constraints (relative singular value below 1e-3), such as two nearly coaxial hinges: kept (held), removed (free), or only reported (told); auto: kept if possible, else reported
+nearly_redundant | choice; auto; report; free; held | "auto" | treatment of nearly dependent constraints (relative singular value below 1e-3), such as two nearly coaxial hinges: kept (held), removed (free), or only reported (report); auto: kept if possible, else reported
 assemble | boolean | true | true: a start that violates the constraints is corrected
 record | list of channel names: see `lockstep check SCENE --channels` | | recorded channels, by name or as {"own name": "channel"}
 draw | list of lists of texts | | panels of the picture from top to bottom, each a list of recorded names; default: by unit
@@ -225,8 +225,8 @@ x | text | ! | column of the x axis, by its recorded name; "t" is the time
 y | text | ! | column of the y axis
 ## stabilization | | correction of the constraint violation (drift)
 kind | choice; project; baumgarte; none | "project" | method
-alpha | number; quantity | 5 | damping rate of Baumgarte stabilisation, 1/s
-beta | number; quantity | 5 | stiffness rate of Baumgarte stabilisation, 1/s
+alpha | number | 5 | damping rate of Baumgarte stabilisation, 1/s
+beta | number | 5 | stiffness rate of Baumgarte stabilisation, 1/s
 tolerance | number; length | 1e-10 | tolerance of the constraint violation)_";
 
 // The value of an enumeration that ends with `last` by its name; `last` for another name.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/scene.h>
 
+#include <spdlog/fmt/fmt.h>
+
 #include <cmath>
 #include <optional>
 
@@ -171,10 +173,12 @@ Value value_now(const std::string& place, Value& root, const Scene& scene, const
   return *find_place(expanded, place.substr(kSet.size()), registry).value;
 }
 
-// a:b:n. Both ends are met exactly.
+// a:b:n, or a:b:n:log. Both ends are met exactly.
 std::vector<Value> read_range(Reader& reader, const std::vector<std::string>& parts, const std::string& path) {
-  if (parts.size() != 3)
-    throw ModelError("\"" + path + "\": expected a:b:n, n evenly spaced numbers from a to b, as in 1:5:9");
+  const bool log = parts.size() == 4 && parts[3] == "log";
+  if (parts.size() != 3 && !log)
+    throw ModelError("\"" + path +
+                     "\": expected a:b:n, n evenly spaced numbers from a to b, as in 1:5:9, or a:b:n:log");
   if (!reader.numeric())
     throw ModelError("\"" + path + "\" is not a number and has no range; list the values: NAME=v1,v2");
   const double a = *reader.read(parts[0]).number(), b = *reader.read(parts[1]).number();
@@ -186,10 +190,14 @@ std::vector<Value> read_range(Reader& reader, const std::vector<std::string>& pa
   if (n < 2 || n > kMostValues)
     throw ModelError("\"" + path + "\": the number of values is \"" + parts[2] +
                      "\"; it must be an integer from 2 to " + std::to_string(kMostValues));
+  if (log && !(a > 0 && b > 0))
+    throw ModelError("\"" + path + "\": write a:b:n:log with a and b above 0, as in run.step=1e-4:1e-1:20:log");
   std::vector<Value> values;
   const double m = n - 1;
   for (int k = 0; k < n; ++k) {
-    const double mixed = (a * (m - k) + b * k) / m;  // closer to round numbers than a + k (b - a) / m
+    const double mixed =
+        log ? *number_in<double>(fmt::format("{:.6g}", std::exp(((m - k) * std::log(a) + k * std::log(b)) / m)))
+            : (a * (m - k) + b * k) / m;  // closer to round numbers than a + k (b - a) / m
     values.emplace_back(std::isfinite(mixed) ? mixed : a * ((m - k) / m) + b * (k / m));
   }
   values.front() = Value(a), values.back() = Value(b);

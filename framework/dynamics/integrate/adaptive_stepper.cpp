@@ -16,10 +16,6 @@ namespace {
 
 constexpr int kMostFailures = 8;  // attempts that cannot be evaluated before the error is rethrown
 
-}  // namespace
-
-namespace {
-
 // How far to look for what makes steps short, s.
 double a_while_after(double t) { return 1e-9 * std::max(1.0, std::abs(t)); }
 
@@ -95,11 +91,9 @@ StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
         next = made.next;
       else if (control_ && !(made.error <= 1))
         next = h * control_->reject(made.error, made.iterations);
-    } catch (const NonFiniteError& error) {
-      if (failed()) throw;
-      rejected = true, failure = error.what();
-    } catch (const SolveError& error) {
-      if (failed()) throw;
+    } catch (const Error& error) {
+      const bool of_state = error.kind() == Error::Kind::non_finite || error.kind() == Error::Kind::solve;
+      if (!of_state || failed()) throw;
       rejected = true, failure = error.what();
     }
     h = next;

@@ -10,7 +10,6 @@
 
 #include <lockstep/author/stepping.h>
 #include <lockstep/error.h>
-#include <lockstep/text.h>
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -32,25 +31,15 @@ Given given_at(Dynamics& dynamics, const State& state) {
   const Solution& solution = dynamics.evaluate(state);
   const Evaluation& e = solution.evaluation;
   const Reactions reactions(solution);
-  const System& system = dynamics.system();
-  for (const auto& force : system.forces()) {
-    WrenchSum sum(e.inputs().motions, forces.emplace_back(VecX::Zero(6 * system.n_slots())));
-    if (!force->acts(e.inputs())) continue;
-    named(*force, state.t, [&] {
-      force->apply(e.inputs(), sum);
-      if (force->reacting()) force->reacting()->react(e.inputs(), reactions, sum);
-    });
-  }
-  directions.resize(e.rows().n_rows), asked = directions;
+  for (const auto& force : e.system().forces()) forces.push_back(wrench_of(e.system(), e.inputs(), *force, &reactions));
   for (const RowEntry& entry : e.rows().entries) {
     const RowView block = e.rows().block(entry);
     for (int k = 0; k < entry.m; ++k) {
-      const auto row = static_cast<std::size_t>(entry.first_row + k);
-      asked[row] = VecX::Constant(1, block.Qhat(k));
-      directions[row].resize(6 * entry.slots.n);
+      asked.push_back(VecX::Constant(1, block.Qhat(k)));
+      VecX& direction = directions.emplace_back(6 * entry.slots.n);
       for (int i = 0; i < entry.slots.n; ++i) {
         const auto r = block.J(i, k);
-        std::copy_n(r.begin(), 6, directions[row].begin() + 6 * i);
+        std::copy_n(r.begin(), 6, direction.begin() + 6 * i);
       }
     }
   }
@@ -98,36 +87,6 @@ std::string in_words(Dynamics& dynamics, const State& state, const Given& from, 
       after);
 }
 
-// Links in force whose rows move with the time, Ct: by a law of theirs, or of a marker.
-std::vector<std::string> moved_by_laws(Dynamics& dynamics, const State& state) {
-  State at = state;
-  dynamics.to_slots(at);
-  at.v.setZero();
-  const Evaluation& e = dynamics.gather(at);
-  VecX C, Cd;
-  e.residuals(C, Cd);
-  std::vector<std::string> names;
-  for (const RowEntry& entry : e.rows().entries)
-    if (Cd.segment(entry.first_row, entry.m).any())
-      names.push_back("'" + dynamics.system().links()[entry.link]->name() + "'");
-  return names;
-}
-
-// What makes rows contradict each other, by how many of them laws move.
-std::string why_contradict(const std::vector<std::string>& moved, const std::string& stops) {
-  constexpr std::size_t kNamed = 4;
-  std::vector<std::string> names = moved;
-  if (names.size() > kNamed) names.resize(kNamed), names.push_back("others");
-  if (moved.size() > 1)
-    return fmt::format("the laws of joints {} may contradict each other, or the mechanism is locked{}",
-                       text::join(names), stops);
-  return (moved.empty()
-              ? std::string("the mechanism is locked")
-              : fmt::format("the law of joint {} leads to a limit position (dead centre), or the mechanism is locked",
-                            moved.front())) +
-         stops;
-}
-
 }  // namespace
 
 std::string who_varies(Dynamics& dynamics, const State& state, double after) {
@@ -136,9 +95,9 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after) {
     const Solution& now = dynamics.evaluate(state);
     if (const SolveReport report = now.full_report();
         report.worst_row >= 0 && report.residual > std::max(kContradict, kLeftPerViolation * off))
-      return fmt::format("{} contradicts the others (residual {:.2g} % of its right-hand side): {}",
+      return fmt::format("{} contradicts the others (residual {:.2g} % of its right-hand side){}",
                          passes::row_name(dynamics.system(), now.rows, report.worst_row), 100 * report.residual,
-                         why_contradict(moved_by_laws(dynamics, state), or_against_stops(dynamics.system(), now.rows)));
+                         or_against_stops(dynamics.system(), now.rows));
     const Given from = given_at(dynamics, state);
     State then = state;
     StateRate rate;
@@ -147,10 +106,7 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after) {
     then.s += after * rate.s;
     then.t += after;
     dynamics.normalize(then);
-    std::string words = in_words(dynamics, state, from, given_at(dynamics, then), after);
-    if (const std::vector<std::string> moved = moved_by_laws(dynamics, state); moved.size() == 1 && !words.empty())
-      words += "; a law drives joint " + moved.front();
-    return words;
+    return in_words(dynamics, state, from, given_at(dynamics, then), after);
   } catch (const Error& error) {
     return fmt::format("within {:.2g} s after that: {}", after, error.what());
   }

@@ -12,10 +12,6 @@ namespace lockstep {
 
 Integrator::~Integrator() = default;
 
-bool Integrator::dense(double, State&) const { return false; }
-
-void Integrator::set_tolerance(const Tolerance&) {}
-
 void check_tolerance(const Tolerance& t) {
   const auto bad = [](double x) { return !std::isfinite(x) || x < 0; };
   if (bad(t.relative) || t.relative + t.atol_x == 0)
@@ -41,16 +37,6 @@ Tolerance tolerance_of(double relative) {
   check_tolerance(t);
   return t;
 }
-
-double Integrator::first_step(Dynamics&, const State&, double) { return 0; }
-
-const EmbeddedScheme* Integrator::scheme() const { return nullptr; }
-
-void Integrator::save(Snapshot&) const {}
-
-void Integrator::restore(SnapshotReader&) {}
-
-bool Integrator::saves_all() const { return true; }
 
 ErrorContext context_of(const Integrator& method, double t) {
   const bool ours = method.origin().empty() && is_of_lockstep(typeid(method));  // made in C++

@@ -8,6 +8,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/integrate/culprit.h"
+#include "framework/foundation/math/for_size.h"
 
 namespace lockstep {
 
@@ -36,43 +37,25 @@ inline void add_block(const double* base, const StateRate* k, VecX StateRate::*p
   if (kEven < kWidth) out[at + kEven] = last;
 }
 
-void add_one(const double* base, const StateRate* k, VecX StateRate::*part, double h, const Weights& w, Eigen::Index at,
-             double* out) {
-  double sum = base ? base[at] : 0.0;
-  for (std::size_t i = 0; i < w.n; ++i) sum += h * w.w[i] * (k[w.stage[i]].*part)[at];
-  out[at] = sum;
-}
-
 // One part (q, v or s) of y + h sum_i w_i k_i: eight numbers at a time, then the rest in one block.
 inline void add_part(const double* base, const StateRate* k, VecX StateRate::*part, double h, const Weights& w,
                      VecX& out) {
-  const Eigen::Index size = out.size();
-  const auto block = [&]<int kWidth>(std::integral_constant<int, kWidth>, Eigen::Index at) {
-    add_block<kWidth>(base, k, part, h, w, at, out.data());
-  };
+  const auto block = [&](auto width, Eigen::Index at) { add_block<width()>(base, k, part, h, w, at, out.data()); };
   Eigen::Index at = 0;
-  for (; at + 8 <= size; at += 8) block(std::integral_constant<int, 8>(), at);
-  switch (size - at) {
-    case 1:
-      return add_one(base, k, part, h, w, at, out.data());
-    case 2:
-      return block(std::integral_constant<int, 2>(), at);
-    case 3:
-      return block(std::integral_constant<int, 3>(), at);
-    case 4:
-      return block(std::integral_constant<int, 4>(), at);
-    case 5:
-      return block(std::integral_constant<int, 5>(), at);
-    case 6:
-      return block(std::integral_constant<int, 6>(), at);
-    case 7:
-      return block(std::integral_constant<int, 7>(), at);
-    default:
-      return;
-  }
+  for (; at + 8 <= out.size(); at += 8) block(std::integral_constant<int, 8>(), at);
+  if (const auto rest = static_cast<int>(out.size() - at); rest > 0)
+    for_size<1, 7>(rest, [&](auto width) { block(width, at); });
 }
 
 }  // namespace
+
+Weights::Weights(const double* all, int n_all) {
+  for (int i = 0; i < n_all; ++i) {
+    if (all[i] == 0) continue;
+    stage[n] = i;
+    w[n++] = all[i];
+  }
+}
 
 void Stages::begin(const Tableau& tableau, const State& y, bool watch) {
   tableau_ = tableau;

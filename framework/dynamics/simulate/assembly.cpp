@@ -166,9 +166,8 @@ void add_warnings(Dynamics& dynamics, const State& given, const State& assembled
     report.findings.push_back(
         {&finding::start_moved, "body '" + body + "'",
          fmt::format("assembly {} body '{}' by {:.3g} {} {}", moved ? "moved" : "rotated", body, by, unit, why),
-         fmt::format("{}give the body {} that fits its joints (`lockstep assemble` prints one)", check,
-                     moved ? "a position" : "an orientation"),
-         by, kMuch * (moved ? system.length() : kTwoPi), unit});
+         fmt::format("{}draw the body where it fits its joints", check), by, kMuch * (moved ? system.length() : kTwoPi),
+         unit});
   }
   const double lost = report.kinetic_before - report.kinetic_after;
   if (!(lost > kMuch * report.kinetic_before)) return;

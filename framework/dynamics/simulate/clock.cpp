@@ -63,7 +63,7 @@ double Clock::step_towards(double t, const Target& target, double largest) const
   double h = advised_ > 0 ? advised_ : kNever;
   if (options_.step > 0) h = std::min(h, options_.step);
   if (largest > 0) h = std::min(h, largest);
-  if (step_is_round_off(h, t, span()))
+  if (h < least_step(t, span()))
     throw StepError(
         fmt::format(
             "{}: the step shrank to {:.3g} s at t = {:.9g} s, which is round-off of a run of {:.3g} s; use another "

@@ -38,6 +38,27 @@ void for_each_gradient(const Evaluation& e, const Act& act) {
   }
 }
 
+// A row of the rotation alone, e3 = 0, holds the rotation about z by e0/2 (4.21). That is zero at 180 deg about an axis
+// normal to z.
+void check_not_folded(const Evaluation& e, const Lock& link) {
+  const Jointed* const joint = link.jointed();
+  if (joint == nullptr || count_rows(joint->mask() & Mask::e123) != 1 || joint->imposed().turn) return;
+  const auto [p, s] = link.pairs().front();
+  const MarkerFrame P(*p), S(*s);
+  if (std::abs(MovingPair<Reads::rotation>(P, S, e.inputs()).y()[3]) > kSlight) return;
+  throw AssemblyError(
+      fmt::format("joint '{}' is folded by 180 deg at the start, where its constraint of a rotation has no effect; "
+                  "start it elsewhere",
+                  link.name()));
+}
+
+// Whether it could hold its markers in their present pose.
+bool could_hold(const Lock& link) {
+  const Jointed* joint = link.jointed();
+  return joint != nullptr && joint->imposed().empty() && joint->mask() != Mask::none && !link.unilateral() &&
+         link.row_count() == count_rows(joint->mask());
+}
+
 }  // namespace
 
 VecX row_sizes(const Evaluation& at, const VecX& c) {
@@ -57,24 +78,6 @@ std::string worst_rows(const Evaluation& e, const VecX& sizes) {
     words.push_back(passes::row_name(e.system(), e.rows(), order[i]) + " (" + text::brief(sizes[order[i]]) + ")");
   return words.empty() ? "no constraint" : text::join(words);
 }
-
-namespace {
-
-// A row of the rotation alone, e3 = 0, holds the rotation about z by e0/2 (4.21). That is zero at 180 deg about an axis
-// normal to z.
-void check_not_folded(const Evaluation& e, const Lock& link) {
-  const Jointed* const joint = link.jointed();
-  if (joint == nullptr || count_rows(joint->mask() & Mask::e123) != 1 || joint->imposed().turn) return;
-  const auto [p, s] = link.pairs().front();
-  const MarkerFrame P(*p), S(*s);
-  if (std::abs(MovingPair<Reads::rotation>(P, S, e.inputs()).y()[3]) > kSlight) return;
-  throw AssemblyError(
-      fmt::format("joint '{}' is folded by 180 deg at the start, where its constraint of a rotation has no effect; "
-                  "start it elsewhere",
-                  link.name()));
-}
-
-}  // namespace
 
 void check_gradients(const Evaluation& e) {
   for_each_gradient(e, [&](int row, RowKind, double size) {
@@ -149,17 +152,6 @@ void engage_links(Dynamics& dynamics, State& state, const std::vector<std::strin
     });
   }
 }
-
-namespace {
-
-// Whether it could hold its markers in their present pose.
-bool could_hold(const Lock& link) {
-  const Jointed* joint = link.jointed();
-  return joint != nullptr && joint->imposed().empty() && joint->mask() != Mask::none && !link.unilateral() &&
-         link.row_count() == count_rows(joint->mask());
-}
-
-}  // namespace
 
 void check_links(Dynamics& dynamics, const State& state, const std::vector<std::string>& links,
                  const std::string& cause, double limit) {

@@ -9,14 +9,11 @@
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
-namespace {
 
 bool switches(const Event& event, const std::string& name) {
   return std::ranges::find(event.activate, name) != event.activate.end() ||
          std::ranges::find(event.deactivate, name) != event.deactivate.end();
 }
-
-}  // namespace
 
 const Lock* switched_of_decided(const System& system, const std::vector<bool>& modes, const Event& event) {
   const bool held = system.held_down_to() > 0;
@@ -45,7 +42,7 @@ void refuse_switch_of_decided(const System& system, const std::vector<bool>& mod
   if (link == nullptr) return;
   throw ModelError(who + " switches joint '" + link->name() + "' in a loop with constraints that were " +
                        (system.held_down_to() > 0 ? "kept as nearly redundant" : "left out as redundant") +
-                       " at the start; set \"nearly_redundant\" to \"told\" (decide_nearly_redundant())",
+                       " at the start; set \"nearly_redundant\" to \"report\" (decide_nearly_redundant())",
                    {.thing = event.name.empty() ? thing_of(*link) : Thing{.kind = "event", .name = event.name}});
 }
 

@@ -6,6 +6,9 @@
 
 namespace lockstep {
 
+/// Whether an event switches the link of this name.
+LOCKSTEP_API bool switches(const Event&, const std::string& name);
+
 /// The link that an event switches on a loop with rows that were left out (System::leave_out), or on any loop where
 /// nearly dependent rows hold (System::hold_down_to); null if it switches none. `modes`: links in force before it.
 LOCKSTEP_API const Lock* switched_of_decided(const System&, const std::vector<bool>& modes, const Event&);

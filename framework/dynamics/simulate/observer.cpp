@@ -15,23 +15,6 @@ DetailObserver::~DetailObserver() = default;
 
 Observer::~Observer() = default;
 
-void Observer::start(const Sample&) {}
-
-void Observer::step(const Sample&) {}
-
-void Observer::jumped(const Sample&) {}
-void Observer::output(const Sample&) {}
-
-void Observer::finish(const Sample&) {}
-
-void Observer::save(Snapshot&) const {}
-
-void Observer::load(SnapshotReader&) {}
-
-bool Observer::saves_all() const { return true; }
-
-bool Observer::keeps_rows() const { return false; }
-
 Sample::Sample(Dynamics& dynamics, const State& s, const StepReport& r, const Inputs* known)
     : state(s), report(r), dynamics_(dynamics), inputs_(known), read_(dynamics.inputs_read()) {}
 

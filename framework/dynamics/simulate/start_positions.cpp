@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -346,14 +345,6 @@ class StartSearch {
 void find_positions(Dynamics& dynamics, State& state, const AssemblyOptions& options, AssemblyReport& report) {
   dynamics.normalize(state);
   StartSearch(dynamics, state, options, report).positions();
-}
-
-void assemble_positions(Dynamics& dynamics, State& state, const AssemblyOptions& options) {
-  AssemblyReport report;
-  dynamics.system().check_size(state);
-  State work = state;
-  find_positions(dynamics, work, options, report);
-  state = std::move(work);
 }
 
 bool approach_links(Dynamics& dynamics, State& state, double goal) {

@@ -19,10 +19,7 @@ namespace lockstep {
 /// rows, and drives are led only if that fails or if rows count revolutions. Counted angles follow the way. `report`:
 /// takes iterations, how far off the start was and is, and warnings. Throws AssemblyError with the rows or targets that
 /// are not met, ModelError for a target without a meaning.
-void find_positions(Dynamics&, State&, const AssemblyOptions&, AssemblyReport& report);
-
-/// The same without a word.
-LOCKSTEP_API void assemble_positions(Dynamics&, State&, const AssemblyOptions&);
+LOCKSTEP_API void find_positions(Dynamics&, State&, const AssemblyOptions&, AssemblyReport& report);
 
 /// Newton's method onto all rows, from anywhere, to this many m. Returns whether it got there. Throws SolveError and
 /// NonFiniteError of rows on the way. The state is in the slots' own coordinates.

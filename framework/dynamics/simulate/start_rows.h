@@ -19,7 +19,7 @@ struct CoordinateRow {
   VecX of_rate;      ///< derivative of the rate by the velocities, 6 a slot
   VecX of_value;     ///< derivative of the value by displacements and turns, 6 a slot
 };
-CoordinateRow coordinate_row(Dynamics&, const State&, const Lock& link, Axis axis);
+LOCKSTEP_API CoordinateRow coordinate_row(Dynamics&, const State&, const Lock& link, Axis axis);
 /// The link of that name. Throws ModelError, naming the axis, if it has no pair of markers.
 const Lock& paired_link(const System&, const std::string& name, Axis axis);
 

@@ -9,7 +9,6 @@
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/simulate/consistency.h"
-#include "framework/dynamics/simulate/damping.h"
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/keep_state.h"
 #include "framework/dynamics/simulate/start_positions.h"
@@ -49,6 +48,21 @@ void check_finite(const System& system, const State& state) {
   if (!state.s.allFinite())
     throw NonFiniteError("StepLoop::set_state: an integrated state of a joint, force or auxiliary is not finite",
                          state.t);
+}
+
+bool may_damp(const Force& force, const Inputs& in) try {
+  return force.dissipation(in) != 0 || force.supply(in) != 0 || force.potential(in) == 0;
+} catch (...) {
+  return true;
+}
+
+// Whether anything may take energy out of motions at this state: Baumgarte's terms, a force that dissipates or supplies a
+// power, or one that reports no energy or throws. If nothing does, a mode that decays has one that grows as fast, and no
+// step is short for damped modes.
+bool may_damp(Dynamics& dynamics, const State& state) {
+  if (dynamics.options().stabilization.kind == Stabilization::Kind::baumgarte) return true;
+  const Inputs& in = dynamics.inputs(state);
+  return std::ranges::any_of(dynamics.system().forces(), [&](const auto& force) { return may_damp(*force, in); });
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "framework/dynamics/tree/slender_bodies.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
+#include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
 
@@ -39,6 +40,17 @@ void tell(const std::vector<Observer*>& observers, Delivery& now, double t, cons
       rethrow_of_observer(o, number, t);
     }
   }
+}
+
+// The body that keeps steps short in joint coordinates in any state; "" if there is none.
+std::string below_rounding(const System& system, const State& state, double tolerance) {
+  const auto* tree = dynamic_cast<const JointTree*>(state.coordinates.get());
+  const std::string body = tree == nullptr ? "" : slender_body(*tree, system, slenderness_at(tolerance));
+  if (body.empty()) return {};
+  return fmt::format(
+      "; the tolerance of {:g} is below the round-off in joint coordinates: {}; use formulation omega, or a larger "
+      "tolerance",
+      tolerance, body);
 }
 
 }  // namespace
@@ -131,21 +143,6 @@ void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double
   }
 }
 
-namespace {
-
-// The body that keeps steps short in joint coordinates in any state; "" if there is none.
-std::string below_rounding(const System& system, const State& state, double tolerance) {
-  const auto* tree = dynamic_cast<const JointTree*>(state.coordinates.get());
-  const std::string body = tree == nullptr ? "" : slender_body(*tree, system, slenderness_at(tolerance));
-  if (body.empty()) return {};
-  return fmt::format(
-      "; the tolerance of {:g} is below the round-off in joint coordinates: {}; use formulation omega, or a larger "
-      "tolerance",
-      tolerance, body);
-}
-
-}  // namespace
-
 // Links and forces are compared over ten steps. In long steps all of them change.
 std::string StepLoop::Parts::why_steps_end(Dynamics& dynamics, const State& state, double tolerance) const {
   constexpr double kLongStep = 1e-3;
@@ -173,11 +170,8 @@ std::exception_ptr StepLoop::finish() {
   std::exception_ptr first;
   const Sample sample(dynamics_, state_, parts_->interval.report());
   for (std::size_t i = 0; i < parts_->started; ++i) {
-    try {
-      observer_code(*observers_[i], i, state_.t, [&] { observers_[i]->finish(sample); });
-    } catch (...) {
-      if (!first) first = std::current_exception();
-    }
+    const auto finished = [&] { observer_code(*observers_[i], i, state_.t, [&] { observers_[i]->finish(sample); }); };
+    if (const std::exception_ptr error = thrown_by(finished); !first) first = error;
   }
   return first;
 }
@@ -190,7 +184,7 @@ void StepLoop::measure_turns(double h, const Sample& sample) {
   int fastest = 0;
   for (int k = 0; k < system().n_slots(); ++k)
     if (const double w2 = in.slot(k).w.squaredNorm(); w2 > most) most = w2, fastest = k;
-  if (const double turn = h * std::sqrt(most); turn > report_.largest_turn)
+  if (const double turn = h * std::sqrt(most); turn > report_.largest_turn && std::isfinite(turn))
     report_.largest_turn = turn, report_.turned_most = system().body_of_slot(fastest).name;
 }
 

@@ -12,9 +12,6 @@ inline constexpr double kLongTurn = 1;  ///< rad in a step: the run warns of mor
 /// The shortest step, s, at t that is no round-off of t and of the length of the run.
 inline double least_step(double t, double span) { return 1e-13 * std::max(std::abs(t), span); }
 
-/// Whether a step h, s, at t is round-off of t or of the length of the run.
-inline bool step_is_round_off(double h, double t, double span) { return h < least_step(t, span); }
-
 /// The next step when `left` remains and h is advised: all of it, or half of it rather than leave a sliver. A step
 /// within `rounding` of all counts as all.
 inline double step_within(double left, double h, double rounding) {

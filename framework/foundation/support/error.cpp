@@ -6,8 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include <lockstep/text.h>
-
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {

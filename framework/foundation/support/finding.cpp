@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/finding.h>
 
-#include <algorithm>
 #include <array>
 
 #include <lockstep/error.h>
@@ -22,42 +21,15 @@ const char* to_string(Severity severity) {
 
 std::span<const FindingKind* const> finding_kinds() {
   using namespace finding;
-  static constexpr std::array kAll{&energy_not_conserved,
-                                   &constraints_drifted,
-                                   &tolerance_not_reached,
-                                   &singular_passed,
-                                   &reactions_uncertain,
-                                   &not_certified,
-                                   &start_far,
-                                   &renamed_key,
-                                   &not_included,
-                                   &held_turn,
-                                   &quaternion_length,
-                                   &negative_stiffness,
-                                   &outputs_beyond_end,
-                                   &setting_unused,
-                                   &length_repeated,
-                                   &switches_unresolved,
-                                   &turns_uncertain,
-                                   &start_moved,
-                                   &start_speed_lost,
-                                   &start_missed,
-                                   &singular_start,
-                                   &no_freedom,
-                                   &violated_in_run,
-                                   &long_turn,
-                                   &long_steps,
-                                   &event_at_zero,
-                                   &stop_passed,
-                                   &energy_not_judged,
-                                   &energy_suspect,
-                                   &event_missed,
-                                   &stiff,
-                                   &reactions_not_unique,
-                                   &nearly_redundant,
-                                   &units_assumed,
-                                   &analysis_note};
-  return kAll;
+  constexpr auto all = [](auto&... kind) { return std::array{&kind...}; };
+  static constexpr auto kinds =
+      all(energy_not_conserved, constraints_drifted, tolerance_not_reached, singular_passed, reactions_uncertain,
+          not_certified, start_far, renamed_key, implausible, not_included, held_turn, quaternion_length,
+          negative_stiffness, outputs_beyond_end, setting_unused, length_repeated, switches_unresolved, turns_uncertain,
+          start_moved, start_speed_lost, start_missed, singular_start, no_freedom, violated_in_run, long_turn,
+          long_steps, event_at_zero, stop_passed, energy_not_judged, energy_suspect, event_missed, stiff,
+          reactions_not_unique, nearly_redundant, units_assumed, analysis_note);
+  return kinds;
 }
 
 const FindingKind& finding_kind(std::string_view code) {

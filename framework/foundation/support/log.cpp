@@ -10,18 +10,13 @@ namespace {
 
 constexpr const char* kName = "lockstep";
 
-std::shared_ptr<spdlog::logger> made() {
-  auto fresh = std::make_shared<spdlog::logger>(kName, std::make_shared<spdlog::sinks::stderr_sink_mt>());
-  fresh->set_pattern("lockstep: %l: %v");
-  fresh->set_level(spdlog::level::warn);
-  return fresh;
-}
-
 }  // namespace
 
 std::shared_ptr<spdlog::logger> logger() {
   if (auto known = spdlog::get(kName)) return known;
-  const auto fresh = made();
+  const auto fresh = std::make_shared<spdlog::logger>(kName, std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  fresh->set_pattern("lockstep: %l: %v");
+  fresh->set_level(spdlog::level::warn);
   try {
     spdlog::register_logger(fresh);
   } catch (const spdlog::spdlog_ex&) {  // another thread registered it first

@@ -29,11 +29,10 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-std::string with_format(double value, std::chars_format format, int digits) {
+template <class... Format>
+std::string chars_of(double value, Format... format) {
   char text[64];
-  const auto end = digits < 0 ? std::to_chars(text, text + sizeof text, value)
-                              : std::to_chars(text, text + sizeof text, value, format, digits);
-  return std::string(text, end.ptr);
+  return {text, std::to_chars(text, text + sizeof text, value, format...).ptr};
 }
 
 // Words of Adams, Simscape, MuJoCo, URDF and plain English, each before the names that it may mean here.
@@ -118,8 +117,8 @@ std::string_view trimmed(std::string_view s, std::string_view blanks) {
   return first == std::string_view::npos ? std::string_view() : s.substr(first, s.find_last_not_of(blanks) - first + 1);
 }
 
-std::string number(double value) { return with_format(value, std::chars_format::general, -1); }
+std::string number(double value) { return chars_of(value); }
 
-std::string brief(double value) { return with_format(value, std::chars_format::general, 3); }
+std::string brief(double value) { return chars_of(value, std::chars_format::general, 3); }
 
 }  // namespace lockstep::text

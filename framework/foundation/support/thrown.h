@@ -18,6 +18,17 @@ LOCKSTEP_API std::string what_of(const std::exception&);
 /// language, gives "something that is not a C++ exception".
 LOCKSTEP_API std::string thrown_words(const std::exception_ptr&);
 
+/// What an action throws; null: nothing.
+template <class Act>
+std::exception_ptr thrown_by(Act&& act) {
+  try {
+    act();
+    return nullptr;
+  } catch (...) {
+    return std::current_exception();
+  }
+}
+
 /// "Highest", of a class as its author wrote it.
 LOCKSTEP_API std::string type_words(const std::type_info&);
 

@@ -40,7 +40,7 @@ struct CopiesOptions {
   Formulation formulation = Formulation::automatic;
   bool lanes = true;  ///< false: every instance by the ordinary Dynamics and integrator, for comparison
   Instructions instructions = Instructions::best;  ///< others are for comparison
-  const Registry* registry = nullptr;              ///< where the integrator is; null: builtin_registry()
+  const Registry* registry = nullptr;              ///< registry of the integrator; null: builtin_registry()
 };
 
 /// Report of the run of one instance.

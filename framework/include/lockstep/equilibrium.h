@@ -58,7 +58,7 @@ struct EquilibriumOptions {
   double tolerance = 1e-10;
   int iterations = 200;           ///< of Newton's method, at most
   int relaxation_steps = 20'000;  ///< of dynamic relaxation, at most
-  /// Whether friction (Reacting::grips) may hold the given state; false: the equilibrium without friction.
+  /// Whether friction (`Reacting::grips`) may hold the given state; false: the equilibrium without friction.
   bool friction = true;
   bool nearest = false;  ///< accepts the first equilibrium found, stable or not; false: a stable one
 };

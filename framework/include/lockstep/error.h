@@ -18,7 +18,7 @@ struct LOCKSTEP_API Thing {
   std::string kind{},  ///< "joint", "force", "law", ...; empty: nothing is named
       name{};          ///< its name in the system; empty: a type that has made nothing yet
   std::string type{},  ///< name of its type, "revolute"
-      origin{};        ///< where the type comes from: "built in", a plugin's name, or "" for a class of the host
+      origin{};        ///< origin of the type: "built in", a plugin's name, or "" for a class of the host
 
   bool known() const { return !kind.empty(); }                                  ///< whether it names anything
   bool of_a_plugin() const { return !origin.empty() && origin != "built in"; }  ///< whether a plugin brought its type

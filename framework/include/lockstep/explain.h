@@ -71,7 +71,7 @@ struct LinkAccount {
   LinkWrench joint,                      ///< on p's body about P, without drives
       drives;                            ///< of all drives
   std::vector<LawAccount> laws;          ///< drives, imposed motion, and the laws of its markers
-  std::vector<Dependency> dependencies;  ///< groups of dependent constraints that include some of its own
+  std::vector<Dependency> dependencies;  ///< groups of dependent constraints that include some of this object
 };
 
 /// The account of a joint at a state in the slots' own coordinates. Throws what Dynamics::evaluate throws.

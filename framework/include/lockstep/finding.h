@@ -39,7 +39,7 @@ LOCKSTEP_API const FindingKind& finding_kind(std::string_view code);
 
 /// One finding.
 struct Finding {
-  const FindingKind* kind;  ///< never null; compare codes, as each library has constants of its own
+  const FindingKind* kind;  ///< never null; compare codes, as each library has separate constants
   std::string thing{};      ///< what it is about, "joint 'A'"; "" for the mechanism or the run
   std::string message{};    ///< what was found
   std::string advice{};     ///< what to do about it here; "" if nothing

@@ -174,7 +174,7 @@ class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
 ///
 ///     sliding   N = N0 + |F held| + |M held, normal to a single free direction|/b         N
 ///               force on P's body at P: -(mu(|u|) N + c |u|) u/|u|, the opposite on S's   N
-///     turning   T = mu(r |w|) (r (N0 + |F radial|) + r_a |F axial|) + c_t |w|             N m, against w
+///     rotation  T = mu(r |w|) (r (N0 + |F radial|) + r_a |F axial|) + c_t |w|             N m, against w
 ///     mu(s)     = (mu_k + (mu_s - mu_k) exp(-(s/v_s)^2)) tanh(s/v_0)                      Coulomb: mu_s = mu_k
 ///     |F|       = sqrt(F.F + e^2) - e, smooth as the reaction passes zero
 ///

@@ -256,7 +256,7 @@ class LOCKSTEP_API GeneralizedAlpha final : public AdaptiveStepper {
 inline Eigen::Index n_increments(const State& y) { return 2 * y.v.size() + y.s.size(); }
 /// out = start (+) y; time, memory and joints of `out` stay as they are.
 LOCKSTEP_API void displace_state(const State& start, Eigen::Ref<const VecX> y, State& out);
-/// out = d/dt of the increments y at the state `here` = start (+) y, where the rates of the state are k.
+/// out = d/dt of the increments y at the state `here` = start (+) y, at which the rates of the state are k.
 LOCKSTEP_API void increment_rates(Eigen::Ref<const VecX> y, const State& here, const StateRate& k,
                                   Eigen::Ref<VecX> out);
 /// out = the small increments y as the difference of two states near `at`, for ErrorNorm.

@@ -47,7 +47,7 @@ class MaskJoint : public MarkerLock {
   std::string_view type() const override { return Self::kType; }
 };
 
-/// A weld: P coincides with S in position and orientation. Free: nothing. With move() and turn() it imposes a whole
+/// A weld: P coincides with S in position and orientation. Free: nothing. With `move()` and `turn()` it imposes a whole
 /// motion.
 struct LOCKSTEP_API Fixed final : MaskJoint<Fixed, Mask::all> {
   static constexpr const char* kType = "fixed";  ///< type

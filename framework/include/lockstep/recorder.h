@@ -41,7 +41,7 @@ struct ChannelHelp {
 
 /// Makes the channel of this name. The system is set up if it was not (a joint's rows have names only then). Channels
 /// of works and angles add states to the system, shared by all that ask for them, so make channels before the run
-/// (before the StepLoop takes the start). From then on the system must stay where it is in memory. Throws ModelError
+/// (before the StepLoop takes the start). From then on the system must not be moved in memory. Throws ModelError
 /// with the closest name and with all quantities of the object.
 LOCKSTEP_API Channel make_channel(System&, const std::string& name);
 

@@ -54,7 +54,7 @@ struct RunSettings {
   SourceLocation where{};  ///< place of the object in the file
 };
 
-/// Reads "auto", "told", "free" or "held". Throws ModelError for another word.
+/// Reads "auto", "report", "free" or "held". Throws ModelError for another word.
 LOCKSTEP_API NearlyRedundant nearly_redundant_from(std::string_view word);
 
 /// A parameter of a scene, or one of its points.
@@ -172,10 +172,10 @@ struct Variable {
   std::string near{};         ///< the closest path of a number in the scene, if the scene does not give this value
 };
 
-/// Reads a variable: "NAME=a:b:n" are n evenly spaced numbers from a to b, "NAME=v1,v2,..." these values. NAME is the
-/// path of a plain value in the scene, as in "bodies.rod.mass", or the name of a parameter. Numbers are SI, or have
-/// units. Throws ModelError or SceneError with the path: no such value (with the nearest), values of another form, or
-/// a key that determines the columns, which are the same in all runs.
+/// Reads a variable: "NAME=a:b:n" are n evenly spaced numbers from a to b, "NAME=a:b:n:log" evenly in the logarithm,
+/// "NAME=v1,v2,..." these values. NAME is the path of a plain value in the scene, as in "bodies.rod.mass", or the name of
+/// a parameter. Numbers are SI, or have units. Throws ModelError or SceneError with the path: no such value (with the
+/// nearest), values of another form, or a key that determines the columns, which are the same in all runs.
 LOCKSTEP_API Variable read_variable(const std::string& text, const Scene&, const Registry&);
 
 /// Reads several variables; throws ModelError if two of them are the same value.

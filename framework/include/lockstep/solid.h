@@ -40,7 +40,7 @@ class LOCKSTEP_API MeshFiles {
 
 /// A solid that a body is made of, for pictures; its mass is in the body's MassProperties.
 struct Solid {
-  /// Its form, about the origin of its own frame.
+  /// The form, about the origin of its frame.
   enum class Kind {
     box,       ///< edges along x, y and z
     cylinder,  ///< axis along z; a rod is one, too

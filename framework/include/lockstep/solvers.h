@@ -61,7 +61,7 @@ class LOCKSTEP_API DenseSolver final : public LinearSolver {
 // SchurSolver: S = J M^-1 J^T over the graph of the joints, block by block (framework/docs/solvers.md, sections 2 and
 // 5).
 
-/// Schur complement over the graph of the joints: the default. It reads the rows where the joints wrote them, in six
+/// Schur complement over the graph of the joints: the default. It reads the rows from the memory of the joints, in six
 /// velocities per slot, three in a plane. On a tree there is no fill, and time and memory grow linearly with the number
 /// of bodies; a slot with many joints becomes a node itself. Nothing is allocated after analyse().
 class LOCKSTEP_API SchurSolver final : public LinearSolver {

@@ -77,7 +77,7 @@ class LOCKSTEP_API Coordinates {
   virtual bool take_off_turns(State&) const { return false; }
   /// Change of the slots' motions under a small change `d` of q and v: 6 per slot, world axes. dx: of the centre of
   /// mass, m, and the rotation vector; dv: of its velocity, m/s, and of the angular velocity. `at`: what motions()
-  /// writes. Coordinates without any of their own give d itself.
+  /// writes. Slot coordinates give d itself.
   virtual void variations(const State&, std::span<const Motion> at, const StateRate& d, VecX& dx, VecX& dv) const = 0;
 };
 
@@ -130,7 +130,7 @@ struct StateRate {
       v,   ///< likewise 6 per slot, m/s^2 (world) and rad/s^2 (slot axes)
       s;   ///< rates of the integrated states
   /// Of the slots that laws move (Coordinates::followed), 12 each: velocity and angular velocity, and their rates, world
-  /// axes. Dynamics::rates writes them if there is room for them (sized_like()). By them a method measures errors.
+  /// axes. Dynamics::rates writes them if it has their size (sized_like()). By them a method measures errors.
   VecX followed{};
   double largest_a = 0;      ///< in other coordinates than the slots' own: largest acceleration of a slot, m/s^2
   double largest_alpha = 0;  ///< and the largest angular acceleration, rad/s^2

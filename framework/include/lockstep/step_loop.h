@@ -67,27 +67,27 @@ class LOCKSTEP_API Observer {
  public:
   virtual ~Observer();
   /// Called once at the start of a run.
-  virtual void start(const Sample&);
+  virtual void start(const Sample&) {}
   /// Called after every accepted step, with the state at its end.
-  virtual void step(const Sample&);
+  virtual void step(const Sample&) {}
   /// Called after step() if an event, an impact or the jump of a law acted at its end: at the same time, with the state
   /// from which the run continues.
-  virtual void jumped(const Sample&);
+  virtual void jumped(const Sample&) {}
   /// Called at every output time (the requested times, or every step if there are none): the state interpolated by the
   /// method's dense output and projected, or the end of a step.
-  virtual void output(const Sample&);
+  virtual void output(const Sample&) {}
   /// Called at the end of every StepLoop::run_until, also when it throws.
-  virtual void finish(const Sample&);
+  virtual void finish(const Sample&) {}
   /// Writes the data that it keeps from call to call, for a checkpoint. Default: nothing.
-  virtual void save(Snapshot&) const;
+  virtual void save(Snapshot&) const {}
   /// Restores what save() wrote, in the same order; start() was called before, at the state of the checkpoint.
   /// Default: nothing.
-  virtual void load(SnapshotReader&);
+  virtual void load(SnapshotReader&) {}
   /// Whether save() writes all that it keeps from call to call; false: runs with it have no checkpoints. Default: true.
-  virtual bool saves_all() const;
+  virtual bool saves_all() const { return true; }
   /// Whether it keeps rows: a call of output(), jumped() or DetailObserver::before_jump() that threw is then repeated
   /// when the run continues, so that no row is lost. Default: false, since an error may be meant to stop the run.
-  virtual bool keeps_rows() const;
+  virtual bool keeps_rows() const { return false; }
 };
 
 // Event: changes the active joints or the state between two steps, by time or by a condition located to tolerance.

@@ -98,10 +98,11 @@ LOCKSTEP_API Pose pose_at(const Vec3& x, const Vec3& z);
 /// 1e-7 m apart. Held, they lock the door by forces 1e7 times the load; free, the door rotates and one hinge yields by
 /// that much. Small loops of a large mechanism are also below the limit, although their constraints are meant to hold.
 enum class NearlyRedundant {
-  told,  ///< report only: nothing is decided, and solvers may differ
+  reported,  ///< report only: nothing is decided, and solvers may differ
+  told [[deprecated("NearlyRedundant::reported")]] = reported,
   free,  ///< redundant and nearly redundant constraints are left out
   held,  ///< they hold; exactly redundant constraints are left out, so that nothing contradicts
-  /// Held if that can be decided and the mechanism has no more than 300 rows, else told.
+  /// Held if that can be decided and the mechanism has no more than 300 rows, else reported.
   automatic
 };
 

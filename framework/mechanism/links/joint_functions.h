@@ -55,7 +55,7 @@ struct ScrewThread : PhiHooks {
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
     if (slip) slip->breakpoints(t0, t1, out);
   }
-  std::string diagnose(double t) const override { return law_fault("the law of its slip", slip, t); }
+  std::string diagnose(double t) const override { return law_fault("the law of its offset", slip, t); }
 };
 
 /// phi = +-(coordinate - limit), m: phi >= 0 is the free side, above a low end and below a high one.

@@ -33,12 +33,12 @@ TypeInfo Screw::info() {
   return {"screw",
           "nut on a thread about z of S; degrees of freedom left: rotation about z, coupled to translation along z",
           {{"lead", Form::number, Unit::length, kRequired, "advance per revolution, negative for a left-hand thread"},
-           {"slip", Form::law, Unit::length, kOptional, "axial offset from the thread, m; default: none"}}};
+           {"offset", Form::law, Unit::length, kOptional, "axial offset from the thread; default: none"}}};
 }
 
 std::unique_ptr<Lock> Screw::make(const Attachment& attachment, const Params& p) {
   return std::make_unique<Screw>(attachment.name, attachment.p(), attachment.s(), p.number("lead"),
-                                 p.has("slip") ? p.law("slip") : LawPtr<MotionLaw>{});
+                                 p.has("offset") ? p.law("offset") : LawPtr<MotionLaw>{});
 }
 
 }  // namespace lockstep

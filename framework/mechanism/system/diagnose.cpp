@@ -171,10 +171,14 @@ void refuse_laws(const Lock& link, double t) {
   refuse_number(link, t, " computed a number that is not finite", "check its laws");
 }
 
-VecX wrench_of(const System& system, const Inputs& in, const Force& force) {
+VecX wrench_of(const System& system, const Inputs& in, const Force& force, const Reactions* reactions) {
   VecX f = VecX::Zero(6 * system.n_slots());
   WrenchSum sum(in.motions, f);
-  if (force.acts(in)) named(force, in.t, [&] { force.apply(in, sum); });
+  if (!force.acts(in)) return f;
+  named(force, in.t, [&] {
+    force.apply(in, sum);
+    if (reactions != nullptr && force.reacting() != nullptr) force.reacting()->react(in, *reactions, sum);
+  });
   return f;
 }
 

@@ -52,8 +52,9 @@ void set_up(T& thing) {
 /// Throws NonFiniteError naming the body, joint, force or law with a number that is not finite: in the motions, the
 /// rows, or the forces `f` (6 per slot).
 LOCKSTEP_API void check_finite(const System&, const Inputs&, const RowTable&, const VecX& f);
-/// What a force exerts alone, 6 per slot; zero while it does not act. Throws what it throws, by name.
-VecX wrench_of(const System&, const Inputs&, const Force&);
+/// What a force exerts alone, 6 per slot: N (world) and N m (slot axes); zero while it does not act. With these reactions,
+/// if it depends on reactions. Throws what it throws, by name.
+LOCKSTEP_API VecX wrench_of(const System&, const Inputs&, const Force&, const Reactions* = nullptr);
 /// Throws NonFiniteError naming the force and its bodies where its wrench is not finite.
 LOCKSTEP_API void check_wrench(const System&, const Inputs&, const Force&);
 /// Throws NonFiniteError: a law of the joint is not finite at t.

@@ -57,7 +57,7 @@ void check_absent_row(const System& system, const Inputs& in, const Lock& link, 
     throw ModelError("joint '" + link.name() + "', constraint " + link.row_name(k) +
                          ": left out at the start as redundant or nearly redundant, but violated by " + text::brief(x) +
                          " (limit " + text::brief(limit) + ") at t = " + text::number(in.t) +
-                         " s; set \"nearly_redundant\" of \"run\" to \"held\" or \"told\", or correct the geometry",
+                         " s; set \"nearly_redundant\" of \"run\" to \"held\" or \"report\", or correct the geometry",
                      {.thing = thing_of(link), .t = in.t});
   }
   const double x = std::max({std::abs(all.C(k)), std::abs(all.Ct(k)), std::abs(all.Qhat(k))});

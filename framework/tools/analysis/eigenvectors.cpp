@@ -2,7 +2,6 @@
 #include "framework/tools/analysis/eigenvectors.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 
 #include <lockstep/error.h>
 
@@ -12,11 +11,6 @@ Eigenvectors eigenvectors(const MatX& A) {
   const Eigen::EigenSolver<MatX> solver(A);
   if (solver.info() != Eigen::Success) throw SolveError("the eigenvalues of a matrix did not converge");
   return {solver.eigenvalues(), solver.eigenvectors()};
-}
-
-SingularValues singular_values(const MatX& A) {
-  const Eigen::BDCSVD<MatX> svd(A, Eigen::ComputeFullV);
-  return {svd.singularValues(), svd.matrixV()};
 }
 
 }  // namespace lockstep

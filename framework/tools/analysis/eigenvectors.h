@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eigenvectors and singular values of dense matrices, compiled once: Eigen's solvers cost seconds in each file that
-// names them.
+// Eigenvectors of dense matrices, compiled once: Eigen's solvers cost seconds in each file that names them.
 #pragma once
 
 #include <lockstep/math.h>
@@ -14,12 +13,5 @@ struct Eigenvectors {
 };
 /// Throws SolveError if the iteration does not converge.
 Eigenvectors eigenvectors(const MatX& A);
-
-/// A = U diag(values) V^T of a square A.
-struct SingularValues {
-  VecX values;  ///< largest first
-  MatX V;       ///< orthogonal; a column for each value
-};
-SingularValues singular_values(const MatX& A);
 
 }  // namespace lockstep

@@ -7,7 +7,7 @@
 
 #include <lockstep/error.h>
 #include "framework/foundation/math/limits.h"
-#include "framework/tools/analysis/equilibrium_search.h"
+#include "framework/tools/analysis/back_to_plane.h"
 #include "framework/tools/analysis/wild_starts.h"
 
 namespace lockstep {

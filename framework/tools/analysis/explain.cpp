@@ -24,7 +24,7 @@ void add_loads(const System& system, const Evaluated& v, int slot, std::vector<C
   const Reactions reactions(v);
   for (const auto& force : system.forces()) {
     if (!force->acts(v.in)) continue;
-    const Vec6 on = load_of(*force, v.in, system, &reactions).segment<6>(6 * slot);
+    const Vec6 on = wrench_of(system, v.in, *force, &reactions).segment<6>(6 * slot);
     if (!on.isZero(0) || std::ranges::find(force->slots(), slot) != force->slots().end())
       add("force '" + force->name() + "'", on);
   }
@@ -182,7 +182,7 @@ ForceEffect account_of(Dynamics& dynamics, const State& state, const Force& forc
   out.acts = force.acts(v.in);
   if (!out.acts) return out;
   const Reactions reactions(v);
-  const VecX all = load_of(force, v.in, system, &reactions);
+  const VecX all = wrench_of(system, v.in, force, &reactions);
   named(force, v.in.t, [&] {
     out.potential = force.potential(v.in);
     out.dissipation = force.dissipation(v.in), out.supply = force.supply(v.in);

@@ -40,16 +40,6 @@ double ForcesAtRest::largest(const VecX& f) const {
   return most;
 }
 
-VecX load_of(const Force& force, const Inputs& in, const System& system, const Reactions* reactions) {
-  VecX all = VecX::Zero(6 * system.n_slots());
-  WrenchSum sum(in.motions, all);
-  named(force, in.t, [&] {
-    force.apply(in, sum);
-    if (reactions != nullptr && force.reacting() != nullptr) force.reacting()->react(in, *reactions, sum);
-  });
-  return all;
-}
-
 VecX largest_loads(const Evaluation& e, const VecX& lambda) {
   const System& system = e.system();
   VecX loads(system.n_slots());
@@ -61,8 +51,7 @@ VecX largest_loads(const Evaluation& e, const VecX& lambda) {
     add(k, e.force().segment<6>(6 * k));
   }
   for (const auto& force : system.forces()) {
-    if (!force->acts(e.inputs())) continue;
-    const VecX one = load_of(*force, e.inputs(), system);
+    const VecX one = wrench_of(system, e.inputs(), *force);
     for (const int slot : force->slots()) add(slot, one.segment<6>(6 * slot));
   }
   for (const RowEntry& entry : e.rows().entries)

@@ -32,9 +32,6 @@ class ForcesAtRest {
   VecX none_, Cd_;
 };
 
-/// What a force does by itself, with these reactions if it depends on them: 6 per slot, N (world) and N m (slot axes).
-VecX load_of(const Force&, const Inputs&, const System&, const Reactions* = nullptr);
-
 /// J^T lambda of those rows of an entry that `takes` chooses, by their place in it, on its i-th slot.
 template <class Takes>
 Vec6 load_of(const RowTable& table, const RowEntry& entry, int i, const VecX& lambda, Takes&& takes) {

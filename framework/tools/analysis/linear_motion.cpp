@@ -19,7 +19,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/math/limits.h"
-#include "framework/tools/analysis/forces_at_rest.h"
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 
 namespace lockstep {
@@ -250,7 +250,7 @@ void refuse_acting_friction(Dynamics& dynamics, const State& state, const Mechan
   const Reactions reactions(solution);
   for (const auto& force : system.forces()) {
     if (force->reacting() == nullptr || !force->acts(solution.in)) continue;
-    const VecX one = load_of(*force, solution.in, system, &reactions) - load_of(*force, solution.in, system);
+    const VecX one = wrench_of(system, solution.in, *force, &reactions) - wrench_of(system, solution.in, *force);
     for (int k = 0; k < system.n_slots(); ++k)
       if (const double a = one.segment<3>(6 * k).norm() / system.slot(k).mass; a > kSlight * load_of(at, k))
         throw ModelError("force '" + force->name() + "' is active friction (" + text::brief(a) + " m/s^2 on '" +

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/analysis/mechanism_matrices.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <lockstep/detail/newton.h>
 #include <lockstep/linearization.h>
 #include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"
-#include "framework/tools/analysis/forces_at_rest.h"
 #include "framework/tools/rank/loop_rows.h"
 
 namespace lockstep {
@@ -68,8 +66,7 @@ constexpr double kMostLever = 10;  // of the largest load
 // that its hinge carries.
 void write_loads(const System& system, const Evaluation& e, const Unknowns& at, MechanismMatrices& m) {
   VecX sum = VecX::Zero(6 * system.n_slots());
-  for (const auto& force : system.forces())
-    if (force->acts(e.inputs())) sum += load_of(*force, e.inputs(), system).cwiseAbs();
+  for (const auto& force : system.forces()) sum += wrench_of(system, e.inputs(), *force).cwiseAbs();
   const VecX reactions = at.to_slots(VecX(m.J.cwiseAbs().transpose() * m.lambda.cwiseAbs()));
   m.loads.setZero(system.n_slots()), m.levers.setZero(system.n_slots()), m.moments.setZero(3 * system.n_slots());
   for (int k = 0; k < system.n_slots(); ++k) {

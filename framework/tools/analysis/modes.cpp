@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include <lockstep/analysis.h>
-#include "framework/tools/analysis/lowest_modes.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
 #include "framework/tools/analysis/spectrum.h"

@@ -2,12 +2,12 @@
 #include "framework/tools/analysis/spectrum.h"
 
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include <lockstep/error.h>
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/eigenvectors.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
@@ -75,11 +75,11 @@ class Companion {
   bool deflate() {
     const Eigen::Index left = T_.rows() - done_;
     if (left == 0) return false;
-    const SingularValues of = singular_values(T_.bottomRightCorner(left, left));
-    const auto n_null = static_cast<Eigen::Index>((of.values.array() <= zero_).count());
+    const Eigen::BDCSVD<MatX> svd(T_.bottomRightCorner(left, left), Eigen::ComputeFullV);
+    const Eigen::Index n_null = (svd.singularValues().array() <= zero_).count();
     if (n_null == 0) return false;
     MatX V(left, left);  // the null space first
-    V << of.V.rightCols(n_null), of.V.leftCols(left - n_null);
+    V << svd.matrixV().rightCols(n_null), svd.matrixV().leftCols(left - n_null);
     T_.rightCols(left) = (T_.rightCols(left) * V).eval();
     T_.bottomRows(left) = (V.transpose() * T_.bottomRows(left)).eval();
     T_.block(done_, done_, left, n_null).setZero();

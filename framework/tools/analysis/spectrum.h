@@ -25,4 +25,9 @@ struct Spectrum {
 /// That of the motions N y. Throws SolveError if M is not positive definite or the decomposition does not converge.
 Spectrum spectrum_of(const LinearMotion&, const MatX& N);
 
+/// A basis of motions on the constraints in which the `count` modes nearest to zero lie, in the unknown velocities: the
+/// spectrum of the mechanism in it (spectrum_of()) is theirs. `redundant`: whether rows depend on one another. Throws
+/// SolveError where they do not settle.
+MatX lowest_motions(const LinearMotion&, int count, bool redundant);
+
 }  // namespace lockstep

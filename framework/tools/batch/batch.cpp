@@ -14,15 +14,14 @@ Batch::Batch(std::span<System* const> systems, int first, const CopiesOptions& o
   std::string why_not;
   const Trees trees = trees_of(systems, Formulation::joint, why_not);
   if (trees.empty()) throw ModelError("batch: joint coordinates are not possible: " + why_not);
-  for (std::size_t l = 0; l < kL; ++l) {
-    systems_[l] = systems[l < systems.size() ? l : 0];
+  for (int l = 0; l < kLanes; ++l) {
+    systems_[l] = systems[l < n_ ? l : 0];
     states_[l].setZero(systems_[l]->n_states());
     memory_[l] = systems_[l]->start().z;
     has_forces_ = has_forces_ || !systems_[l]->forces().empty();
   }
   for (const auto& link : systems_[0]->links())
     if (link->active_at_start() && link->n_own_states() > 0) stateful_.push_back(link->number());
-  n_controlled_ = systems_[0]->n_error_controlled_states();
   const auto& auxiliaries = systems_[0]->auxiliaries();
   for (std::size_t k = 0; k < auxiliaries.size(); ++k)
     if (!(auxiliaries[k]->reads_solution() && auxiliaries[k]->vanishes_without_laws())) integrated_.push_back(k);
@@ -48,17 +47,11 @@ void Batch::get(int lane, const double* y, State& state) const {
   for (VecX* part : {&state.q, &state.v, &state.s})
     for (Eigen::Index i = 0; i < part->size(); ++i, from += kLanes) (*part)[i] = *from;
 }
-void Batch::get(int lane, const double* rate, StateRate& out) const {
-  const double* from = rate + lane;
-  for (VecX* part : {&out.q, &out.v, &out.s, &out.followed})
-    for (Eigen::Index i = 0; i < part->size(); ++i, from += kLanes) (*part)[i] = *from;
-}
 
 Inputs Batch::inputs(int lane, const double* y, double t) {
-  const auto l = static_cast<std::size_t>(lane);
-  VecX& s = states_[l];
-  const VecX& z = memory_[l];
-  const double* from = y + kL * (n_q_ + n_v_) + l;
+  VecX& s = states_[lane];
+  const VecX& z = memory_[lane];
+  const double* from = y + kL * first_state() + lane;
   for (Eigen::Index i = 0; i < s.size(); ++i, from += kLanes) s[i] = *from;
   Inputs in;
   in.t = t;
@@ -93,16 +86,15 @@ void Batch::fill_wrench(const double* y, const Numbers8& t) {
 void Batch::state_rates(const double* y, const Numbers8& t, double* rate) {
   if (n_s_ == 0) return;
   if (stateful_.empty() && integrated_.empty() && systems_[0]->counted_angles().empty()) {
-    std::fill_n(rate + kL * (n_q_ + n_v_), kL * n_s_, 0.0);
+    std::fill_n(rate + kL * first_state(), kL * n_s_, 0.0);
     return;
   }
   for (int l = 0; l < kLanes; ++l) {
-    const auto lane = static_cast<std::size_t>(l);
     rates_of_one_.setZero();
     if (l < n_)
       guarded(l, [&] {
         see_motions(l);
-        const Inputs in = inputs(l, y, t[lane]);
+        const Inputs in = inputs(l, y, t[l]);
         for (const int number : stateful_) {
           const Lock& link = *system(l).links()[number];
           link.stateful()->state_rates(
@@ -115,7 +107,7 @@ void Batch::state_rates(const double* y, const Numbers8& t, double* rate) {
         }
         passes::angle_rates(system(l), in, rates_of_one_);
       });
-    double* to = rate + kL * (n_q_ + n_v_) + lane;
+    double* to = rate + kL * first_state() + l;
     for (Eigen::Index i = 0; i < rates_of_one_.size(); ++i, to += kLanes) *to = rates_of_one_[i];
   }
 }

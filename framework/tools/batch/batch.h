@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <memory>
 #include <new>
 #include <span>
@@ -48,7 +49,6 @@ class LOCKSTEP_API Batch {
   /// Copies a state (q, v, s) to its lane of an array, and back.
   void put(int lane, const State&, double* y) const;
   void get(int lane, const double* y, State&) const;
-  void get(int lane, const double* rate, StateRate&) const;
   /// Sets the memory of a copy.
   void remember(int lane, const VecX& z) { memory_[lane] = z; }
   const VecX& memory(int lane) const { return memory_[lane]; }
@@ -61,11 +61,13 @@ class LOCKSTEP_API Batch {
   /// are not finite.
   Flags8 evaluate(const double* y, const Numbers8& t, double* rate);
   /// Largest accelerations of a slot by the last evaluate(), m/s^2, rad/s^2.
-  double largest_a(std::size_t lane) const;
-  double largest_alpha(std::size_t lane) const;
-  /// Whether errors of steps are found on the bodies by the following four: by squares, NaN if one is none. Else
-  /// ErrorNorm finds them copy by copy.
-  bool weighs_errors() const { return n_controlled_ == 0; }
+  double largest_a(int lane) const { return std::sqrt(data_.z.largest[lane]); }
+  double largest_alpha(int lane) const { return std::sqrt(data_.z.largest[kLanes + lane]); }
+  /// The pack of an array at which the states s begin; how many of them control the step by their errors.
+  std::size_t first_state() const { return n_q_ + n_v_; }
+  std::size_t n_controlled() const { return static_cast<std::size_t>(systems_[0]->n_error_controlled_states()); }
+
+  // Errors of steps on the bodies: by squares, NaN if one is none.
   /// Takes the states y for the starts of steps.
   void start_from(const double* y, const Numbers8& t);
   /// What steps of h to the states y at the times t change. Returns true in the lanes whose laws fail.
@@ -80,8 +82,8 @@ class LOCKSTEP_API Batch {
   void watch_pivots();
   bool watches() const { return watches_; }
   /// Of the last evaluate(): how many pivots are small, and the smallest of the others, relative to its diagonal.
-  double n_small(std::size_t lane) const { return closures_->n_small(lane); }
-  double smallest_pivot(std::size_t lane) const { return closures_->smallest_pivot(lane); }
+  double n_small(int lane) const { return closures_->n_small(lane); }
+  double smallest_pivot(int lane) const { return closures_->smallest_pivot(lane); }
   /// Projects positions and velocities in the wanted lanes; quaternions are normalised in all.
   void project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed);
 
@@ -101,8 +103,6 @@ class LOCKSTEP_API Batch {
       lost_[lane] = true;
     }
   }
-  // The integrated states of a copy, by the last inputs().
-  const VecX& states_of(int lane) const { return states_[lane]; }
   // Sets the forces of all copies, which are scalar code and applied copy by copy; nothing where there are none.
   void fill_wrench(const double* y, const Numbers8& t);
   // The motion of a slot, as the present evaluation has it.
@@ -129,7 +129,6 @@ class LOCKSTEP_API Batch {
 
   int n_ = 0, first_ = 0;
   std::size_t n_q_ = 0, n_v_ = 0, n_s_ = 0, n_followed_ = 0;
-  int n_controlled_ = 0;  // of the states s, those whose errors control the step
   std::array<System*, kLanes> systems_{};
   Passes pass_;
   bool watches_ = false, has_forces_ = false;
@@ -139,7 +138,7 @@ class LOCKSTEP_API Batch {
   std::vector<std::size_t>
       integrated_;  // auxiliaries that are evaluated; the others read the power of laws, and there are none
   std::vector<Motion> motions_;
-  std::array<VecX, kLanes> states_, memory_;
+  std::array<VecX, kLanes> states_, memory_;  // states_: the integrated ones, by the last inputs()
   VecX wrench_of_one_, rates_of_one_;
   RowTable no_rows_;  // what states of the user's own, which read no solution, get for one
   VecX no_accelerations_, no_multipliers_;

@@ -2,24 +2,42 @@
 #include "framework/tools/batch/closure_plan.h"
 
 #include <algorithm>
+#include <typeinfo>
 
 #include <lockstep/author/lock.h>
 #include <lockstep/detail/kernel.h>
-#include "framework/tools/batch/link_numbers.h"
+#include <lockstep/joints.h>
 
 namespace lockstep::lanes {
 
 namespace {
 
-const MarkerLock& lock_of(const System& system, const RowEntry& e) {
-  return static_cast<const MarkerLock&>(*system.links()[e.link]);
+// Exactly these classes, which are masks only: a subclass could add behaviour that the lanes would ignore.
+template <class... Joints>
+bool is_any_of(const Lock& link) {
+  return ((typeid(link) == typeid(Joints)) || ...);
 }
 
-bool has_own_rows(const System& system, const RowEntry& e) { return !unsuited_link(*system.links()[e.link]).empty(); }
+// Whether its own code writes its rows: all but masks of markers at rest on bodies of two rigid groups.
+bool has_own_rows(const System& system, const RowEntry& e) {
+  const Lock& link = *system.links()[e.link];
+  if (!is_any_of<Fixed, PointOnLine, PointOnPlane, PlaneOnPlane, Revolute, Cylindrical, AngularAlignment, Oldham,
+                 Prismatic, Rzeppa, Homokinetic, Spherical, GenericLock>(link))
+    return true;
+  const auto [p, s] = link.pairs().front();
+  const auto moves = [](const Marker* m) { return m->translation_law || m->rotation_law; };
+  return moves(p) || moves(s) || p->body->slot == s->body->slot;
+}
+
+Turn turn_of(const MarkerLock& lock) {
+  if (!overlaps(lock.rows(), Mask::e123)) return Turn::none;
+  if (lock.laws() & with::qD) return Turn::law;
+  return lock.laws() & with::parallel ? Turn::parallel : Turn::plain;
+}
 
 // A link with these of its rows, all of them along the axes of S.
 Link closing_link(const System& system, const RowEntry& e, ClosurePlan& plan) {
-  const MarkerLock& lock = lock_of(system, e);
+  const auto& lock = static_cast<const MarkerLock&>(*system.links()[e.link]);
   Link link;
   link.link = e.link, link.m = e.m, link.x = static_cast<std::size_t>(e.first_row);
   std::array<int, 6> rows{};

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/author/force.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/detail/kernel.h>
 #include <lockstep/error.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/text.h>
-#include "framework/tools/batch/copy_run.h"
+#include "framework/dynamics/tree/rows_in_plane.h"
+#include "framework/tools/batch/lane_run.h"
 
 namespace lockstep {
 namespace {
@@ -110,16 +112,40 @@ struct Copies::Work {
                            "' is switched in a state; start with the active joints of System::start");
     }
   }
-  std::size_t first(const lanes::Batch& batch) const { return batch.first(); }
 };
 
 namespace {
 
-// Why these mechanisms cannot be vectorised; "" if they can.
+// Whether its rates need more than coordinates and velocities.
+bool reads_solution(const Auxiliary& own, const System& system) {
+  return own.reads_solution() && (!own.vanishes_without_laws() || may_have_laws(system));
+}
+
+// Why the mechanism cannot be vectorised, apart from its tree; "" if it can. The system is set up.
+std::string unsuited(const System& system) {
+  for (const auto& own : system.auxiliaries())
+    if (reads_solution(*own, system))
+      return "the states of '" + own->name() + "' read accelerations or reactions, which a batch does not keep";
+  if (system.n_slots() == 0) return "nothing moves";
+  for (const auto& force : system.forces()) {
+    if (force->is_switched()) return "force '" + force->name() + "' is switched by events";
+    if (force->reacting() != nullptr)
+      return "force '" + force->name() + "' (" + std::string(force->type()) + ") reads the reactions of joints";
+  }
+  for (const auto& link : system.links()) {
+    if (link->unilateral()) return "joint '" + link->name() + "' is one-sided, and a batch has no impacts";
+    if (system.left_out(*link) != 0)
+      return "redundant constraints of joint '" + link->name() + "' are left out, which a batch does not support";
+  }
+  if (system.held_down_to() > 0) return "nearly redundant constraints are kept, which a batch does not support";
+  return "";
+}
+
+// The same of several, with their trees.
 std::string unsuited(std::span<System* const> systems, Formulation formulation) {
   for (System* system : systems) {
     system->setup();
-    if (std::string why = lanes::unsuited(*system); !why.empty()) return why;
+    if (std::string why = unsuited(*system); !why.empty()) return why;
   }
   if (formulation != Formulation::joint && formulation != Formulation::automatic)
     return "a batch needs joint coordinates; use formulation auto or joint";
@@ -185,14 +211,11 @@ std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<con
   const lanes::RunTask task{w.options, *w.method->scheme(), watches, w.make_integrator, times, output, step, go_on};
   const auto run_batch = [&](lanes::Batch& batch) {
     const auto n = static_cast<std::size_t>(batch.size());
-    const auto states = starts.subspan(w.first(batch), n);
-    const std::span<CopyReport> told(reports.data() + w.first(batch), n);
-    if (w.options.lanes) return lanes::run_lanes(batch, states, task, told);
-    for (std::size_t l = 0; l < n; ++l) {
-      const int lane = static_cast<int>(l);
-      lanes::run_alone(batch.system(lane), batch.first() + lane, states[l], 0, StepLoopOptions().start_limit, task,
-                       told[l]);
-    }
+    const auto states = starts.subspan(batch.first(), n);
+    const std::span<CopyReport> told(reports.data() + batch.first(), n);
+    if (w.options.lanes) return lanes::LaneRun(batch, task, told).run(states);
+    for (int l = 0; l < batch.size(); ++l)
+      lanes::run_alone(batch.system(l), batch.first() + l, states[l], 0, StepLoopOptions().start_limit, task, told[l]);
   };
   try {
     for (const auto& batch : w.batches) run_batch(*batch);

@@ -59,8 +59,6 @@ void check_length(const LastSteps& last, const RunTask& task, double end, double
   last.check({task.options.integrator, task.scheme.error != nullptr, t, end, n, task.options.max_steps});
 }
 
-void check_copy(Dynamics& dynamics, const State& start) { check_start(dynamics, start, StepLoopOptions().start_limit); }
-
 namespace {
 
 template <class Act>

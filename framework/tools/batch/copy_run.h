@@ -66,14 +66,8 @@ void pass_jump(Dynamics&, State&, double t);
 /// LastSteps::check of a copy that has made n steps and reached t.
 void check_length(const LastSteps&, const RunTask&, double end, double t, long n);
 
-/// Throws AssemblyError if a start, in the slots' own coordinates, violates the constraints, as StepLoop does.
-void check_copy(Dynamics&, const State&);
-
 /// Runs a copy from `state` through the times from the next one on by StepLoop, whose steps end at each of them, or until
 /// it fails. The state may violate the constraints by start_limit (StepLoopOptions).
 void run_alone(System&, int copy, State state, std::size_t next, double start_limit, const RunTask&, CopyReport&);
-
-/// Runs all copies of a batch in lanes; run_alone finishes those that fail there.
-void run_lanes(Batch&, std::span<const State> starts, const RunTask&, std::span<CopyReport>);
 
 }  // namespace lockstep::lanes

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // All passes for one instruction set: included once by lane_avx512.cpp, lane_fma.cpp and lane_plain.cpp, which define
-// LOCKSTEP_SET, LOCKSTEP_WIDE and LOCKSTEP_TARGET. Private to the room.
+// LOCKSTEP_SET, LOCKSTEP_WIDE and, except for those that every machine has, LOCKSTEP_INSTRUCTIONS. Private to the room.
 #pragma once
 
 #include "framework/foundation/math/sin_cos.h"
 #include "framework/tools/batch/lane_closures.h"
 #include "framework/tools/batch/lane_math.h"
 #include "framework/tools/batch/lane_passes.h"
+
+#if defined(LOCKSTEP_INSTRUCTIONS) && defined(__x86_64__)
+#define LOCKSTEP_TARGET __attribute__((target(LOCKSTEP_INSTRUCTIONS)))
+#else
+#define LOCKSTEP_TARGET
+#endif
 
 namespace lockstep::lanes::LOCKSTEP_SET {
 

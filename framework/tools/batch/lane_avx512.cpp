@@ -2,9 +2,5 @@
 // The passes, 8 lanes a register.
 #define LOCKSTEP_SET avx512
 #define LOCKSTEP_WIDE 8
-#if defined(__x86_64__)
-#define LOCKSTEP_TARGET __attribute__((target("avx512f")))
-#else
-#define LOCKSTEP_TARGET
-#endif
+#define LOCKSTEP_INSTRUCTIONS "avx512f"
 #include "framework/tools/batch/lane_all.h"

@@ -2,9 +2,5 @@
 // The passes, 4 lanes a register.
 #define LOCKSTEP_SET fma
 #define LOCKSTEP_WIDE 4
-#if defined(__x86_64__)
-#define LOCKSTEP_TARGET __attribute__((target("fma")))
-#else
-#define LOCKSTEP_TARGET
-#endif
+#define LOCKSTEP_INSTRUCTIONS "fma"
 #include "framework/tools/batch/lane_all.h"

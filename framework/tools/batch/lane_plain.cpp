@@ -2,5 +2,4 @@
 // The passes, 2 lanes a register.
 #define LOCKSTEP_SET plain
 #define LOCKSTEP_WIDE 2
-#define LOCKSTEP_TARGET
 #include "framework/tools/batch/lane_all.h"

@@ -5,13 +5,6 @@
 
 #include <array>
 #include <cstddef>
-#include <string>
-
-#include <lockstep/system.h>
-
-namespace lockstep {
-class MarkerLock;
-}
 
 namespace lockstep::lanes {
 
@@ -49,8 +42,5 @@ inline constexpr std::size_t uP = 0, qP = 3, AP = 7, uS = 16, qS = 19, AS = 23, 
 namespace law {
 inline constexpr std::size_t p = 0, pd = 3, pdd = 6, q = 9, A = 13, w = 22, a = 25, size = 28;
 }
-
-/// Why the mechanism cannot run in lanes, apart from its tree; "" if it can. The system is set up.
-std::string unsuited(const System&);
 
 }  // namespace lockstep::lanes

@@ -9,63 +9,54 @@
 #include <lockstep/error.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
+#include "framework/dynamics/simulate/consistency.h"
 
 namespace lockstep::lanes {
 
 void LaneRun::begin(std::span<const State> starts) {
-  int first_good = -1;
-  for (std::size_t l = 0; l < kL; ++l) {
-    starts_.push_back(starts[l < starts.size() ? l : 0]);
-    lanes_[l].going = l < starts.size();
+  for (int l = 0; l < kLanes; ++l) {
+    const bool used = l < batch_.size();
+    starts_.push_back(starts[used ? l : 0]);
+    lanes_[l].going = used;
     try {
-      if (l < starts.size()) {
-        Dynamics dynamics = dynamics_of(static_cast<int>(l));
-        check_copy(dynamics, starts[l]);
+      if (used) {
+        Dynamics dynamics = dynamics_of(l);
+        check_start(dynamics, starts[l], StepLoopOptions().start_limit);
       }
-      batch_.to_batch(static_cast<int>(l), starts_[l]);
-      if (first_good < 0) first_good = static_cast<int>(l);
+      batch_.to_batch(l, starts_[l]);
+      state_ = starts_[l];
     } catch (const Error& error) {  // a law
       lanes_[l].going = false;
-      if (l < starts.size())
-        reports_[l].finished = false, reports_[l].error = error.what(), reports_[l].t = starts[l].t;
+      if (used) reports_[l].finished = false, reports_[l].error = error.what(), reports_[l].t = starts[l].t;
     }
   }
-  if (first_good < 0) return;
-  const auto good = static_cast<std::size_t>(first_good);
-  state_ = state_end_ = starts_[good];
-  rate_ = rate_error_ = sized_like(state_);
-  for (std::size_t l = 0; l < kL; ++l) {
-    const int lane = static_cast<int>(l);
+  if (!state_.coordinates) return;  // no start is good
+  for (int l = 0; l < kLanes; ++l) {
     if (!lanes_[l].going && starts_[l].q.size() != state_.q.size()) starts_[l] = state_;
-    batch_.put(lane, starts_[l], y_.data());
-    batch_.remember(lane, starts_[l].z);
+    batch_.put(l, starts_[l], y_.data());
+    batch_.remember(l, starts_[l].z);
     t_[l] = starts_[l].t;
   }
-  for (std::size_t l = 0; l < starts.size(); ++l) {
+  for (int l = 0; l < batch_.size(); ++l) {
     Lane& the = lanes_[l];
     if (!the.going) continue;
-    const int lane = static_cast<int>(l);
     const State start = starts_[l];  // arrive() may park the lane
-    the.schedule.begin(batch_.system(lane), start.t, task_.times);
-    the.norm.set(task_.options.tolerance);
-    the.norm.set_states(batch_.system(lane).n_error_controlled_states());
-    the.norm.scale(start, 1.0);
+    the.schedule.begin(batch_.system(l), start.t, task_.times);
     the.control.begin();
     the.last.begin(start.t);
     reports_[l].t = start.t;
-    if (the.schedule.reach() <= start.t) arrive(lane);
-    if (the.going && batch_.watches()) find_redundancy(lane, start);
-    if (the.going) the.advised = task_.options.step > 0 ? task_.options.step : first_step(lane, start);
+    if (the.schedule.reach() <= start.t) arrive(l);
+    if (the.going && batch_.watches()) find_redundancy(l, start);
+    if (the.going) the.advised = task_.options.step > 0 ? task_.options.step : first_step(l, start);
   }
   batch_.start_from(y_.data(), t_);
 }
 
 // The state of a copy in an array, at time t.
 void LaneRun::read(int lane, const double* y, double t, State& out) const {
-  const auto l = static_cast<std::size_t>(lane);
   batch_.get(lane, y, out);
   out.t = t, out.z = batch_.memory(lane);
-  out.coordinates = starts_[l].coordinates;
+  out.coordinates = starts_[lane].coordinates;
 }
 
 Dynamics LaneRun::dynamics_of(int lane) const {
@@ -77,7 +68,10 @@ Dynamics LaneRun::dynamics_of(int lane) const {
 
 double LaneRun::first_step(int lane, const State& start) const {
   Dynamics dynamics = dynamics_of(lane);
-  ErrorNorm norm = lanes_[lane].norm;
+  ErrorNorm norm;
+  norm.set(task_.options.tolerance);
+  norm.set_states(static_cast<int>(batch_.n_controlled()));
+  norm.scale(start, 1.0);
   StateRate f0 = sized_like(start), f1 = f0;
   State y0 = start, y1;
   double largest = lanes_[lane].schedule.reach() - start.t;
@@ -106,15 +100,14 @@ void LaneRun::find_redundancy(int lane, const State& start) {
 
 // Ends a step at the schedule's next instant.
 void LaneRun::arrive(int lane) {
-  const auto l = static_cast<std::size_t>(lane);
-  Lane& the = lanes_[l];
-  const double before = t_[l];
+  Lane& the = lanes_[lane];
+  const double before = t_[lane];
   bool output = false;
-  t_[l] = reports_[l].t = the.schedule.arrive(output);
+  t_[lane] = reports_[lane].t = the.schedule.arrive(output);
   told_ = state_;
   try {
     if (output) {
-      read(lane, y_.data(), t_[l], told_);
+      read(lane, y_.data(), t_[lane], told_);
       batch_.to_slots(lane, told_);
     } else {
       cross_jump(lane, before);
@@ -127,7 +120,7 @@ void LaneRun::arrive(int lane) {
   else
     tell_step(lane, true);
   the.going = the.going && !the.schedule.done();
-  if (the.going && the.schedule.reach() <= t_[l]) arrive(lane);  // an output at a jump, or a jump just behind one
+  if (the.going && the.schedule.reach() <= t_[lane]) arrive(lane);  // an output at a jump, or a jump just behind one
 }
 
 // To callers that follow every step.
@@ -159,37 +152,36 @@ void LaneRun::cross_jump(int lane, double t) {
 // False: the run is broken off, all copies have failed.
 bool LaneRun::goes_on() {
   double reached = HUGE_VAL;
-  for (std::size_t l = 0; l < kL; ++l)
+  for (int l = 0; l < kLanes; ++l)
     if (lanes_[l].going) reached = std::min(reached, t_[l]);
   try {
     task_.go_on_from(reached);
   } catch (const StepError& error) {
-    for (std::size_t l = 0; l < kL; ++l)
-      if (lanes_[l].going) fail(static_cast<int>(l), error);
+    for (int l = 0; l < kLanes; ++l)
+      if (lanes_[l].going) fail(l, error);
     return false;
   }
   return true;
 }
 
 void LaneRun::accept(int lane, double error) {
-  const auto l = static_cast<std::size_t>(lane);
-  Lane& the = lanes_[l];
-  for (std::size_t i = l; i < y_.size(); i += kL) y_[i] = end_[i];
+  Lane& the = lanes_[lane];
+  for (std::size_t i = lane; i < y_.size(); i += kL) y_[i] = end_[i];
   batch_.take_off_turns(lane, y_.data());
   batch_.accept(lane);
   first_done_ = false;
-  t_[l] = the.lands ? the.schedule.reach() : t_[l] + h_[l];
-  reports_[l].t = t_[l];
-  ++reports_[l].steps, the.last.add(t_[l]);
+  t_[lane] = the.lands ? the.schedule.reach() : t_[lane] + h_[lane];
+  reports_[lane].t = t_[lane];
+  ++reports_[lane].steps, the.last.add(t_[lane]);
   if (!fixed_) {
-    const double next = h_[l] * the.control.accept(h_[l], error, 0, the.rejected);
-    the.advised = the.rejected ? next : advised_after(the.asked, h_[l], h_[l], next);
+    const double next = h_[lane] * the.control.accept(h_[lane], error, 0, the.rejected);
+    the.advised = the.rejected ? next : advised_after(the.asked, h_[lane], h_[lane], next);
   }
   the.rejected = false;
   try {
     update_memory(lane);
-    if (!the.schedule.done() && t_[l] < the.schedule.end())
-      check_length(the.last, task_, the.schedule.end(), t_[l], reports_[l].steps);
+    if (!the.schedule.done() && t_[lane] < the.schedule.end())
+      check_length(the.last, task_, the.schedule.end(), t_[lane], reports_[lane].steps);
   } catch (const Error& failure) {
     return fail(lane, failure);
   }
@@ -208,18 +200,16 @@ void LaneRun::update_memory(int lane) {
 
 // Repeats with a smaller step; a copy that cannot continue leaves for the scalar code, which reports the error.
 void LaneRun::reject(int lane, double factor) {
-  const auto l = static_cast<std::size_t>(lane);
-  ++reports_[l].rejected;
-  lanes_[l].rejected = true;
-  lanes_[l].advised = factor * h_[l];
-  if (fixed_ || step_vanished(t_[l], lanes_[l].advised, lanes_[l].asked)) leave(lane);
+  ++reports_[lane].rejected;
+  lanes_[lane].rejected = true;
+  lanes_[lane].advised = factor * h_[lane];
+  if (fixed_ || step_vanished(t_[lane], lanes_[lane].advised, lanes_[lane].asked)) leave(lane);
 }
 
 // The run of a copy continues outside of the lanes.
 void LaneRun::leave(int lane) {
-  const auto l = static_cast<std::size_t>(lane);
   State state = state_;
-  read(lane, y_.data(), t_[l], state);
+  read(lane, y_.data(), t_[lane], state);
   park(lane);
   try {
     batch_.to_slots(lane, state);
@@ -229,8 +219,8 @@ void LaneRun::leave(int lane) {
   // Without projection its drift is as large as its errors.
   const bool projects = task_.options.stabilization.kind == Stabilization::Kind::project;
   const double limit = projects ? StepLoopOptions().start_limit : HUGE_VAL;
-  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), lanes_[l].schedule.next(), limit, task_,
-            reports_[l]);
+  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), lanes_[lane].schedule.next(), limit, task_,
+            reports_[lane]);
 }
 
 void LaneRun::fail(int lane, const Error& error) {
@@ -241,16 +231,11 @@ void LaneRun::fail(int lane, const Error& error) {
 
 // Ends stepping in a lane, which stays at a state at which it can be evaluated.
 void LaneRun::park(int lane) {
-  const auto l = static_cast<std::size_t>(lane);
-  lanes_[l].going = false;
-  batch_.put(lane, starts_[l], y_.data());
-  batch_.remember(lane, starts_[l].z);
-  t_[l] = starts_[l].t;
+  lanes_[lane].going = false;
+  batch_.put(lane, starts_[lane], y_.data());
+  batch_.remember(lane, starts_[lane].z);
+  t_[lane] = starts_[lane].t;
   first_done_ = false;
-}
-
-void run_lanes(Batch& batch, std::span<const State> starts, const RunTask& task, std::span<CopyReport> reports) {
-  LaneRun(batch, task, reports).run(starts);
 }
 
 }  // namespace lockstep::lanes

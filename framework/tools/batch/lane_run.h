@@ -3,8 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <span>
 #include <vector>
 
@@ -31,12 +29,12 @@ struct Lane {
   OutputSchedule schedule;
   PiControl control;
   LastSteps last;
-  ErrorNorm norm;
   Pivots first, stages;   // of the first stage, and of all of them
   double usual = 0;       // number of small pivots: those of redundant rows
   double near_below = 0;  // a smaller one of the others is near a singular position
 };
 
+/// Runs all copies of a batch in lanes; run_alone finishes those that fail there.
 class LaneRun {
  public:
   LaneRun(Batch& batch, const RunTask& task, std::span<CopyReport> reports)
@@ -79,10 +77,7 @@ class LaneRun {
   void attempt();
   Flags8 evaluate_stages();
   void combine_stages(const Weights&, const double* y, double* out);
-  double error_of(int lane);
   void estimate(Numbers8& error, Flags8& failed);
-  void estimate_together(Numbers8& error, Numbers8& e3, Flags8& failed);
-  void estimate_each(Numbers8& error, Numbers8& e3, Flags8& failed);
   void accept(int lane, double error);
   void update_memory(int lane);
   void reject(int lane, double factor);
@@ -107,8 +102,7 @@ class LaneRun {
   bool first_done_ = false;             // the first stage is evaluated: no lane has moved since
   Numbers8 first_a_{}, first_alpha_{};  // largest accelerations there
   bool jumped_ = false;                 // a copy was moved otherwise than by a step
-  State state_, state_end_, told_;      // scratch of one lane
-  StateRate rate_, rate_error_;
+  State state_, told_;                  // scratch of one lane
   StateInputs inputs_;
   std::vector<State> starts_;  // in the coordinates of the batch
 };

@@ -43,6 +43,29 @@ int plane_of(const TreeLayout& layout) {
   return std::ranges::all_of(planar->nodes(), lies_along) ? planar->plane().n : -1;
 }
 
+// The plan of copies of a tree of this shape.
+TreePlan make_plan(const JointTree& tree, int normal) {
+  TreePlan plan;
+  plan.normal = normal;
+  plan.n_q = static_cast<std::size_t>(tree.n_q()), plan.n_v = static_cast<std::size_t>(tree.n_v());
+  for (const TreeNode& t : tree.nodes()) {
+    LaneNode n;
+    n.parent = t.parent, n.slot = t.slot;
+    n.q = static_cast<std::size_t>(t.first_q), n.v = static_cast<std::size_t>(t.first_v);
+    n.n_slides = t.n_slides, n.turn = t.turn, n.reversed = t.reversed;
+    n.moving = t.moving != nullptr, n.has_law = t.imposed && !n.moving;
+    n.joint = joint::size * plan.nodes.size();
+    if (n.needs_more()) n.more = plan.size_more, plan.size_more += more::size;
+    if (n.has_law || n.moving) n.law = plan.size_law, plan.size_law += n.moving ? marked::size : imposed::size;
+    for (int axis = 0, k = 0; n.moving && axis < 3; ++axis)
+      if (!includes(t.rows, row_bit(axis))) n.slides[k++] = axis;
+    plan.nodes.push_back(n);
+  }
+  const std::vector<InwardPlace> places = inward_places(plan.nodes, plan.n_waiting);
+  for (std::size_t k = 0; k < places.size(); ++k) static_cast<InwardPlace&>(plan.nodes[k]) = places[k];
+  return plan;
+}
+
 // Writes a translation and its rates, and the turn q with its rates w and a.
 template <class Turn>
 void put_carrying(std::span<double> to, std::size_t at, int lane, const Vec3& u, const Vec3& ud, const Vec3& udd,
@@ -72,8 +95,8 @@ Batch::Trees Batch::trees_of(std::span<System* const> systems, Formulation formu
 
 void Batch::lay_out(const Trees& trees) {
   TreeClosures::Layouts layouts{};
-  for (std::size_t l = 0; l < kL; ++l) {
-    layouts[l] = &trees[l < trees.size() ? l : 0];
+  for (int l = 0; l < kLanes; ++l) {
+    layouts[l] = &trees[l < n_ ? l : 0];
     trees_[l] = layouts[l]->tree;
   }
   data_.plan = make_plan(*trees_[0], plane_of(*layouts[0]));
@@ -154,7 +177,7 @@ void Batch::to_slots(int lane, State& state) const { to_slot_coordinates(system(
 
 void Batch::read_motion(int lane, int slot, Motion& O) const {
   const std::size_t at = moving::size * (node_of_[slot] + 1);
-  const double* b = data_.z.moving.data() + kL * at + static_cast<std::size_t>(lane);
+  const double* b = data_.z.moving.data() + kL * at + lane;
   const auto number = [&](std::size_t i) { return b[kL * i]; };
   Vec3 w, e;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -183,14 +206,14 @@ void Batch::fill_laws_of(std::size_t node, int lane, double t) {
   const TreeNode& n = tree(lane).nodes()[node];
   const std::size_t at = data_.plan.nodes[node].law;
   if (n.moving) {
-    const JointLaws now = joint_laws_at(n, t, states_of(lane));
+    const JointLaws now = joint_laws_at(n, t, states_[lane]);
     put_carrying(data_.z.law, at + marked::near, lane, now.near.u, now.near.ud, now.near.udd, now.near);
     put_carrying(data_.z.law, at + marked::far, lane, now.far.u, now.far.ud, now.far.udd, now.far);
     put_carrying(data_.z.law, at + marked::lock, lane, now.x.p, now.x.pd, now.x.pdd, now.D);
     return;
   }
   Imposed now;
-  laws_at(n, t, states_of(lane), now);
+  laws_at(n, t, states_[lane], now);
   const auto put = [&](std::size_t i, const auto& a) { put_axes(data_.z.law, at + i, lane, axes_, a); };
   put(imposed::p, now.p), put(imposed::pd, now.pd), put(imposed::pdd, now.pdd);
   put(imposed::w, now.w), put(imposed::a, now.a), put(imposed::axis, now.axis);
@@ -227,7 +250,7 @@ Flags8 Batch::evaluate(const double* y, const Numbers8& t, double* rate) {
   }
   state_rates(y, t, rate);
   follow_laws(rate);
-  for (std::size_t l = 0; l < kL; ++l)
+  for (int l = 0; l < kLanes; ++l)
     failed[l] = failed[l] || lost_[l] || !std::isfinite(data_.z.largest[l] + data_.z.largest[kL + l]);
   return failed;
 }
@@ -253,9 +276,6 @@ void Batch::take_off_turns(int lane, double* y) const {
     if (node.turn == TreeTurn::hinge) shed_turns(y[kL * (node.first_q + node.n_slides) + lane]);
 }
 
-double Batch::largest_a(std::size_t lane) const { return std::sqrt(data_.z.largest[lane]); }
-double Batch::largest_alpha(std::size_t lane) const { return std::sqrt(data_.z.largest[kL + lane]); }
-
 void Batch::start_from(const double* y, const Numbers8& t) {
   move(y, t, true);
   see_ends();
@@ -269,7 +289,7 @@ void Batch::see_ends() {
 }
 
 void Batch::accept(int lane) {
-  for (std::size_t i = static_cast<std::size_t>(lane); i < start_.size(); i += kL) start_[i] = now_[i];
+  for (std::size_t i = lane; i < start_.size(); i += kL) start_[i] = now_[i];
 }
 
 Flags8 Batch::change_to(const double* y, const Numbers8& t, const Numbers8& h, std::array<Change, kLanes>& out) {
@@ -285,7 +305,7 @@ void Batch::weigh(const double* error, std::array<Change, kLanes>& out) {
   read(out);
   const double* slot = error + kL * (n_q_ + n_v_ + n_s_);
   for (std::size_t k = 0; k < n_followed_; k += 12, slot += 12 * kL)
-    for (std::size_t l = 0; l < kL; ++l) {
+    for (int l = 0; l < kLanes; ++l) {
       const auto squared = [&](std::size_t at) {
         const double *x = slot + kL * at + l, *y = x + kL, *z = y + kL;
         return *x * *x + *y * *y + *z * *z;
@@ -297,7 +317,7 @@ void Batch::weigh(const double* error, std::array<Change, kLanes>& out) {
 }
 
 void Batch::read(std::array<Change, kLanes>& out) const {
-  for (std::size_t l = 0; l < kL; ++l) out[l] = {sizes_[l], sizes_[kL + l], sizes_[2 * kL + l], sizes_[3 * kL + l]};
+  for (int l = 0; l < kLanes; ++l) out[l] = {sizes_[l], sizes_[kL + l], sizes_[2 * kL + l], sizes_[3 * kL + l]};
 }
 
 }  // namespace lockstep::lanes

@@ -6,10 +6,9 @@
 
 #include <Eigen/LU>
 
+#include <lockstep/author/lock.h>
 #include <lockstep/body.h>
-#include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/dynamics/tree/closure_rows.h"
-#include "framework/tools/batch/link_numbers.h"
 
 namespace lockstep::lanes {
 
@@ -21,11 +20,36 @@ const MarkerLock& lock_in(const System& system, const Link& link) {
   return static_cast<const MarkerLock&>(*system.links()[link.link]);
 }
 
-// J^-1 of a slot, its own axes: in a plane about its normal alone, and zero for a particle.
-Mat3 inverse_inertia(const Slot& slot, const Vec3* normal) {
+// Writes the markers of one copy's lock; where they are not parallel, the link's turn is no more Turn::parallel.
+void put_frames(const MarkerLock& lock, int lane, Link& link, std::span<double> to) {
+  const MarkerFrame P(lock.p()), S(lock.s());
+  if (link.turn == Turn::parallel && !(P.parallel() && S.parallel())) link.turn = Turn::plain;
+  put_numbers(to, link.frames + frames::uP, lane, P.u0), put_numbers(to, link.frames + frames::uS, lane, S.u0);
+  put_numbers(to, link.frames + frames::qP, lane, P.q0.coefficients());
+  put_numbers(to, link.frames + frames::qS, lane, S.q0.coefficients());
+  put_matrix(to, link.frames + frames::AP, lane, P.A0), put_matrix(to, link.frames + frames::AS, lane, S.A0);
+}
+
+// Writes the laws of one copy's lock. Throws what they throw.
+void put_laws(const MarkerLock& lock, int lane, const Link& link, const Inputs& in, std::span<double> to) {
+  if (link.moved) {
+    const ImposedTranslation D = lock.imposed_translation(in);
+    put_numbers(to, link.law + law::p, lane, D.p), put_numbers(to, link.law + law::pd, lane, D.pd);
+    put_numbers(to, link.law + law::pdd, lane, D.pdd);
+  }
+  if (link.turn != Turn::law) return;
+  const ImposedRotation D = lock.imposed_rotation(in);
+  put_numbers(to, link.law + law::q, lane, D.q.coefficients()), put_matrix(to, link.law + law::A, lane, D.A);
+  put_numbers(to, link.law + law::w, lane, D.w), put_numbers(to, link.law + law::a, lane, D.a);
+}
+
+// J^-1 of the slot of node k, its own axes: in a plane with this normal about it alone, and zero for a particle.
+Mat3 inverse_inertia(const Slot& slot, const JointTree& tree, std::size_t k, int normal) {
   if (slot.freedoms == Freedoms::particle) return Mat3::Zero();
-  if (!normal) return slot.J.inverse();
-  return *normal * normal->transpose() / normal->dot(slot.J * *normal);
+  if (normal < 0) return slot.J.inverse();
+  const Posture* posture = tree.planar()->posture(tree.planar()->nodes()[k]);
+  const Vec3 n = posture ? posture->normal : Vec3(Vec3::Unit(normal));
+  return n * n.transpose() / n.dot(slot.J * n);
 }
 
 }  // namespace
@@ -34,63 +58,41 @@ TreeClosures::TreeClosures(const Systems& systems, const Layouts& layouts, LaneD
     : data_(data), pass_(passes) {
   data_.loops = make_closure_plan(*systems[0], *layouts[0]);
   if (empty()) return;
-  const JointTree& tree = *layouts[0]->tree;
-  const auto n_nodes = tree.nodes().size(), n_v = static_cast<std::size_t>(tree.n_v()), m = data_.loops.n_rows();
-  const std::size_t n_slots = data_.loops.n_slots, places = data_.loops.fronts.rows.size();
+  const ClosurePlan& plan = data_.loops;
+  ClosureStore& c = data_.c;
+  const std::size_t n_nodes = data_.plan.nodes.size(), n_v = data_.plan.n_v, m = plan.n_rows();
+  const std::size_t places = plan.fronts.rows.size(), ground = body::size * plan.n_slots;
   const auto size = [&](std::size_t packs) { return arrays_.add(packs); };
-  data_.c.rows = {size(body::size * (n_slots + 1)),
-                  size(data_.loops.size_frames),
-                  size(data_.loops.size_law),
-                  size(data_.loops.size_J),
-                  size(m),
-                  size(m),
-                  size(m)};
-  data_.c.inverse = size(7 * n_nodes), data_.c.J = size(spatial::size * data_.loops.slots.size()),
-  data_.c.l = size(places);
-  data_.c.Lambda = size(static_cast<std::size_t>(data_.loops.fronts.n_Lambda)),
-  data_.c.V = size(static_cast<std::size_t>(data_.loops.fronts.n_V));
-  for (auto* of_rows : {&data_.c.diagonal, &data_.c.scale, &data_.c.d, &data_.c.lambda, &data_.c.dlambda, &data_.c.r,
-                        &data_.c.size, &data_.c.Cd})
+  c.rows.body = size(ground + body::size), c.rows.frames = size(plan.size_frames), c.rows.law = size(plan.size_law);
+  c.rows.J = size(plan.size_J), c.inverse = size(7 * n_nodes), c.J = size(spatial::size * plan.slots.size());
+  c.l = size(places), c.Lambda = size(static_cast<std::size_t>(plan.fronts.n_Lambda));
+  c.V = size(static_cast<std::size_t>(plan.fronts.n_V));
+  for (auto* of_rows :
+       {&c.rows.c, &c.rows.C, &c.rows.Ct, &c.diagonal, &c.scale, &c.d, &c.lambda, &c.dlambda, &c.r, &c.size, &c.Cd})
     *of_rows = size(m);
-  data_.c.du = size(n_v), data_.c.K = size(spatial::size * places);
-  data_.c.wrench = size(spatial::size * n_nodes), data_.c.change = size(spatial::size * n_nodes);
+  c.du = size(n_v), c.K = size(spatial::size * places);
+  c.wrench = size(spatial::size * n_nodes), c.change = size(spatial::size * n_nodes);
   masked_.assign(kL * m, 0.0), dv_.assign(kL * std::max<std::size_t>(n_v, 1), 0.0), length_.assign(kL, 0.0);
   for (int l = 0; l < kLanes; ++l) {
     const System& system = *systems[l];
     put_number(length_, 0, l, system.length());
-    put_matrix(data_.c.rows.body, body::size * n_slots + body::A, l, Mat3::Identity());
-    put_number(data_.c.rows.body, body::size * n_slots + body::e, l, 1.0);
-    for (Link& link : data_.loops.masks) put_frames(lock_in(system, link), l, link, data_.c.rows.frames);
-  }
-  for (const Link& link : data_.loops.masks) has_laws_ = has_laws_ || link.has_laws();
-  fill_inverses(systems, layouts);
-}
-
-void TreeClosures::fill_inverses(const Systems& systems, const Layouts& layouts) {
-  for (std::size_t l = 0; l < kL; ++l) {
-    const JointTree& tree = *layouts[l]->tree;
-    for (std::size_t k = 0; k < tree.nodes().size(); ++k) {
-      const Slot& slot = systems[l]->slot(tree.nodes()[k].slot);
-      Vec3 normal = Vec3::UnitX();
-      if (data_.loops.normal >= 0) {
-        const Posture* posture = tree.planar()->posture(tree.planar()->nodes()[k]);
-        normal = posture ? posture->normal : Vec3(Vec3::Unit(data_.loops.normal));
-      }
-      const Mat3 J = in_order(data_.plan.axes(), inverse_inertia(slot, data_.loops.normal >= 0 ? &normal : nullptr));
-      const int lane = static_cast<int>(l);
-      put_number(data_.c.inverse, 7 * k, lane, 1.0 / slot.mass);
-      put_numbers(data_.c.inverse, 7 * k + 1, lane, packed(J));
+    put_matrix(c.rows.body, ground + body::A, l, Mat3::Identity());
+    put_number(c.rows.body, ground + body::e, l, 1.0);
+    for (Link& link : data_.loops.masks) put_frames(lock_in(system, link), l, link, c.rows.frames);
+    for (std::size_t k = 0; k < n_nodes; ++k) {
+      const JointTree& own = *layouts[l]->tree;
+      const Slot& slot = system.slot(own.nodes()[k].slot);
+      const Mat3 J = in_order(data_.plan.axes(), inverse_inertia(slot, own, k, plan.normal));
+      put_number(c.inverse, 7 * k, l, 1.0 / slot.mass);
+      put_numbers(c.inverse, 7 * k + 1, l, packed(J));
     }
   }
+  for (const Link& link : data_.loops.masks) has_laws_ = has_laws_ || link.has_laws();
 }
 
 void TreeClosures::fill(const System& system, int lane, const Inputs& in) {
   for (const Link& link : data_.loops.masks)
     if (link.has_laws()) put_laws(lock_in(system, link), lane, link, in, data_.c.rows.law);
-  fill_own_rows(system, lane, in);
-}
-
-void TreeClosures::fill_own_rows(const System& system, int lane, const Inputs& in) {
   for (const OwnRows& rows : data_.loops.own) {
     const Lock* const link = system.links()[rows.link].get();
     const RowShape shape = link->shape();
@@ -115,8 +117,6 @@ Numbers8 TreeClosures::norm(std::span<const double> x) {
   return out;
 }
 
-bool TreeClosures::Residuals::met(std::size_t lane) const { return all[lane] <= kRowTolerance; }
-
 // Of J a - c: with scales raised where that is needed.
 TreeClosures::Residuals TreeClosures::residuals() {
   alignas(64) std::array<double, 2 * kLanes> now, raised;
@@ -124,9 +124,9 @@ TreeClosures::Residuals TreeClosures::residuals() {
   const bool all_met = std::all_of(now.begin(), now.begin() + kLanes, [](double x) { return x <= kRowTolerance; });
   if (!all_met) pass_.closure_residuals(data_, true, raised.data());
   Residuals out;
-  for (std::size_t l = 0; l < kL; ++l) {
+  for (int l = 0; l < kLanes; ++l) {
     const auto& of = all_met || now[l] <= kRowTolerance ? now : raised;
-    out.all[l] = of[l], out.regular[l] = of[kL + l];
+    out.all[l] = of[l], out.regular[l] = of[kLanes + l];
   }
   return out;
 }
@@ -150,7 +150,7 @@ Flags8 TreeClosures::accelerate(int n, double* rate) {
     now = residuals();
   }
   Flags8 unmet{};
-  for (std::size_t l = 0; l < kL; ++l)
+  for (int l = 0; l < kLanes; ++l)
     unmet[l] = !now.met(l) && !(now.regular[l] <= kRowTolerance && now.all[l] <= kRedundantRounding);
   return unmet;
 }
@@ -169,7 +169,7 @@ void TreeClosures::see_pivots() {
 // As ClosureRows::measure_scales, once.
 void TreeClosures::measure_floors() {
   floors_known_ = true;
-  for (std::size_t l = 0; l < kL; ++l) {
+  for (int l = 0; l < kLanes; ++l) {
     PivotFloors floors;
     for (std::size_t j = 0; j < data_.loops.n_rows(); ++j) {
       const ClosureSource& source = data_.loops.fronts.sources[j];

@@ -6,6 +6,7 @@
 #include <array>
 
 #include <lockstep/author/memory.h>
+#include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/tools/batch/lane_passes.h"
 #include "framework/tools/batch/packs.h"
 
@@ -30,8 +31,8 @@ class TreeClosures {
   Flags8 accelerate(int n, double* rate);
   /// Of the last of them: how many pivots are small, and the smallest of the others, relative to its diagonal.
   void see_pivots();
-  double n_small(std::size_t lane) const { return pivots_[lane]; }
-  double smallest_pivot(std::size_t lane) const { return pivots_[kL + lane]; }
+  double n_small(int lane) const { return pivots_[lane]; }
+  double smallest_pivot(int lane) const { return pivots_[kLanes + lane]; }
 
   /// C and Cd = J v + Ct at the motions that the tree has; the second alone after new velocities.
   void gather() { pass_.closure_errors(data_); }
@@ -46,13 +47,11 @@ class TreeClosures {
   const double* correct_Cd(const Flags8& wanted) { return correct(data_.c.Cd, wanted); }
 
  private:
-  void fill_own_rows(const System&, int lane, const Inputs&);
-  void fill_inverses(const Systems&, const Layouts&);
   void measure_floors();
   // Residuals of rows, relative to their scales: the largest, and that of rows that are not redundant.
   struct Residuals {
     Numbers8 all, regular;
-    bool met(std::size_t lane) const;
+    bool met(int lane) const { return all[lane] <= kRowTolerance; }
   };
   Residuals residuals();
   Numbers8 norm(std::span<const double>);

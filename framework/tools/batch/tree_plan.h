@@ -120,7 +120,4 @@ struct TreeStore : TreeArrays<std::span<double>> {
   std::span<double> travel, dof, waiting;  ///< those of one round after another
 };
 
-/// The plan of copies of a tree of this shape.
-TreePlan make_plan(const JointTree&, int normal);
-
 }  // namespace lockstep::lanes

@@ -17,7 +17,7 @@ namespace {
 bool next_round(const Numbers8& C, std::array<PositionRounds, kLanes>& rounds, Flags8& going,
                 std::array<Landing, kLanes>& landed) {
   bool chord = true;
-  for (std::size_t l = 0; l < kL; ++l) {
+  for (int l = 0; l < kLanes; ++l) {
     if (!going[l]) continue;
     going[l] = !rounds[l].ends(C[l]);
     chord = chord && rounds[l].chord();
@@ -37,12 +37,12 @@ void Batch::project(double* y, const Numbers8& t, const Flags8& wanted, std::arr
   if (stabilization_.kind != Stabilization::Kind::project) {
     gather(y, t);
     const Numbers8 C = closures_->norm_C();
-    for (std::size_t l = 0; l < kL; ++l) landed[l].before = landed[l].after = C[l];
+    for (int l = 0; l < kLanes; ++l) landed[l].before = landed[l].after = C[l];
     return;
   }
   const bool chord = project_positions(y, t, wanted, landed);
   project_velocities(y, t, wanted, chord, landed);
-  for (std::size_t l = 0; l < kL; ++l) landed[l].converged = landed[l].converged && !lost_[l];
+  for (int l = 0; l < kLanes; ++l) landed[l].converged = landed[l].converged && !lost_[l];
   see_ends();
 }
 
@@ -57,7 +57,7 @@ void Batch::gather(const double* y, const Numbers8& t) {
 void Batch::normalize(double* y) const {
   for (const LaneNode& n : data_.plan.nodes) {
     if (n.turn != TreeTurn::ball) continue;
-    for (std::size_t l = 0; l < kL; ++l) {
+    for (int l = 0; l < kLanes; ++l) {
       double* e = y + kL * (n.q + static_cast<std::size_t>(n.n_slides)) + l;
       const double unit = 1.0 / std::sqrt(e[0] * e[0] + e[kL] * e[kL] + e[2 * kL] * e[2 * kL] + e[3 * kL] * e[3 * kL]);
       for (std::size_t i = 0; i < 4; ++i) e[kL * i] *= unit;
@@ -71,7 +71,7 @@ void Batch::advance(double* y, const double* d) const {
     const auto single = static_cast<std::size_t>(n.n_slides + (n.turn == TreeTurn::hinge ? 1 : 0));
     for (std::size_t i = 0; i < kL * single; ++i) y[kL * n.q + i] += d[kL * n.v + i];
     if (n.turn != TreeTurn::ball) continue;
-    for (std::size_t l = 0; l < kL; ++l) {
+    for (int l = 0; l < kLanes; ++l) {
       double* q = y + kL * (n.q + single) + l;
       const double* u = d + kL * (n.v + single) + l;
       const Quat e = Quat{q[0], q[kL], q[2 * kL], q[3 * kL]} * exponential(Vec3(u[0], u[kL], u[2 * kL]));
@@ -85,7 +85,7 @@ Numbers8 Batch::largest_of(std::size_t at) const {
   Numbers8 out{};
   for (std::size_t k = 1; k <= data_.plan.nodes.size(); ++k)
     for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t l = 0; l < kL; ++l)
+      for (int l = 0; l < kLanes; ++l)
         out[l] = std::max(out[l], std::abs(data_.z.moving[kL * (moving::size * k + at + i) + l]));
   return out;
 }
@@ -96,8 +96,7 @@ bool Batch::project_positions(double* y, const Numbers8& t, const Flags8& wanted
   gather(y, t);
   const Numbers8 x_max = largest_of(moving::x);
   std::array<PositionRounds, kLanes> rounds;
-  for (std::size_t l = 0; l < kL; ++l)
-    rounds[l] = {position_goal_of(tolerance), tolerance, system(static_cast<int>(l)).length(), x_max[l]};
+  for (int l = 0; l < kLanes; ++l) rounds[l] = {position_goal_of(tolerance), tolerance, system(l).length(), x_max[l]};
   Flags8 going = wanted;
   for (;; gather(y, t)) {
     const bool chord = next_round(closures_->norm_C(), rounds, going, landed);
@@ -115,7 +114,7 @@ void Batch::project_velocities(double* y, const Numbers8& t, const Flags8& wante
   const Numbers8 v_max = largest_of(moving::v), w_max = largest_of(moving::w), first = closures_->norm_Cd();
   Numbers8 left = first, goal;
   Flags8 going = wanted;
-  for (std::size_t l = 0; l < kL; ++l) {
+  for (int l = 0; l < kLanes; ++l) {
     goal[l] = velocity_goal(velocity_goal_of(stabilization_.tolerance), std::max(v_max[l], w_max[l]));
     going[l] = wanted[l] && !(left[l] <= goal[l]);
   }
@@ -131,7 +130,7 @@ void Batch::project_velocities(double* y, const Numbers8& t, const Flags8& wante
     const Numbers8 last = left;
     left = closures_->norm_Cd();
     bool again = false;
-    for (std::size_t l = 0; l < kL; ++l) {
+    for (int l = 0; l < kLanes; ++l) {
       if (!going[l]) continue;
       const bool slow = old && !(left[l] <= 0.1 * last[l]);
       going[l] = !(left[l] <= goal[l]) && (old || left[l] < kStalledRows * last[l]);
@@ -139,7 +138,7 @@ void Batch::project_velocities(double* y, const Numbers8& t, const Flags8& wante
     }
     if (again) factored = old = false;
   }
-  for (std::size_t l = 0; l < kL; ++l)
+  for (int l = 0; l < kLanes; ++l)
     landed[l].velocities_met = !wanted[l] || left[l] <= goal[l] || left[l] <= kVelocitiesMet * first[l];
 }
 

@@ -21,17 +21,14 @@ constexpr GridPage::Edges kEdges{.above = 42, .below = 58, .left = 78, .between 
 constexpr std::array<const char*, 12> kColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9",
                                               "#000000", "#882255", "#999933", "#5b3fa0", "#8c564b", "#7f7f7f"};
 
-/// All labels with their line styles and colours.
 struct Legend {
-  std::vector<std::string> labels;
-  std::vector<SeriesStyle> styles;
-  std::vector<std::string> colors;
+  std::vector<Series> entries;  // labels with their line styles and colours
   std::size_t n_columns = 1, n_rows = 0;
   double width = 0;  // letters added to each column: gnuplot underestimates their width
   bool rings = false;
 
   std::size_t index(const std::string& label) const {
-    return static_cast<std::size_t>(std::find(labels.begin(), labels.end(), label) - labels.begin());
+    return static_cast<std::size_t>(std::ranges::find(entries, label, &Series::label) - entries.begin());
   }
 };
 
@@ -42,17 +39,17 @@ Legend legend_of(const GridSpec& spec) {
   for (const bool own_color : {false, true})
     for (const GridPanel& panel : spec.panels)
       for (const Series& s : panel.series) {
-        if (s.label.empty() || s.color.empty() == own_color || legend.index(s.label) < legend.labels.size()) continue;
+        if (s.label.empty() || s.color.empty() == own_color || legend.index(s.label) < legend.entries.size()) continue;
         const SeriesStyle style = s.style == SeriesStyle::crosses ? SeriesStyle::linespoints : s.style;
-        legend.colors.push_back(own_color ? s.color : kColors[legend.labels.size() % kColors.size()]);
-        legend.labels.push_back(s.label), legend.styles.push_back(style);
+        legend.entries.push_back(
+            {s.label, {}, {}, style, own_color ? s.color : kColors[legend.entries.size() % kColors.size()]});
         longest = std::max(longest, s.label.size());
       }
   for (const GridPanel& panel : spec.panels) legend.rings = legend.rings || !panel.open_ends.x.empty();
   if (legend.rings) longest = std::max(longest, spec.open_label.size());
   const double letters = static_cast<double>(longest);
   const std::size_t fits = legend_columns(GridPage::inner_width(spec.width, kEdges), letters, 9.5);
-  const std::size_t n = legend.labels.size() + (legend.rings ? 1 : 0);
+  const std::size_t n = legend.entries.size() + (legend.rings ? 1 : 0);
   legend.n_rows = (n + fits - 1) / fits;
   legend.n_columns = legend.n_rows > 0 ? (n + legend.n_rows - 1) / legend.n_rows : 1;
   legend.width = 1 + 0.25 * letters;
@@ -63,8 +60,8 @@ constexpr const char* kRings = "with points pt 6 ps 2.2 lw 1.6 lc rgb '#555555'"
 
 std::vector<std::string> legend_entries(const GridSpec& spec, const Legend& legend) {
   std::vector<std::string> entries;
-  for (std::size_t i = 0; i < legend.labels.size(); ++i) {
-    std::string entry = plot_clause("none", {legend.labels[i], {}, {}, legend.styles[i], legend.colors[i]}, i);
+  for (std::size_t i = 0; i < legend.entries.size(); ++i) {
+    std::string entry = plot_clause("none", legend.entries[i], i);
     entry.replace(0, std::string("$none using 1:2").size(), "keyentry");
     entries.push_back(entry);
   }
@@ -103,7 +100,7 @@ void add_panel(Script& out, const GridSpec& spec, const Legend& legend, std::siz
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     Series s = panel.series[i];
     const std::size_t n = s.label.empty() ? i : legend.index(s.label);
-    if (!s.label.empty()) s.color = color_or(legend.colors[n], n, "series \"" + s.label + "\"");
+    if (!s.label.empty()) s.color = color_or(legend.entries[n].color, n, "series \"" + s.label + "\"");
     s.label.clear();
     clauses.push_back(plot_clause(block_name(k, i), s, n));
   }

@@ -129,7 +129,7 @@ std::vector<std::string> legend_entries(const MapGridSpec& spec) {
   return entries;
 }
 
-void check(const BarSpec& spec) {
+Extent checked(const BarSpec& spec) {
   Extent y{};
   for (const BarSpec::Group& g : spec.groups) {
     if (g.values.size() != spec.categories.size())
@@ -138,6 +138,7 @@ void check(const BarSpec& spec) {
     y.take(g.values, spec.log_y);
   }
   if (!y.any) throw ModelError(fmt::format("bars \"{}\" have nothing to draw; give them numbers", spec.title));
+  return y;
 }
 
 }  // namespace
@@ -185,11 +186,9 @@ void write_map_grid(const std::string& path, const MapGridSpec& spec) {
 }
 
 void write_bars(const std::string& path, const BarSpec& spec) {
-  check(spec);
+  const Extent y = checked(spec);
   Script out;
   begin_page(out, 1, spec.title);
-  Extent y{};
-  for (const BarSpec::Group& g : spec.groups) y.take(g.values, spec.log_y);
   axis(out, 'y', spec.y_label, spec.log_y, y.low, y.high);
   out.line("set xtics scale 0 noenhanced\nset style fill solid 0.9 noborder\nunset grid\nset grid y");
   const double n = static_cast<double>(spec.groups.size()), width = 0.8 / n;

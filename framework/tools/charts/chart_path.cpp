@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lockstep/error.h>
 #include "framework/tools/charts/chart_style.h"
 
 namespace lockstep {
@@ -13,9 +12,9 @@ using namespace chart_style;
 
 constexpr double kLeftOfPath = 104, kRightOfPath = 40, kAbovePath = 16, kBelowPath = 76;  // pixels around the axes
 
-// The range of the data and a twentieth of it on both sides, no narrower than `least`.
-Range with_room(const Extent& e, double least) {
-  const double span = std::max({e.high - e.low, least, 1e-5 * std::max(std::abs(e.low), std::abs(e.high)), 1e-300});
+// The range of the data and a twentieth of it on both sides.
+Range with_room(const Extent& e) {
+  const double span = std::max({e.high - e.low, 1e-5 * std::max(std::abs(e.low), std::abs(e.high)), 1e-300});
   const double middle = 0.5 * (e.low + e.high);
   return {middle - 0.55 * span, middle + 0.55 * span};
 }
@@ -37,7 +36,7 @@ void write_path(const std::string& path, const PathSpec& spec) {
   check_panel({curve}, false, false, spec.title, spec.y_label, "a curve with numbers");
   Extent x{}, y{};
   x.take(spec.x, false), y.take(spec.y, false);
-  Range seen_x = with_room(x, 0), seen_y = with_room(y, 0);
+  Range seen_x = with_room(x), seen_y = with_room(y);
   const double top = kAbovePath + title_height(spec.title);
   const double width = spec.width - kLeftOfPath - kRightOfPath, height = spec.height - top - kBelowPath;
   if (spec.equal_scales) equalize(seen_x, seen_y, width, height);

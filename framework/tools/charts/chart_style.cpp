@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include <lockstep/error.h>
 
@@ -36,11 +37,9 @@ std::vector<std::size_t> thinned(const Series& s) {
       if (s.y[k] < s.y[low]) low = k;
       if (s.y[k] > s.y[high]) high = k;
     }
-    std::vector<std::size_t> some{i, low, high};
-    if (hole < end) some.push_back(hole);
-    if (end == n) some.push_back(n - 1);
-    std::sort(some.begin(), some.end());
-    some.erase(std::unique(some.begin(), some.end()), some.end());
+    std::set<std::size_t> some{i, low, high};
+    if (hole < end) some.insert(hole);
+    if (end == n) some.insert(n - 1);
     keep.insert(keep.end(), some.begin(), some.end());
   }
   return keep;

@@ -10,7 +10,6 @@
 #include <lockstep/author/relative.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
-#include <lockstep/text.h>
 #include "framework/tools/check/sample_system.h"
 #include "framework/tools/check/state_check.h"
 
@@ -176,8 +175,7 @@ class ForceCheck final : public StateCheck {
 }  // namespace
 
 CheckReport check_force(System& system, const Force& force, const CheckOptions& options) {
-  const auto& all = system.forces();
-  if (std::none_of(all.begin(), all.end(), [&](const auto& f) { return f.get() == &force; }))
+  if (std::ranges::none_of(system.forces(), [&](const auto& f) { return f.get() == &force; }))
     throw ModelError(fmt::format("check_force: force '{}' is not in the system; add it by System::add", force.name()));
   CheckReport report(fmt::format("force '{}' ({})", force.name(), force.type()), options.seed);
   if (set_up(system, report)) ForceCheck(system, force, report, options).run();

@@ -331,8 +331,7 @@ class LockCheck final : public StateCheck {
 }  // namespace
 
 CheckReport check_lock(System& system, const Lock& link, const CheckOptions& options) {
-  const auto& all = system.links();
-  if (std::none_of(all.begin(), all.end(), [&](const auto& l) { return l.get() == &link; }))
+  if (std::ranges::none_of(system.links(), [&](const auto& l) { return l.get() == &link; }))
     throw ModelError(fmt::format("check_lock: joint '{}' is not in the system; add it by System::add", link.name()));
   CheckReport report(fmt::format("joint '{}' ({})", link.name(), link.type()), options.seed);
   if (set_up(system, report)) LockCheck(system, link, nullptr, report, options).run();

@@ -2,7 +2,6 @@
 // The command advise: the cheapest method and setting that met a wanted error on the user's own scene.
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
 #include <optional>
 
 #include <lockstep/text.h>
@@ -42,22 +41,18 @@ std::string command_line(const Arguments& args, const WorkPrecisionRun& run) {
 
 // The same as keys of the scene's "run".
 std::string run_block(const RunSettings& run, const WorkPrecisionRun& r, double largest_step) {
-  Value::Object members{{"integrator", to_value(run.integrator), {}}};
-  if (r.adaptive) members.push_back({"tolerance", Value(r.setting), {}});
-  if (!r.adaptive || largest_step > 0) members.push_back({"step", Value(r.adaptive ? largest_step : r.setting), {}});
-  members.push_back({"formulation", Value(to_string(r.formulation)), {}});
+  Value block = Value::object({{"integrator", to_value(run.integrator)}});
+  const auto add = [&](const char* key, Value value) { block.object()->push_back({key, std::move(value), {}}); };
+  if (r.adaptive) add("tolerance", r.setting);
+  if (!r.adaptive || largest_step > 0) add("step", r.adaptive ? largest_step : r.setting);
+  add("formulation", to_string(r.formulation));
   const Stabilization &s = run.stabilization, usual;
-  if (s.alpha == usual.alpha && s.beta == usual.beta && s.tolerance == usual.tolerance)
-    members.push_back({"stabilization", Value(to_string(s.kind)), {}});
-  else
-    members.push_back({"stabilization",
-                       Value(Value::Object{{"kind", Value(to_string(s.kind)), {}},
-                                           {"alpha", Value(s.alpha), {}},
-                                           {"beta", Value(s.beta), {}},
-                                           {"tolerance", Value(s.tolerance), {}}}),
-                       {}});
-  if (!needs_no_solver(r.formulation)) members.push_back({"solver", to_value(run.solver), {}});
-  return write_json(Value(std::move(members)));
+  Value kind = to_string(s.kind);
+  if (s.alpha != usual.alpha || s.beta != usual.beta || s.tolerance != usual.tolerance)
+    kind = Value::object({{"kind", kind}, {"alpha", s.alpha}, {"beta", s.beta}, {"tolerance", s.tolerance}});
+  add("stabilization", kind);
+  if (!needs_no_solver(r.formulation)) add("solver", to_value(run.solver));
+  return write_json(block);
 }
 
 // The run that came closest.
@@ -134,7 +129,7 @@ Result advise(const Arguments& args) {
   const ErrorKind kind = kind_of(args);
   const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], "", loaded.scene);
   const Interrupt interrupt;
-  SceneBenchmark benchmark = benchmark_of(loaded, args, interrupt);
+  SceneBenchmark benchmark = benchmark_of(loaded, args);
   benchmark.options.target = error, benchmark.options.target_kind = kind;
   const std::unique_ptr<WorkPrecision> result = measure(benchmark, args, interrupt);
   if (!result) return kExitInterrupted;

@@ -79,17 +79,7 @@ Result show_assembled(const Arguments& args) {
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State state = m.system.start();
-  AssemblyReport r;
-  std::vector<Finding> told;
-  {
-    const FindingScope scope;
-    r = assemble_scene(dynamics, m, state);
-    told = scope.found;
-  }
-  for (Finding& f : told) {
-    if (f.code() == finding::start_moved.code) f.advice.clear();  // it names this command
-    report_finding(f);
-  }
+  const AssemblyReport r = assemble_scene(dynamics, m, state);
   Result result(loaded, assemble_fields(), Assembled{r, poses_of(m.system, state)});
   if (!args.has("--within")) {
     result.code = r.findings.empty() ? kExitOk : kExitDoubtful;

@@ -10,7 +10,6 @@
 #include <map>
 #include <mutex>
 #include <numeric>
-#include <thread>
 
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
@@ -20,7 +19,6 @@
 #include "framework/tools/commands/atlas_plan.h"
 #include "framework/tools/commands/benchmark.h"
 #include "framework/tools/commands/run_queue.h"
-#include "framework/tools/commands/threads.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/sweep/step_limit.h"
@@ -58,12 +56,14 @@ class Atlas {
       std::unique_lock lock(mutex);
       progress.at(static_cast<double>(done_++));
       lock.unlock();
-      if (spent_ > plan_.budget) return;
+      if (out_of_time()) return;
       compute(*panels[k % n_panels], 1 + (k / n_panels * stride) % n_);
     });
     for (AtlasPanel* panel : panels) add_limit(*panel);
   }
 
+  const AtlasPlan& plan() const { return plan_; }
+  long n_runs() const { return n_ * static_cast<long>(plan_.panels.size()); }
   bool out_of_time() const { return spent_ > plan_.budget; }
   double agreement() const {
     double worst = 0;
@@ -109,10 +109,6 @@ class Atlas {
     if (failed) std::rethrow_exception(failed);
   }
 
-  std::function<bool()> go_on() const {
-    return [this] { return !interrupt_.asked(); };
-  }
-
   void prepare(Shared& shared) {
     std::vector<double> instants;
     std::optional<Scene> scene;
@@ -133,7 +129,7 @@ class Atlas {
     std::ranges::sort(instants);
     instants.erase(std::unique(instants.begin(), instants.end(), [](double a, double b) { return b - a <= 1e-9 * b; }),
                    instants.end());
-    shared.reference = atlas_reference(*scene, plan_.loaded.registry, instants, 0.2 * plan_.budget, go_on());
+    shared.reference = atlas_reference(*scene, plan_.loaded.registry, instants, 0.2 * plan_.budget, go_on_);
   }
 
   void compute(AtlasPanel& panel, long run) {
@@ -146,7 +142,7 @@ class Atlas {
     try {
       const Scene scene = plan_.scene(run, panel);
       cell = atlas_run(scene, plan_.loaded.registry, reference, atlas_instants(scene.run, panel.adaptive), plan_.limits,
-                       limit_, go_on());
+                       limit_, go_on_);
     } catch (const Error& error) {
       cell.outcome = AtlasOutcome::stopped, cell.reason = error.what(), cell.error = HUGE_VAL;
     }
@@ -179,6 +175,7 @@ class Atlas {
 
   AtlasPlan& plan_;
   const Interrupt& interrupt_;
+  const std::function<bool()> go_on_ = [this] { return !interrupt_.asked(); };
   const int jobs_;
   const long n_;
   long total_ = 0;
@@ -189,22 +186,14 @@ class Atlas {
   long done_ = 0;
 };
 
-/// What was drawn.
-struct Drawn {
-  long runs;
-  std::string reference, missing;
-  double agreement;
-  bool out_of_time;  // before every run was tried
-  const AtlasPlan* plan;
-};
-const Fields<Drawn>& drawn_fields() {
-  static const Fields<Drawn> kFields = Fields<Drawn>{
-      {"runs", "", "runs", &Drawn::runs},
-      {"reference", "", "reference", &Drawn::reference},
-      {"agreement", "m", "  accuracy", &Drawn::agreement},
-      {"missing", "", "no reference for some values", &Drawn::missing},
+const Fields<Atlas>& drawn_fields() {
+  static const Fields<Atlas> kFields = Fields<Atlas>{
+      {"runs", "", "runs", &Atlas::n_runs},
+      {"reference", "", "reference", &Atlas::methods},
+      {"agreement", "m", "  accuracy", &Atlas::agreement},
+      {"missing", "", "no reference for some values", &Atlas::missing},
       {"out_of_time", "", "stopped by --budget before every run",
-       &Drawn::out_of_time}}.with([](const Drawn& d) -> const AtlasPlan& { return *d.plan; }, atlas_fields());
+       &Atlas::out_of_time}}.with(&Atlas::plan, atlas_fields());
   return kFields;
 }
 
@@ -215,14 +204,12 @@ Result draw_atlas(const Arguments& args) {
   const Interrupt interrupt;
   set_logger(nullptr);
   Atlas atlas(plan, interrupt, jobs_of(args, available_processors()));
-  const long n = plan.grid.n_runs() * static_cast<long>(plan.panels.size());
   {
-    Progress progress(static_cast<double>(n), args.has("--quiet") || args.has("--json"), Counts::runs);
+    Progress progress(static_cast<double>(atlas.n_runs()), args.has("--quiet") || args.has("--json"), Counts::runs);
     atlas.go(progress);
     progress.finish();
   }
-  Result result(plan.loaded, drawn_fields(),
-                Drawn{n, atlas.methods(), atlas.missing(), atlas.agreement(), atlas.out_of_time(), &plan});
+  Result result(plan.loaded, drawn_fields(), atlas);
   result.even_if_quiet = true;
   result.write(base + ".csv", atlas_csv(plan));
   const bool any = std::ranges::any_of(plan.panels, [](const AtlasPanel& p) { return p.unsuited.empty(); });

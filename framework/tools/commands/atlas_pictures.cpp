@@ -93,16 +93,16 @@ MapGridSpec atlas_picture(const AtlasPlan& plan, const std::string& reference, c
   if (grid.maps.size() == 1) grid.map_height = 520;
   if (curves) grid.curve_label = "largest stable step by linear theory at the start";
   if (marked) grid.mark_label = "singular configurations passed without projected stages";
-  if (of == "energy")
+  if (of == "energy") {
     grid.remarks.emplace_back("Largest imbalance of energy over the run, relative to the energy exchanged.");
-  else
+    return grid;
+  }
+  grid.remarks.push_back(fmt::format("Error: largest over the run, against the reference solution ({}).", reference));
+  if (of != "error")
     grid.remarks.push_back(
-        fmt::format("Error: largest over the run, against the reference solution ({})", reference) +
-        (of == "error"
-             ? "."
-             : fmt::format("; accurate: up to {:g} of the largest displacement, energy and constraints within "
-                           "their limits; wrong: beyond {:g}.",
-                           plan.limits.works, plan.limits.wrong)));
+        fmt::format("Accurate: up to {:g} of the largest displacement, energy and constraints within their limits. "
+                    "Wrong: beyond {:g}.",
+                    plan.limits.works, plan.limits.wrong));
   return grid;
 }
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/analysis.h>
 #include <lockstep/table.h>
 #include "framework/tools/charts/map_grid.h"
+#include "framework/tools/commands/sweep_plan.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/result.h"
 #include "framework/tools/sweep/atlas_run.h"
@@ -26,19 +26,15 @@ struct AtlasPanel {
   std::string name() const { return to_word(integrator) + ", " + to_string(stabilization); }
 };
 
-/// The axes, the maps and the limits; it refers to the arguments.
-struct AtlasPlan {
-  const Arguments& arguments;
-  Loaded loaded;
-  std::vector<Variable> variables;
-  Grid grid;
+/// The axes, the maps and the limits.
+struct AtlasPlan : VariedScene {
   std::vector<AtlasPanel> panels;
   AtlasLimits limits;
   double budget;
 
   /// What an axis is labelled with: "run.step [s]".
   std::string title(std::size_t axis) const { return column_title({variables[axis].path, variables[axis].unit, {}}); }
-  /// The scene of a run of the grid, from 1, with the method of a map.
+  /// The scene of a run of the grid with the method of a map.
   Scene scene(long run, const AtlasPanel& panel) const;
   /// Runs with equal keys have one reference: settings of the run, except its end, do not change it.
   std::string reference_key(long run) const;

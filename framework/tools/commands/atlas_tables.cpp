@@ -10,20 +10,6 @@
 #include <lockstep/text.h>
 
 namespace lockstep {
-namespace {
-
-std::map<AtlasOutcome, long> counts_of(const AtlasPanel& panel) {
-  std::map<AtlasOutcome, long> counts;
-  for (const AtlasCell& c : panel.cells) ++counts[c.outcome];
-  return counts;
-}
-
-long n_passed(const AtlasPanel& panel) {
-  return std::ranges::count_if(panel.cells, [](const AtlasCell& c) { return c.passed > 0; });
-}
-
-}  // namespace
-
 std::string atlas_csv(const AtlasPlan& plan) {
   const std::vector<Variable>& v = plan.variables;
   std::vector<std::vector<std::string>> lines{{"integrator", "stabilization", plan.title(0), plan.title(1), "outcome",
@@ -61,10 +47,15 @@ const Fields<AtlasPlan>& atlas_fields() {
   };
   static const Fields<AtlasPanel> kLimit{{"x", "", "", &AtlasPanel::limit_x}, {"y", "", "", &AtlasPanel::limit_y}};
   const auto counts = [](const Shown& p) {
+    std::map<AtlasOutcome, long> runs;
     Json all = Json::object();
-    if (p.second->unsuited.empty())
-      for (const auto& [outcome, n] : counts_of(*p.second)) all[words_of(outcome)] = n;
+    if (!p.second->unsuited.empty()) return all;
+    for (const AtlasCell& c : p.second->cells) ++runs[c.outcome];
+    for (const auto& [outcome, n] : runs) all[words_of(outcome)] = n;
     return all;
+  };
+  const auto passed = [](const Shown& p) {
+    return std::ranges::count_if(p.second->cells, [](const AtlasCell& c) { return c.passed > 0; });
   };
   constexpr auto counts_text = +[](const Json& all) {
     std::string text;
@@ -76,7 +67,7 @@ const Fields<AtlasPlan>& atlas_fields() {
       {"stabilization", "", "stabilisation", [](const Shown& p) { return to_string(p.second->stabilization); }},
       Field<Shown>("left_out", "", "left out", [](const Shown& p) { return p.second->unsuited; }).optional(),
       Field<Shown>("counts", "", "runs", counts, counts_text).optional(),
-      {"passed", "", "singular configurations passed", [](const Shown& p) { return n_passed(*p.second); }},
+      {"passed", "", "singular configurations passed", passed},
       Field<Shown>("outcomes", "", "", of_cells([](const AtlasCell& c) { return std::string(words_of(c.outcome)); }))
           .optional(),
       Field<Shown>("passed_singular_positions", "", "", of_cells([](const AtlasCell& c) { return c.passed; }))

@@ -19,36 +19,21 @@ namespace {
 
 constexpr double kDefaultBudget = 60;  // s
 
-/// Ends the present run, and with it the benchmark, on an interrupt.
-class Ender final : public Observer {
- public:
-  explicit Ender(const Interrupt& interrupt) : interrupt_(&interrupt) {}
-  void step(const Sample& s) override {
-    if (interrupt_->asked()) throw InterruptedError("interrupted", {.t = s.state.t});
-  }
-
- private:
-  const Interrupt* interrupt_;
-};
-
-/// A mechanism at a fixed address, with its observers.
+/// A mechanism at a fixed address, with its observer.
 struct Owner {
   Mechanism mechanism;
   std::unique_ptr<Recorder> recorder{};
-  Ender ender;
 };
 
 // `assembled`: the start that all mechanisms of the scene share, computed by the first.
-Subject subject_of(const Scene& scene, const Registry& registry, const Interrupt& interrupt,
-                   std::optional<State>& assembled) {
-  auto owner = std::make_shared<Owner>(Owner{build_mechanism(scene, registry), nullptr, Ender(interrupt)});
+Subject subject_of(const Scene& scene, const Registry& registry, std::optional<State>& assembled) {
+  auto owner = std::make_shared<Owner>(Owner{build_mechanism(scene, registry)});
   Mechanism& m = owner->mechanism;
   m.run.record.clear();
   owner->recorder = make_recorder(m);
   Subject subject{owner, &system_of(m), {}};
   subject.events = make_events(m, *owner->recorder);
   if (!subject.events.empty()) subject.observers.push_back(owner->recorder.get());
-  subject.observers.push_back(&owner->ender);
   if (!assembled) {
     Dynamics dynamics(system_of(m), make_solver(m.run, registry), {Formulation::omega, m.run.stabilization});
     assembled = assembled_start(dynamics, m);
@@ -62,14 +47,6 @@ MethodChoice method_of(const MethodSpec& spec, const RunSettings& run, const Reg
   own.integrator = spec;
   own.step = 1;  // the benchmark sets the steps
   return {to_word(spec), [&registry, own] { return make_integrator(own, registry); }};
-}
-
-bool is_adaptive(const MethodChoice& method) {
-  try {
-    return method.make()->info().adaptive;
-  } catch (const Error&) {
-    return false;  // it needs keys that were not given
-  }
 }
 
 std::vector<MethodSpec> specs_of(const std::string& option, const std::vector<std::string>& names,
@@ -209,16 +186,17 @@ std::vector<MethodChoice> references_of(const RunSettings& run, const Registry& 
   const auto add = [&](const MethodSpec& spec, bool usual) {
     const MethodChoice method = method_of(spec, run, registry);
     const auto same = [&](const Candidate& c) { return c.method.name == method.name; };
-    if (is_adaptive(method) && std::none_of(all.begin(), all.end(), same))
-      all.push_back({method, method.make()->info(), usual});
+    if (std::ranges::any_of(all, same)) return;
+    try {
+      if (const IntegratorInfo info = method.make()->info(); info.adaptive) all.push_back({method, info, usual});
+    } catch (const Error&) {  // it needs keys that were not given
+    }
   };
   const std::vector<TypeInfo> types = types_of(registry.integrators);
   for (const TypeInfo& type : types) add(with_known_keys(type, run.integrator.keys), true);
   for (const MethodSpec& spec : all_specs(run.integrator, types)) add(spec, to_word(spec) == spec.type);
-  std::stable_sort(all.begin(), all.end(), [&](const Candidate& a, const Candidate& b) {
-    const bool a_like = a.info.implicit == implicit, b_like = b.info.implicit == implicit;
-    if (a.usual != b.usual) return a.usual;
-    return a_like != b_like ? a_like : a.info.order > b.info.order;
+  std::ranges::stable_sort(all, std::greater{}, [&](const Candidate& c) {
+    return std::tuple(c.usual, c.info.implicit == implicit, c.info.order);
   });
   std::vector<MethodChoice> methods;
   for (Candidate& c : all) methods.push_back(std::move(c.method));
@@ -239,7 +217,7 @@ double budget_of(const Arguments& args) {
   return budget;
 }
 
-SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const Interrupt& interrupt) {
+SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args) {
   const Scene& scene = loaded.scene;
   const Registry& registry = loaded.registry;
   const RunSettings& run = scene.run;
@@ -249,9 +227,8 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const I
   SceneBenchmark benchmark;
   benchmark.title = scene.title.empty() ? scene.file : scene.title;
   auto assembled = std::make_shared<std::optional<State>>();
-  benchmark.trajectory = {
-      [&scene, &registry, &interrupt, assembled] { return subject_of(scene, registry, interrupt, *assembled); },
-      run.until};
+  benchmark.trajectory = {[&scene, &registry, assembled] { return subject_of(scene, registry, *assembled); },
+                          run.until};
   const Subject first = benchmark.trajectory.make();
   Dynamics dynamics(*first.system, make_solver(run, registry));
   benchmark.imposed = !first.system->links().empty() && mobility(dynamics, first.start).freedoms == 0;
@@ -321,14 +298,9 @@ std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Argument
     fmt::print(stderr, "note: interrupted before the reference solution; nothing is written\n");
     return nullptr;
   }
-  std::vector<WorkPrecisionRun> measured;
-  for (WorkPrecisionRun& run : result->runs) {
-    if (run.interrupted)
-      result->left_out.push_back(label(run));
-    else
-      measured.push_back(std::move(run));
-  }
-  result->runs = std::move(measured);
+  for (const WorkPrecisionRun& run : result->runs)
+    if (run.interrupted) result->left_out.push_back(label(run));
+  std::erase_if(result->runs, [](const WorkPrecisionRun& run) { return run.interrupted; });
   return result;
 }
 

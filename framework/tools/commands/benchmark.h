@@ -25,9 +25,9 @@ struct SceneBenchmark {
 };
 
 /// The scene's own integrator, formulation, stabilisation and solver come first and are the base; what --integrators,
-/// --formulations, --stabilisations and --solvers name replaces the full lists. `loaded` and `interrupt` must outlive
-/// it. Throws UsageError for invalid options, SceneError for a scene without an end.
-SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments&, const Interrupt& interrupt);
+/// --formulations, --stabilisations and --solvers name replaces the full lists. `loaded` must outlive it. Throws
+/// UsageError for invalid options, SceneError for a scene without an end.
+SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments&);
 
 /// Adaptive methods of the registry. Those with the keys of the settings' own integrator that they know come before
 /// other choices of keys; then implicit or explicit ones as requested, then the higher order. `registry` must outlive

@@ -6,11 +6,11 @@
 
 #include <algorithm>
 
+#include <lockstep/simulation.h>
 #include <lockstep/text.h>
 #include "framework/tools/commands/benchmark.h"
 #include "framework/tools/precision/certificate.h"
 #include "framework/tools/program/method_specs.h"
-#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {
@@ -24,75 +24,56 @@ constexpr double kProjection = 1e-12;               // m
 struct Repeat {
   std::string name;     // of its column
   std::string setting;  // in words
-  std::function<std::unique_ptr<Integrator>()> make;
-  StepLoopOptions options;
+  RunSettings run;
   Table table{};         // what it recorded
   double exchanged = 0;  // energy, J
 };
 
-Tolerance tightened(double relative) {
-  const double r = std::max(kTightest, kTighter * relative);
-  return {r, kTighter * r};
+Repeat at_tolerance(const std::string& name, RunSettings run, double relative) {
+  run.tolerance = {relative, kTighter * relative};
+  return {name, fmt::format("tolerance {:.0e}", relative), std::move(run)};
 }
+double tightened(const RunSettings& run) { return std::max(kTightest, kTighter * run.tolerance.relative); }
 
 // Runs it; false if that took longer than `limit`, s of CPU time.
-bool make_again(const Loaded& loaded, const RunSettings& run, Repeat& repeat, double limit) {
+bool make_again(const Loaded& loaded, Repeat& repeat, double limit) {
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
-  m.run.record = run.record;
-  const std::unique_ptr<Recorder> recorder = make_recorder(m);
-  std::vector<Event> events = make_events(m, *recorder);
-  EnergyAudit audit(system_of(m));
-  Stabilization stabilization = run.stabilization;
-  stabilization.tolerance = std::min(stabilization.tolerance, kProjection);
-  Dynamics dynamics(system_of(m), make_solver(run, loaded.registry), {run.formulation, stabilization});
-  StepLoop sim(dynamics, repeat.make(), repeat.options);
-  sim.add_observer(*recorder), sim.add_observer(audit);
-  for (Event& event : events) sim.add_event(std::move(event));
-  sim.set_state(assembled_start(dynamics, m));
+  m.run = repeat.run;
+  Simulation sim(std::move(m));
+  StepLoop& loop = sim.loop();
   const double begin = thread_seconds();
   bool given_up = false;
-  sim.progress = [&](const State&) { return !(given_up = thread_seconds() - begin > limit); };
-  sim.run_until(run.until);
-  repeat.table = recorder->table(), repeat.exchanged = audit.result().scale;
+  loop.progress = [&](const State&) { return !(given_up = thread_seconds() - begin > limit); };
+  sim.run();
+  repeat.table = sim.table(), repeat.exchanged = sim.verdict().audit.scale;
   return !given_up;
 }
 
-Repeat tighter_of(const Loaded& loaded, const RunSettings& run, bool adaptive, StepLoopOptions options) {
-  Repeat repeat{run.integrator.type + " tighter", "", {}, std::move(options)};
-  if (adaptive) {
-    repeat.options.tolerance = tightened(run.tolerance.relative), repeat.options.step = run.step;
-    repeat.setting = fmt::format("tolerance {:.0e}", repeat.options.tolerance.relative);
-  } else {
-    repeat.options.step = kShorter * run.step;
-    repeat.setting = fmt::format("step {:.3g} s", repeat.options.step);
-  }
-  repeat.make = [&loaded, run] { return make_integrator(run, loaded.registry); };
-  return repeat;
+Repeat tighter_of(RunSettings run, bool adaptive) {
+  const std::string name = run.integrator.type + " tighter";
+  if (adaptive) return at_tolerance(name, run, tightened(run));
+  run.step *= kShorter;
+  return {name, fmt::format("step {:.3g} s", run.step), run};
 }
 
 // The other adaptive methods, the most promising first.
-std::vector<Repeat> others_of(const Loaded& loaded, const RunSettings& run, const IntegratorInfo& own,
-                              const StepLoopOptions& options) {
+std::vector<Repeat> others_of(const Registry& registry, const RunSettings& run, const IntegratorInfo& own) {
   std::vector<Repeat> all;
-  for (const MethodChoice& method : references_of(run, loaded.registry, own.implicit)) {
-    const std::string type = method.name.substr(0, method.name.find(':'));
-    if (type == run.integrator.type) continue;
-    Repeat repeat{type, "", method.make, options};
-    repeat.options.tolerance =
-        own.adaptive ? tightened(run.tolerance.relative) : Tolerance{kFixedAgainst, kTighter * kFixedAgainst};
-    repeat.options.step = own.adaptive ? run.step : 0;
-    repeat.setting = fmt::format("tolerance {:.0e}", repeat.options.tolerance.relative);
-    all.push_back(std::move(repeat));
+  for (const MethodChoice& method : references_of(run, registry, own.implicit)) {
+    RunSettings other = run;
+    other.integrator = read_spec("integrator", method.name, types_of(registry.integrators));
+    if (other.integrator.type == run.integrator.type) continue;
+    if (!own.adaptive) other.step = 0;
+    all.push_back(at_tolerance(other.integrator.type, other, own.adaptive ? tightened(run) : kFixedAgainst));
   }
   return all;
 }
 
 // Makes the repeat and keeps it if it reached the end; else adds the reason to `text` and returns false.
-bool add(std::vector<Repeat>& repeats, const Loaded& loaded, const RunSettings& run, Repeat repeat, double limit,
-         std::string& text) {
+bool add(std::vector<Repeat>& repeats, const Loaded& loaded, Repeat repeat, double limit, std::string& text) {
   std::string failure = fmt::format("stopped after {:.2g} s; increase --budget", limit);
   try {
-    if (make_again(loaded, run, repeat, limit)) {
+    if (make_again(loaded, repeat, limit)) {
       repeats.push_back(std::move(repeat));
       return true;
     }
@@ -137,16 +118,17 @@ CertifiedRun certificate_of(const Loaded& loaded, const Arguments& args, const R
   RunSettings with_step = run;
   with_step.step = std::max(run.step, 1e-300);
   const IntegratorInfo own = make_integrator(with_step, loaded.registry)->info();
-  StepLoopOptions options;
-  options.output_times = table.columns().front().values;
-  options.output_times.erase(std::unique(options.output_times.begin(), options.output_times.end()),
-                             options.output_times.end());
+  RunSettings again = run;
+  again.times = table.columns().front().values;
+  again.times.erase(std::unique(again.times.begin(), again.times.end()), again.times.end());
+  again.output = 0, again.at_jumps = false, again.max_steps = 0;
+  again.stabilization.tolerance = std::min(run.stabilization.tolerance, kProjection);
   const double limit = 0.5 * budget_of(args);
   std::string text;
   std::vector<Repeat> repeats;
-  add(repeats, loaded, run, tighter_of(loaded, run, own.adaptive, options), limit, text);
-  for (const Repeat& other : others_of(loaded, run, own, options))
-    if (add(repeats, loaded, run, other, limit, text)) break;
+  add(repeats, loaded, tighter_of(again, own.adaptive), limit, text);
+  for (const Repeat& other : others_of(loaded.registry, again, own))
+    if (add(repeats, loaded, other, limit, text)) break;
   if (repeats.empty())
     return {text + "no repeat was completed: no digit is verified\n", "no repeat was completed: no digit is verified"};
   std::vector<const Table*> tables;

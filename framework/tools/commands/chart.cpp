@@ -134,7 +134,7 @@ Result chart_scene(const Arguments& args) {
   const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], base + ".csv", loaded.scene);
 
   const Interrupt interrupt;
-  SceneBenchmark benchmark = benchmark_of(loaded, args, interrupt);
+  SceneBenchmark benchmark = benchmark_of(loaded, args);
   const std::unique_ptr<WorkPrecision> result = measure(benchmark, args, interrupt);
   if (!result) return kExitInterrupted;
 

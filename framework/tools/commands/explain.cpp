@@ -162,7 +162,7 @@ Command explain_command() {
                 {{"thing", "THING", "a body, joint or force by its name; default: every body"}, kJson, kAt}}),
           explain,
           "Forces and moments are in world axes. A missing value (-) is a reaction that is unbounded near a singular "
-          "configuration.\n\n"
+          "configuration. The multiplier of a rotation is minus twice the torque about its axis.\n\n"
           "Example:\n  lockstep explain samples/scenes/four_bar.json coupler --at 0.1",
           {&account_fields().body.schema(), &account_fields().link.schema(), &account_fields().force.schema(),
            &account_fields().bodies.schema()}};

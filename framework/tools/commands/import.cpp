@@ -4,7 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <iterator>
 
 #include <lockstep/error.h>
 #include <lockstep/solid.h>
@@ -25,62 +25,51 @@ std::string text_of_robot(const std::string& file) {
     throw FileError("cannot read '" + file + "': " +
                     (std::filesystem::exists(file, error) ? "it is not a readable file" : "there is no such file") +
                     "; check the path");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::string folder_of(const std::string& file) {
+  const std::string folder = std::filesystem::path(file).parent_path().string();
+  return folder.empty() ? "." : folder;
 }
 
 /// Meshes of a robot, by their paths from the folder of the scene that is written.
-class MeshFinder {
- public:
-  explicit MeshFinder(const Arguments& args)
-      : robots_(folder_of(args["file"] == "-" ? "" : args["file"])),
-        folder_(args["--out"].empty() ? robots_ : folder_of(args["--out"])) {}
+struct MeshFinder {
+  std::string robots, folder;          // of the robot, and of the scene
+  std::vector<std::string> refused{};  // why meshes were left out
+  bool outside = false;                // one is not below the folder
 
   std::string find(const std::string& name) {
-    const std::string file = find_robot_mesh(name, robots_);
+    const std::string file = find_robot_mesh(name, robots);
     if (file.empty()) return "";
     try {
       read_mesh(file);
     } catch (const FileError& error) {
-      refused_.push_back(error.what());
+      refused.push_back(error.what());
       return "";
     }
     std::error_code error;
     const auto path = [&](const std::string& of) { return std::filesystem::weakly_canonical(of, error); };
-    const std::string shown = path(file).lexically_relative(path(folder_)).string();
-    outside_ = outside_ || shown.empty() || shown.starts_with("..");
+    const std::string shown = path(file).lexically_relative(path(folder)).string();
+    outside = outside || shown.empty() || shown.starts_with("..");
     return shown.empty() ? path(file).string() : shown;
   }
-  const std::string& folder() const { return folder_; }
-  const std::vector<std::string>& refused() const { return refused_; }
-  bool outside() const { return outside_; }
-
- private:
-  static std::string folder_of(const std::string& file) {
-    const std::string folder = std::filesystem::path(file).parent_path().string();
-    return folder.empty() ? "." : folder;
-  }
-
-  std::string robots_, folder_;
-  std::vector<std::string> refused_;
-  bool outside_ = false;
 };
 
 Result import_robot(const Arguments& args) {
   namespace fs = std::filesystem;
   const std::string file = args["file"] == "-" ? "standard input" : args["file"];
-  MeshFinder meshes(args);
+  const std::string robots = folder_of(args["file"] == "-" ? "" : args["file"]);
+  MeshFinder meshes{robots, args["--out"].empty() ? robots : folder_of(args["--out"])};
   const ImportedRobot robot = read_urdf(text_of_robot(args["file"]), file, args.has("--floating"),
                                         [&](const std::string& name) { return meshes.find(name); });
   const std::string text = write_json(robot.scene);
   build_mechanism(
-      scene_from_text(text,
-                      (fs::path(meshes.folder()) / (fs::path(file).filename().string() + ", as a scene")).string()),
+      scene_from_text(text, (fs::path(meshes.folder) / (fs::path(file).filename().string() + ", as a scene")).string()),
       builtin_registry());
   for (const std::string& what : robot.left_out) fmt::print(stderr, "note: left out: {}\n", what);
-  for (const std::string& why : meshes.refused()) fmt::print(stderr, "note: left out: {}\n", why);
-  if (meshes.outside())
+  for (const std::string& why : meshes.refused) fmt::print(stderr, "note: left out: {}\n", why);
+  if (meshes.outside)
     fmt::print(stderr,
                "note: meshes are outside the scene's folder; run it with --allow-files, or write it next to the robot "
                "(--out)\n");
@@ -91,12 +80,9 @@ Result import_robot(const Arguments& args) {
   std::error_code error;
   if (fs::is_regular_file(args["--out"], error))
     throw UsageError("--out: '" + args["--out"] + "' exists; name another file");
-  std::ofstream out(args["--out"], std::ios::binary);
-  out << text;
-  out.close();
-  if (!out)
-    throw FileError("file '" + args["--out"] + "' cannot be written; check the folder, or name another (--out)");
-  return kExitOk;
+  Result scene;
+  scene.write(args["--out"], text);
+  return scene;
 }
 
 }  // namespace

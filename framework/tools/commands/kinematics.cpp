@@ -23,6 +23,7 @@
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/doubts.h"
+#include "framework/tools/record/channel_entry.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
@@ -59,7 +60,7 @@ std::vector<std::string> fill_masses(Scene& scene) {
 
 /// A channel without its owner: "force_on_p_world_x" of "A.force_on_p_world_x"; the whole if it has none.
 std::string quantity_of(const std::string& channel, const System& system) {
-  const std::string owner = owner_of(channel, system).second;
+  const std::string owner = channels::owner_of(channel, system).second;
   return owner.empty() ? channel : channel.substr(owner.size() + 1, channel.find('@', owner.size()) - owner.size() - 1);
 }
 
@@ -168,15 +169,13 @@ const Fields<Motion>& kinematics_fields() {
 }
 
 // Without the time, and without columns that are zero throughout.
-std::string text_of_motion(const Result& motion) {
-  Json shown = motion.data;
+std::string text_of_motion(Motion motion) {
   std::map<std::string, double> largest;  // by units
-  for (const Json& c : motion.data["columns"])
-    largest[c["unit"]] = std::max(largest[c["unit"]], std::abs(c["peak"].get<double>()));
-  shown["columns"] = Json::array();
-  for (const Json& c : motion.data["columns"])
-    if (c["name"] != "t" && number_text(c["peak"], largest[c["unit"]]) != "0") shown["columns"].push_back(c);
-  return text_of(*motion.schema, shown);
+  for (const Peak& p : motion.peaks) largest[p.column.unit] = std::max(largest[p.column.unit], std::abs(p.value));
+  std::erase_if(motion.peaks, [&](const Peak& p) {
+    return p.column.name == "t" || number_text(p.value, largest[p.column.unit]) == "0";
+  });
+  return text_of(kinematics_fields().schema(), kinematics_fields()(motion));
 }
 
 /// One-sided joints that a motion passes.
@@ -251,6 +250,8 @@ Result follow(const Arguments& args, bool inverse) {
   } catch (const Error& error) {
     file.write();
     const std::size_t n = recorder->table().n_rows();
+    std::error_code none;
+    if (n == 0) std::filesystem::remove(file.partial(), none);
     rethrow_with(cause_of_stop(dynamics, motion.state(), 0), error,
                  n == 0 ? "" : fmt::format("  saved: {} row{} in {}\n", n, n == 1 ? "" : "s", file.partial()));
   }
@@ -259,10 +260,10 @@ Result follow(const Arguments& args, bool inverse) {
   file.commit();
   stops.tell();
   CommandFindings::add(doubts.findings(motion.steps(), motion.state().t));
-  Result result(loaded, kinematics_fields(),
-                Motion{assembled.is_moved() ? assembled.text() : "", recorder->table().n_rows(), motion.steps(),
-                       seconds, peaks_of(recorder->table())});
-  result.brief = text_of_motion(result);
+  Motion found{assembled.is_moved() ? assembled.text() : "", recorder->table().n_rows(), motion.steps(), seconds,
+               peaks_of(recorder->table())};
+  Result result(loaded, kinematics_fields(), found);
+  result.brief = text_of_motion(std::move(found));
   result.files = {csv};
   return result;
 }
@@ -286,7 +287,8 @@ Command driven_command(std::string_view name, Result (*run)(const Arguments&), s
 Command kinematics_command() {
   return driven_command(
       "kinematics", [](const Arguments& args) { return follow(args, false); },
-      "Masses are not needed. For too few or too many drives, the error names the coordinates to drive or the drives "
+      "Masses are needed only for columns of forces and energies. For too few or too many drives, the error names the "
+      "coordinates to drive or the drives "
       "to release.\n\nExample:\n  lockstep kinematics samples/scenes/four_bar.json --until 0.2");
 }
 Command inverse_command() {

@@ -3,10 +3,29 @@
 
 #include <lockstep/equilibrium.h>
 #include "framework/foundation/math/limits.h"
+#include "framework/mechanism/params/read.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/findings.h"
 
 namespace lockstep {
+namespace {
+
+// "1,0,0": three numbers with commas.
+Vec3 read_spin(const std::string& text) {
+  const std::vector<std::string> parts = split_at(',', text);
+  Vec3 x;
+  for (int k = 0; k < 3; ++k) {
+    const std::optional<double> number = parts.size() == 3 ? number_in<double>(parts[k]) : std::nullopt;
+    if (!number) throw UsageError("--spin: \"" + text + "\" is not a vector; write three numbers, as in --spin 0,0,8");
+    if (!std::isfinite(*number))
+      throw UsageError("--spin: \"" + text + "\": number " + std::to_string(k + 1) +
+                       " of the vector is not finite; write three finite numbers, as in --spin 0,0,8");
+    x[k] = *number;
+  }
+  return x;
+}
+
+}  // namespace
 
 Options motion_command_options() {
   return join(
@@ -21,7 +40,7 @@ Options motion_command_options() {
 
 LinearMotionOptions motion_options(const Arguments& args) {
   LinearMotionOptions options;
-  if (!args["--spin"].empty()) options.spin = read_vector("--spin", args["--spin"]);
+  if (!args["--spin"].empty()) options.spin = read_spin(args["--spin"]);
   options.frozen = args.has("--frozen");
   return options;
 }

@@ -17,48 +17,30 @@ using Lines = std::vector<std::vector<std::string>>;
 
 Lines unknown_lines(const MechanismMatrices& m) {
   Lines lines = {{"number", "name", "unit", "v", "f", "a"}};
-  for (std::size_t i = 0; i < m.unknowns.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    lines.push_back({std::to_string(i + 1), m.unknowns[i].name, m.unknowns[i].unit, text::number(m.v[k]),
-                     text::number(m.f[k]), text::number(m.a[k])});
-  }
+  for (std::size_t i = 0; i < m.unknowns.size(); ++i)
+    lines.push_back({std::to_string(i + 1), m.unknowns[i].name, m.unknowns[i].unit, text::number(m.v[i]),
+                     text::number(m.f[i]), text::number(m.a[i])});
   return lines;
 }
 
 Lines row_lines(const MechanismMatrices& m) {
   Lines lines = {{"number", "name", "kind", "C", "Ct", "c", "lambda"}};
-  for (std::size_t i = 0; i < m.rows.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    lines.push_back({std::to_string(i + 1), m.rows[i], word_of(m.kinds[i]), text::number(m.C[k]), text::number(m.Ct[k]),
-                     text::number(m.c[k]), text::number(m.lambda[k])});
-  }
+  for (std::size_t i = 0; i < m.rows.size(); ++i)
+    lines.push_back({std::to_string(i + 1), m.rows[i], word_of(m.kinds[i]), text::number(m.C[i]), text::number(m.Ct[i]),
+                     text::number(m.c[i]), text::number(m.lambda[i])});
   return lines;
-}
-
-struct Named {
-  const char *name, *what;
-  const SparseMat& matrix;
-};
-
-std::vector<Named> all_of(const MechanismMatrices& m) {
-  return {{"M", "mass: rows and columns are unknowns.csv", m.M},
-          {"D", "d(inertia - forces)/dv: rows and columns are unknowns.csv", m.D},
-          {"K", "d(inertia + J^T lambda - forces)/dx: rows and columns are unknowns.csv", m.K},
-          {"J", "Jacobian: rows are rows.csv, columns are unknowns.csv", m.J}};
 }
 
 struct FoundMatrices {
   double t;
   MechanismMatrices m;
 };
-struct NamedRow {
-  std::string name, kind;
-};
+using NamedRow = std::pair<std::string, std::string>;  // its kind
 
 const Fields<FoundMatrices>& matrix_fields() {
   static const Fields<UnknownVelocity> kUnknown{{"name", "", "name", &UnknownVelocity::name},
                                                 {"unit", "", "unit", &UnknownVelocity::unit}};
-  static const Fields<NamedRow> kRow{{"name", "", "name", &NamedRow::name}, {"kind", "", "kind", &NamedRow::kind}};
+  static const Fields<NamedRow> kRow{{"name", "", "name", &NamedRow::first}, {"kind", "", "kind", &NamedRow::second}};
   static const Fields<SparseMat> kMatrix{{"rows", "", "rows", [](const SparseMat& A) { return A.rows(); }},
                                          {"columns", "", "columns", [](const SparseMat& A) { return A.cols(); }},
                                          {"entries", "", "entries", [](const SparseMat& A) {
@@ -106,22 +88,26 @@ std::string matrix_market(const SparseMat& A, const std::string& comment) {
 
 // Files of --out.
 void write_all(const std::string& folder, double t, const MechanismMatrices& m, const Scene& scene, Result& result) {
-  namespace fs = std::filesystem;
   make_folder(folder);
-  const auto path = [&](const std::string& name) { return (fs::path(folder) / name).string(); };
-  for (const char* name : {"unknowns.csv", "rows.csv", "M.mtx", "D.mtx", "K.mtx", "J.mtx"})
-    check_overwrites(path(name), scene);
-  for (const Named& each : all_of(m))
-    result.write(
-        path(std::string(each.name) + ".mtx"),
-        matrix_market(each.matrix, fmt::format("{} of {} at t = {} s", each.what, scene.file, text::number(t))));
-  result.write(path("unknowns.csv"), csv_of(unknown_lines(m)));
-  result.write(path("rows.csv"), csv_of(row_lines(m)));
+  const auto market = [&](const SparseMat& A, const char* what) {
+    return matrix_market(A, fmt::format("{} of {} at t = {} s", what, scene.file, text::number(t)));
+  };
+  const std::pair<const char*, std::string> files[] = {
+      {"M.mtx", market(m.M, "mass: rows and columns are unknowns.csv")},
+      {"D.mtx", market(m.D, "d(inertia - forces)/dv: rows and columns are unknowns.csv")},
+      {"K.mtx", market(m.K, "d(inertia + J^T lambda - forces)/dx: rows and columns are unknowns.csv")},
+      {"J.mtx", market(m.J, "Jacobian: rows are rows.csv, columns are unknowns.csv")},
+      {"unknowns.csv", csv_of(unknown_lines(m))},
+      {"rows.csv", csv_of(row_lines(m))}};
+  const auto path = [&](const char* name) { return (std::filesystem::path(folder) / name).string(); };
+  for (const auto& [name, text] : files) check_overwrites(path(name), scene);
+  for (const auto& [name, text] : files) result.write(path(name), text);
 }
 
 Result find_matrices(const Arguments& args) {
   const Loaded loaded = load(args);
-  const MechanismAt at = state_at(loaded, instant_of(args));
+  const MechanismAt at = state_at(std::make_unique<Mechanism>(build_mechanism(loaded.scene, loaded.registry)),
+                                  loaded.registry, instant_of(args));
   const System::InSpace look = at.dynamics->look_in_space();
   const FoundMatrices found{at.state.t, matrices_at(*at.dynamics, at.state)};
   Result result(loaded, matrix_fields(), found);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <thread>
 #include <utility>
 
 namespace lockstep {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// RunQueue: the runs of a sweep, handed out to threads and taken back in order.
+// Threads that share work, and RunQueue: the runs of a sweep, handed out to them and taken back in order.
 #pragma once
 
 #include <atomic>
@@ -9,7 +9,11 @@
 #include <exception>
 #include <map>
 #include <mutex>
+#include <new>
 #include <optional>
+#include <system_error>
+#include <thread>
+#include <vector>
 
 #include <lockstep/sweep.h>
 
@@ -67,6 +71,17 @@ class RunQueue {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
 };
+
+/// Starts threads that call work(k), k = 0 to n - 1; fewer where the system has no more of them. Throws std::bad_alloc
+/// where it has none.
+template <class Work>
+void start_threads(std::vector<std::jthread>& threads, std::size_t n, const Work& work) {
+  try {
+    for (std::size_t k = 0; k < n; ++k) threads.emplace_back([work, k] { work(k); });
+  } catch (const std::system_error&) {
+    if (threads.empty()) throw std::bad_alloc();
+  }
+}
 
 /// The processors that this process may use: its affinity, and inside a container the share that it was given. At least
 /// one.

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/commands/state_at.h"
 
-#include <array>
-#include <charconv>
-#include <cmath>
-
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/tools/program/method_specs.h"
@@ -49,28 +45,8 @@ MechanismAt state_at(std::unique_ptr<Mechanism> mechanism, const Registry& regis
   return out;
 }
 
-MechanismAt state_at(const Loaded& loaded, double t) {
-  return state_at(std::make_unique<Mechanism>(build_mechanism(loaded.scene, loaded.registry)), loaded.registry, t);
-}
-
 std::string word_of(RowKind kind) {
   return kind == RowKind::translation ? "translation" : kind == RowKind::rotation ? "rotation" : "function";
-}
-
-Vec3 read_vector(const std::string& option, const std::string& text) {
-  std::array<double, 3> x{};
-  const char *at = text.data(), *const end = at + text.size();
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto [next, error] = std::from_chars(at, end, x[k]);
-    const bool last = k == 2;
-    if (error != std::errc() || (last ? next != end : next == end || *next != ','))
-      throw UsageError(option + ": \"" + text + "\" is not a vector; write three numbers, as in " + option + " 0,0,8");
-    if (!std::isfinite(x[k]))
-      throw UsageError(option + ": \"" + text + "\": number " + std::to_string(k + 1) +
-                       " of the vector is not finite; write three finite numbers, as in " + option + " 0,0,8");
-    at = next + 1;
-  }
-  return {x[0], x[1], x[2]};
 }
 
 }  // namespace lockstep

@@ -27,13 +27,8 @@ double instant_of(const Arguments&);
 State run_to(Mechanism&, const Registry&, double t);
 /// The same with separate dynamics.
 MechanismAt state_at(std::unique_ptr<Mechanism>, const Registry&, double t);
-/// Builds the mechanism of a loaded scene, then as above.
-MechanismAt state_at(const Loaded&, double t);
 
 /// "translation", "rotation", "function".
 std::string word_of(RowKind);
-
-/// [1, 0, 0] of "1,0,0": three numbers with commas. Throws UsageError naming `option`.
-Vec3 read_vector(const std::string& option, const std::string& text);
 
 }  // namespace lockstep

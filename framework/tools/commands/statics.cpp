@@ -16,6 +16,7 @@
 #include "framework/tools/analysis/wild_starts.h"
 #include "framework/tools/commands/pose_columns.h"
 #include "framework/tools/commands/state_at.h"
+#include "framework/tools/commands/sweep_plan.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/files.h"
@@ -24,6 +25,7 @@
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/rank/cause.h"
+#include "framework/tools/record/channel_entry.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
@@ -35,7 +37,7 @@ std::vector<Channel> lengths_and_angles(Mechanism& m) {
   for (const ChannelRequest& request : m.run.record) {
     Channel c = channel_of(m, request.channel);
     c.name = request.column();
-    if (c.unit == "rad" || (c.unit == "m" && owner_of(request.channel, m.system).first != "body"))
+    if (c.unit == "rad" || (c.unit == "m" && channels::owner_of(request.channel, m.system).first != "body"))
       all.push_back(std::move(c));
   }
   return all;
@@ -116,10 +118,10 @@ struct AtRest {
 };
 
 bool is_unique(const UniquenessReport& unique, const std::string& reaction) {
-  for (const char* what : {".force_on_p_world_", ".torque_on_p_world_"})
-    for (const char axis : {'x', 'y', 'z'})
-      if (!unique.unique(reaction + what + axis)) return false;
-  return true;
+  return std::ranges::none_of(unique.channels, [&](const std::string& channel) {
+    return channel.starts_with(reaction + ".force_on_p_world_") ||
+           channel.starts_with(reaction + ".torque_on_p_world_");
+  });
 }
 
 /// `tells`: whether its notes are findings of the command.
@@ -272,28 +274,25 @@ std::string branch_status(const Arguments& args, Resting& before, const Resting&
   return fmt::format("another branch: '{}' moved by {:.3g} m", now.report.moved_most, now.report.largest_move);
 }
 
-Result vary(const Arguments& args, const Loaded& loaded) {
-  const std::vector<Variable> variables =
-      as_usage("--vary", [&] { return read_variables(args.all("--vary"), loaded.scene, loaded.registry); });
-  std::vector<std::size_t> sizes;
-  Cells titles;
+Result vary(const Arguments& args) {
+  const VariedScene scenes = read_varied(args);
+  const std::vector<Variable>& variables = scenes.variables;
+  const std::string& record = args["--record"];
+  if (!record.empty()) check_overwrites(record, scenes.loaded.scene);
+  std::vector<Cells> lines(1);  // that wait for the first equilibrium, which completes their header
   for (const Variable& v : variables) {
     for (const auto& value : v.values)
       if (value.number() == nullptr)
         throw UsageError("--vary: \"" + v.path + "\" has no numbers; statics varies numbers only");
-    sizes.push_back(v.values.size());
-    titles.push_back(column_title({v.path, v.unit, {}}));
+    lines[0].push_back(column_title({v.path, v.unit, {}}));
   }
-  const Grid grid(sizes);
-  const std::string& record = args["--record"];
   GrowingFile file(record.empty() ? "-" : record);
   file.clear();                     // rows of an interrupted run
-  Cells header;                     // of the first equilibrium
-  std::vector<Cells> lines;         // that wait for it
   std::unique_ptr<Resting> before;  // on the same line of the grid
   Varied varied;
-  for (long run = 1; run <= grid.n_runs(); ++run) {
-    const std::vector<std::size_t> choice = grid.at(run);
+  std::size_t width = 0;  // of the header
+  for (long run = 1; run <= scenes.grid.n_runs(); ++run) {
+    const std::vector<std::size_t> choice = scenes.grid.at(run);
     const std::string setting = setting_text(variables, choice);
     Cells& line = lines.emplace_back();
     for (std::size_t k = 0; k < choice.size(); ++k) line.push_back(plain_text(variables[k].values[choice[k]]));
@@ -301,15 +300,13 @@ Result vary(const Arguments& args, const Loaded& loaded) {
     std::optional<FindingScope> unheard;
     if (run > 1) unheard.emplace();  // the first found the same
     try {
-      auto now =
-          std::make_unique<Resting>(vary_scene(loaded.scene, variables, choice, loaded.registry), loaded.registry);
+      auto now = std::make_unique<Resting>(scenes.scene(run), scenes.loaded.registry);
       now->find(args, before ? &before->state : nullptr, false);
       const std::vector<PoseNumber> numbers = numbers_of(*now);
       const std::string status = before ? branch_status(args, *before, *now) : "ok";
-      if (header.empty()) {
+      if (width == 0) {
         found_of(*now);
-        header = titles, add_titles(header, numbers), header.emplace_back("status");
-        file.append(csv_of({header}));
+        add_titles(lines[0], numbers), lines[0].emplace_back("status"), width = lines[0].size();
       }
       if (status != "ok") tell(fmt::format("warning: {}: {}\n", setting, status));
       add_values(line, numbers), line.push_back(status);
@@ -319,24 +316,24 @@ Result vary(const Arguments& args, const Loaded& loaded) {
       tell_error(setting + ": " + error.what());
       line.push_back("failed: " + first_line(error.what()));
     }
-    if (header.empty()) continue;
-    for (Cells& each : lines) each.insert(each.end() - 1, header.size() - each.size(), "");
+    if (width == 0) continue;
+    for (Cells& each : lines) each.insert(each.end() - 1, width - each.size(), "");
     file.append(csv_of(lines)), file.write();
     lines.clear();
   }
-  if (varied.found > 0) file.commit();
   Result result;
-  if (!record.empty() && varied.found > 0) {
-    result = {loaded, varied_fields(), varied};
-    result.files = {record};
+  if (varied.found > 0) {
+    file.commit();
+    if (!record.empty()) result = {scenes.loaded, varied_fields(), varied}, result.files = {record};
   }
   result.code = varied.failed > 0 ? kExitFailure : kExitOk;
   return result;
 }
 
 /// All equilibria that random starts lead to.
-Result find_all(const Arguments& args, const Loaded& loaded) {
+Result find_all(const Arguments& args) {
   const int starts = whole_number("--all", args["--all"], kMostStarts);
+  const Loaded loaded = load(args);
   Resting first(loaded.scene, loaded.registry);
   first.begin(args);
   EquilibriaReport report = find_equilibria(first.dynamics, first.state, {.starts = starts});
@@ -350,15 +347,15 @@ Result find_all(const Arguments& args, const Loaded& loaded) {
 }
 
 Result find_rest(const Arguments& args) {
-  const Loaded loaded = load(args);
+  const bool varies = !args.all("--vary").empty();
   const std::string& record = args["--record"];
-  if (!record.empty()) check_overwrites(record, loaded.scene);
-  if (args.has("--json") && !args.all("--vary").empty())
-    throw UsageError("--json: with --vary the result is CSV; leave out one of the two");
-  if (!args["--all"].empty() && (!args.all("--vary").empty() || !record.empty()))
+  if (args.has("--json") && varies) throw UsageError("--json: with --vary the result is CSV; leave out one of the two");
+  if (!args["--all"].empty() && (varies || !record.empty()))
     throw UsageError("--all prints every equilibrium; leave out --vary and --record");
-  if (!args["--all"].empty()) return find_all(args, loaded);
-  if (!args.all("--vary").empty()) return vary(args, loaded);
+  if (!args["--all"].empty()) return find_all(args);
+  if (varies) return vary(args);
+  const Loaded loaded = load(args);
+  if (!record.empty()) check_overwrites(record, loaded.scene);
   Resting resting(loaded.scene, loaded.registry);
   resting.find(args, nullptr, true);
   Result result(loaded, rest_fields(), found_of(resting));
@@ -381,7 +378,8 @@ Command statics_command() {
              {"--nearest", "", "accept the first equilibrium found, stable or not"},
              Option{"--all", "N", "find all equilibria, unstable ones too, from N random starts"}.without("--nearest"),
              Option{"--vary", "NAME=...",
-                    "NAME=a:b:n or NAME=v1,v2,...: follow the equilibrium over a parameter, one CSV row each; may be "
+                    "NAME=a:b:n, NAME=a:b:n:log or NAME=v1,v2,...: follow the equilibrium over a parameter, one CSV "
+                    "row each; may be "
                     "repeated"}
                  .repeated(),
              {"--record", "FILE.csv", "write poses, reactions, loads of forces and recorded quantities as CSV"}}}),

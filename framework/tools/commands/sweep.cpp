@@ -13,7 +13,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <thread>
 
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
@@ -23,7 +22,6 @@
 #include "framework/tools/commands/run_queue.h"
 #include "framework/tools/commands/sweep_plan.h"
 #include "framework/tools/commands/sweep_rest.h"
-#include "framework/tools/commands/threads.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
@@ -82,7 +80,7 @@ std::string table_path(const Arguments& args, Shard shard) {
 
 struct Tally {
   std::vector<SweepRow> runs{};  // with --json
-  long asked = 0, done = 0, failed = 0, wrong = 0, kept = 0, histories = 0, in_lanes = 0;
+  long asked = 0, done = 0, failed = 0, wrong = 0, kept = 0, histories = 0, in_lanes = 0, unchecked = 0;
   std::string share{}, alone{};      // "2/8"; why runs are not vectorised
   std::vector<std::string> notes{};  // on the report
   std::map<std::string_view, std::pair<Finding, long>>
@@ -149,26 +147,16 @@ class Sweep {
   const report::Histories* motions() const { return motions_ ? &*motions_ : nullptr; }
 
  private:
-  std::string header() const {
+  // The rows that are there, with --resume; else none.
+  KeptRows begin_rows() {
     std::vector<Variable> variables = plan_.variables;
     for (Variable& v : variables)
       if (plan_.plain_headers) v.unit.clear();
-    return sweep_header(variables, plan_.columns);
-  }
-
-  // The rows that are there, with --resume; else none.
-  KeptRows begin_rows() {
-    const std::string header = this->header();
+    const std::string header = sweep_header(variables, plan_.columns);
     if (plan_.arguments.has("--resume")) {
       mark_.check();
-      SweepRun failed;
-      failed.failed = true;
       return keep_rows(rows_, header, [&](long k) {
-        if (k >= n_runs_) return std::string("no such run");
-        const long n = number(k);
-        const std::string row = sweep_row(n, plan_.variables, plan_.grid.at(n), plan_.columns, failed);
-        const std::string bare = sweep_row(n, {}, {}, plan_.columns, failed);
-        return row.substr(0, row.size() - bare.size() + std::to_string(n).size()) + ",";
+        return k < n_runs_ ? row_begin(number(k), variables, plan_.grid.at(number(k))) + "," : "no such run";
       });
     }
     rows_.clear();
@@ -234,9 +222,7 @@ class Sweep {
     Table history;
     SweepRun run = compute(number(k), share, history);
     const bool kept = keep(run, k, history);
-    std::vector<FinishedRun> done;
-    done.push_back({k, std::move(run), false, kept});
-    queue_.finish(std::move(done));
+    queue_.finish({{k, std::move(run), false, kept}});
   }
 
   SweepRun compute(long number, std::atomic<double>& share, Table& history) {
@@ -249,10 +235,10 @@ class Sweep {
       failed.failed = true, failed.status = first_line(what_of(error));
       return failed;
     }
-    const auto go_on = watch(share, scene.run.until, 1);
+    const auto go_on = [watch = watch_time(share, scene.run.until, 1)](const State& s) { return watch(s.t); };
     if (!motions_ || !motions_->keeps(number))
       return sweep_run(scene, plan_.loaded.registry, plan_.columns, go_on, keeps_histories() ? &history : nullptr);
-    const std::unique_ptr<report::Watcher> seen = motions_->watcher();
+    const std::unique_ptr<report::Frames> seen = motions_->watcher();
     return watched_run(scene, plan_.loaded.registry, plan_.columns, go_on, keeps_histories() ? &history : nullptr,
                        {seen.get(), [&](const Mechanism& m, const Table& table) {
                           if (table.n_rows() > 0) motions_->add(number, table, *seen, m);
@@ -265,6 +251,7 @@ class Sweep {
     rows_.write();
     if (plan_.arguments.has("--json")) tally_.runs.push_back(row(n, done.run));
     if (done.in_lanes) ++tally_.in_lanes;
+    if (!done.run.failed && done.run.energy.empty()) ++tally_.unchecked;
     if (done.kept) ++tally_.histories;
     ++tally_.done;
     if (done.run.failed) add_failure(n, done.run.status);
@@ -290,9 +277,6 @@ class Sweep {
       share = until > 0 ? n * std::min(t / until, 1.0) : 0.0;
       return go_on();
     };
-  }
-  std::function<bool(const State&)> watch(std::atomic<double>& share, double until, double n) {
-    return [watch = watch_time(share, until, n)](const State& s) { return watch(s.t); };
   }
 
   bool keeps_histories() const { return !plan_.arguments["--histories"].empty(); }
@@ -352,6 +336,7 @@ std::string summary(const Tally& t) {
   if (t.in_lanes > 0)
     text += fmt::format(" (vectorised: {}{} per batch)",
                         t.in_lanes < t.done ? fmt::format("{} of {}, ", t.in_lanes, t.done) : "", kLanes);
+  if (t.unchecked > 0) text += fmt::format("; energy of {} not checked (--lanes off checks it)", t.unchecked);
   return text + "\n";
 }
 
@@ -441,7 +426,8 @@ Command sweep_command() {
   return {
       "sweep",
       join({settings_options(),
-            {Option{"--vary", "NAME=...", "NAME=a:b:n (n values from a to b) or NAME=v1,v2,...; may be repeated"}
+            {Option{"--vary", "NAME=...",
+                    "NAME=a:b:n (n values from a to b), NAME=a:b:n:log or NAME=v1,v2,...; may be repeated"}
                  .needed()
                  .repeated(),
              {"--shard", "i/n", "every n-th run, beginning with run i (from 1)"},
@@ -462,7 +448,7 @@ Command sweep_command() {
              Option{"--resume", "", "continue the same sweep after an interruption; existing rows stay"}.without(
                  "--json")}}),
       sweep_scene,
-      R"(NAME is a parameter of the scene, or a path into it: bodies.arm.mass, links.A.drive.law.slope, gravity.1,
+      R"(NAME is a parameter of the scene, or a path into it: bodies.arm.mass, joints.A.drive.law.slope, gravity.1,
 run.tolerance. An item of a list has its name, or its number from 0. Units are those of scenes:
 bodies.arm.mass=200g:1kg:5. Several --vary give the full grid. Each run is one row: number, values, final, min and max
 of each recorded column, energy verdict and imbalance, largest violation, steps, CPU seconds, status. A run that fails is

@@ -64,8 +64,6 @@ void warn_left_behind(const std::vector<Variable>& variables, const Loaded& load
   }
 }
 
-}  // namespace
-
 void refuse_varied_options(const Arguments& args, const std::vector<Variable>& variables) {
   for (const Variable& v : variables) {
     for (const std::string name :
@@ -77,7 +75,20 @@ void refuse_varied_options(const Arguments& args, const std::vector<Variable>& v
   }
 }
 
-Scene SweepPlan::scene(long run) const {
+}  // namespace
+
+VariedScene read_varied(const Arguments& args) {
+  Loaded loaded = read_with_plugins(args);
+  return as_usage("--vary", [&] {
+    std::vector<Variable> variables = read_variables(args.all("--vary"), loaded.scene, loaded.registry);
+    refuse_varied_options(args, variables);
+    std::vector<std::size_t> sizes;
+    for (const Variable& v : variables) sizes.push_back(v.values.size());
+    return VariedScene{args, std::move(loaded), std::move(variables), Grid(sizes)};
+  });
+}
+
+Scene VariedScene::scene(long run) const {
   Scene s = vary_scene(loaded.scene, variables, grid.at(run), loaded.registry);
   override_settings(s.run, arguments, loaded.registry);
   return s;
@@ -99,20 +110,12 @@ std::string SweepPlan::runs_text(const std::vector<long>& runs) const {
 }
 
 SweepPlan make_sweep_plan(const Arguments& args) {
-  Loaded loaded = read_with_plugins(args);
-  const Shard shard =
-      args["--shard"].empty() ? Shard{} : as_usage("--shard", [&] { return read_shard(args["--shard"]); });
-  std::vector<Variable> variables =
-      as_usage("--vary", [&] { return read_variables(args.all("--vary"), loaded.scene, loaded.registry); });
-  refuse_varied_options(args, variables);
-  warn_left_behind(variables, loaded);
-  std::vector<std::size_t> sizes;
-  for (const Variable& v : variables) sizes.push_back(v.values.size());
-  Grid grid = as_usage("--vary", [&] { return Grid(sizes); });
-  const bool plain = args["--headers"].empty() ? !outputs_of(loaded.scene).units : args["--headers"] == "plain";
-  SweepPlan plan{args, std::move(loaded), std::move(variables), std::move(grid), shard, {}, plain};
+  SweepPlan plan{read_varied(args)};
+  if (!args["--shard"].empty()) plan.shard = as_usage("--shard", [&] { return read_shard(args["--shard"]); });
+  warn_left_behind(plan.variables, plan.loaded);
+  plan.plain_headers = args["--headers"].empty() ? !outputs_of(plan.loaded.scene).units : args["--headers"] == "plain";
   const Table recorded = columns_of(plan);
-  for (const Column& c : recorded.columns()) plan.columns.add_column(c.name, plain ? "" : c.unit);
+  for (const Column& c : recorded.columns()) plan.columns.add_column(c.name, plan.plain_headers ? "" : c.unit);
   return plan;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a sweep is to do: its variables, the grid of their values, and the columns of its runs.
+// What varies, and what a sweep is to do with it.
 #pragma once
 
 #include <string>
@@ -11,23 +11,29 @@
 
 namespace lockstep {
 
-/// What all runs share.
-struct SweepPlan {
+/// A scene with values that vary; it refers to the arguments.
+struct VariedScene {
   const Arguments& arguments;
   Loaded loaded;
   std::vector<Variable> variables;
   Grid grid;
-  Shard shard;
-  Table columns;  ///< of each run, without rows; with plain headers without units
-  bool plain_headers;
 
+  /// The scene of a run of the grid, from 1, with the settings of the command line.
   Scene scene(long run) const;
+};
+/// Reads the scene and --vary. Throws UsageError, also if a setting that varies is given by an option, too.
+VariedScene read_varied(const Arguments&);
+
+/// What all runs of a sweep share.
+struct SweepPlan : VariedScene {
+  Shard shard{};
+  Table columns{};  ///< of each run, without rows; with plain headers without units
+  bool plain_headers = false;
+
   /// "run 2 (crank = 0.1 m)", "12 runs (crank = 0.1 ... 0.15 m)".
   std::string runs_text(const std::vector<long>& runs) const;
 };
 
-/// Throws UsageError if a setting that varies is given by an option, too.
-void refuse_varied_options(const Arguments&, const std::vector<Variable>&);
 /// Throws UsageError, and SceneError if no run can be built. Warns of lengths that are given elsewhere too.
 SweepPlan make_sweep_plan(const Arguments&);
 

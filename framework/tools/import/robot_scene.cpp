@@ -39,7 +39,7 @@ class Writer {
                                {"gravity", Value::list({0, 0, -9.81})},
                                {"merge", "auto"},
                                {"bodies", std::move(bodies)},
-                               {"links", std::move(links)}});
+                               {"joints", std::move(links)}});
     if (!forces.empty()) all.object()->push_back({"forces", Value(std::move(forces)), {}});
     all.object()->push_back({"run", Value::object({{"until", "1 s"}, {"output", "10 ms"}}), {}});
     return all;
@@ -82,19 +82,18 @@ class Writer {
 
   Value body(const Part& part) const {
     const auto& J = part.inertia;
-    Value::Object b{
-        {"name", Value(part.body), {}},
-        {"mass", Value(part.mass), {}},
-        {"center", vec(part.centre.x), {}},
-        {"inertia",
-         Value::object({{"xx", J[0]}, {"yy", J[3]}, {"zz", J[5]}, {"xy", J[1]}, {"yz", J[4]}, {"zx", J[2]}}),
-         {}},
-        {"inertia_axes", quat(part.centre.q), {}},
-        {"position", vec(part.place.x), {}},
-        {"orientation", quat(part.place.q), {}}};
-    if (is_held(part)) b.push_back({"fixed", Value(true), {}});
-    add_visual(part, b);
-    return Value(std::move(b));
+    Value b = Value::object(
+        {{"name", part.body},
+         {"mass", part.mass},
+         {"center", vec(part.centre.x)},
+         {"inertia",
+          Value::object({{"xx", J[0]}, {"yy", J[3]}, {"zz", J[5]}, {"xy", J[1]}, {"yz", J[4]}, {"zx", J[2]}})},
+         {"inertia_axes", quat(part.centre.q)},
+         {"position", vec(part.place.x)},
+         {"orientation", quat(part.place.q)}});
+    if (is_held(part)) b.object()->push_back({"fixed", Value(true), {}});
+    add_visual(part, *b.object());
+    return b;
   }
 
   // A link of the ground, for drawing only.

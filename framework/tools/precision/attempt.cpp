@@ -3,6 +3,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <cmath>
+
 #include <lockstep/error.h>
 
 namespace lockstep {
@@ -20,7 +22,6 @@ void note_failure(const Error& error, Outcome& out) {
   out.failure = error.what();
   const Error::Kind kind = error.kind();
   out.unsuited = (kind == Error::Kind::model || kind == Error::Kind::scene) && out.report.steps == 0;
-  out.interrupted = kind == Error::Kind::interrupted;
 }
 
 }  // namespace
@@ -39,7 +40,7 @@ Outcome attempt_run(const Trajectory& trajectory, const Recipe& recipe, double l
     for (Observer* o : subject.observers) sim.add_observer(*o);
     if (kind != RunKind::plain) sim.add_observer(observer);
     for (const Event& event : subject.events) sim.add_event(event);
-    sim.progress = [&](const State&) { return !(out.given_up = clocks.clock() - clock_begin > limit); };
+    sim.progress = [&](const State&) { return !(out.given_up = !(clocks.clock() - clock_begin <= limit)); };
     try {
       sim.run_until(trajectory.length);
     } catch (const Error& error) {
@@ -55,7 +56,9 @@ Outcome attempt_run(const Trajectory& trajectory, const Recipe& recipe, double l
   }
   out.cpu = clocks.cpu() - begin - observer.cpu();
   out.work.evaluations -= observer.evaluations(), out.work.factors -= observer.evaluations();
-  if (out.given_up && out.failure.empty())
+  if (out.given_up && std::isinf(clocks.clock()))
+    out.given_up = false, out.interrupted = true, out.failure = "interrupted";
+  else if (out.given_up && out.failure.empty())
     out.failure = fmt::format("stopped after {:.2g} s of CPU time", out.cpu);
   else if (out.failure.empty() && out.report.stopped)
     out.failure = "stopped by '" + out.report.stopped_by + "' before the end";

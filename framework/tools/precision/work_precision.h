@@ -105,7 +105,7 @@ struct WorkPrecisionOptions {
   ErrorKind target_kind = ErrorKind::position;
   double target = 0;  ///< above 0: a combination ends if two runs met this error, or if it cannot be the cheapest
 
-  std::function<double()> clock{};                          ///< s, of the budget; default: thread_seconds
+  std::function<double()> clock{};  ///< s, of the budget; infinite: the user interrupts; default: thread_seconds
   std::function<double()> cpu{};                            ///< s; default: thread_seconds
   std::function<void(const std::string&)> progress{};       ///< called before every run
   std::function<void(const WorkPrecisionRun&)> measured{};  ///< called after every run

@@ -3,7 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <new>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include <lockstep/author/lock.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/check_tree.h"
@@ -19,20 +19,14 @@
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/mobility_findings.h"
 #include "framework/tools/program/options.h"
-#include "framework/tools/program/run_warnings.h"
 #include "framework/tools/program/terminal.h"
+#include "framework/tools/record/channel_entry.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {
 
 using Names = std::vector<std::string>;
-
-/// The value of a key of the scene's integrator; "" if it is not given.
-std::string integrator_key(const RunSettings& run, const char* key) {
-  const Value* value = run.integrator.keys.object() != nullptr ? run.integrator.keys.find(key) : nullptr;
-  return value == nullptr ? "" : plain_text(*value);
-}
 
 /// Whether the stages of an explicit method are projected onto the constraints, and why; "" of methods without that
 /// choice. `rows`: whether the run has constraints.
@@ -41,7 +35,8 @@ std::string stages_of(const Mechanism& m, const State& start, const Registry& re
   if (type == nullptr || type->origin != "built in" ||
       std::ranges::none_of(type->info.keys, [](const Key& key) { return key.name == "stages"; }))
     return "";
-  const std::string asked = integrator_key(m.run, "stages");
+  const Value* given = m.run.integrator.keys.find("stages");
+  const std::string asked = given != nullptr ? plain_text(*given) : "";
   if (asked == "plain") return "unprojected, as requested";
   if (!rows) return "unprojected: no constraints are left";
   if (asked == "manifold") return "projected in every step, as requested";
@@ -62,7 +57,7 @@ std::vector<OwnedChannel> channels_of(const System& system, const std::string& o
   Names owners;
   for (ChannelHelp& c : channel_help(system)) {
     if (of != "ground" && c.name.starts_with("ground.")) continue;  // it never moves
-    const auto [kind, owner] = owner_of(c.name, system);
+    const auto [kind, owner] = channels::owner_of(c.name, system);
     if (!owner.empty() && (owners.empty() || owners.back() != owner)) owners.push_back(owner);
     if (of.empty() ? kind != "marker" || owner.find('.') == std::string::npos : owner == of)
       all.push_back({std::move(c), owner.empty() ? "the whole mechanism" : fmt::format("{} '{}'", kind, owner)});
@@ -92,18 +87,6 @@ std::string rows_in_words(const TreeReport& tree) {
   return words;
 }
 
-/// What "auto" would integrate, in space unless the scene names its plane: "no constraints", or those that are left; ""
-/// if it takes omega.
-std::string rows_along_joints(const Loaded& loaded) {
-  Scene scene = in_space(loaded.scene);
-  scene.run.formulation = Formulation::automatic;
-  Mechanism m = build_mechanism(scene, loaded.registry);
-  Dynamics dynamics = make_dynamics(m, loaded.registry);
-  const std::vector<bool> modes = m.system.start().modes;
-  if (!dynamics.why_not_joint(modes).empty()) return "";
-  return rows_in_words(tree_of(m.system, modes));
-}
-
 /// The scene in the plane with this normal, if only the declaration of a part is missing that it stays there.
 std::optional<std::string> if_named(const char* normal, const Loaded& loaded, const Mechanism& m) try {
   Scene scene = loaded.scene;
@@ -116,9 +99,7 @@ std::optional<std::string> if_named(const char* normal, const Loaded& loaded, co
   if (!missing) return {};
   return fmt::format("\"planar\": \"{}\" gives {} unknown velocities instead of {}, if nothing leaves that plane: {}",
                      normal, named.system.n_velocities(), m.system.n_velocities(), missing->what());
-} catch (const std::bad_alloc&) {
-  throw;
-} catch (...) {  // not in this plane; an error of custom code is reported by the run
+} catch (const Error&) {  // not in this plane; an error of custom code is reported by the run
   return {};
 }
 
@@ -127,15 +108,6 @@ std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m, boo
   std::vector<std::string> all;
   const Value* planar = loaded.scene.root.find("planar");
   const bool finds_plane = planar == nullptr || (planar->text() != nullptr && *planar->text() == "auto");
-  if (!finds_plane && !m.system.plane()) {
-    Scene scene = loaded.scene;
-    scene.root = scene.root.without({"planar"});
-    const Mechanism other = build_mechanism(scene, loaded.registry);
-    if (const Plane plane = other.system.plane())
-      all.push_back(
-          fmt::format("without \"planar\" it moves in the plane with normal {}: {} unknown velocities instead of {}",
-                      "xyz"[plane.n], other.system.n_velocities(), m.system.n_velocities()));
-  }
   if (finds_plane && !m.system.plane() && needs_rows && m.run.formulation != Formulation::quaternion)
     for (const char* normal : {"z", "y", "x"})
       if (std::optional<std::string> words = if_named(normal, loaded, m)) {
@@ -174,20 +146,7 @@ struct Findings {
   TreeReport tree;
   Names columns, taken;
   std::vector<SceneParameter> parameters;
-  std::string error;  // why a run would not start; "" if it would
 };
-
-std::vector<std::string> all_proposals(const Arguments& args, const Loaded& loaded, const Mechanism& m,
-                                       const MobilityReport& r, bool is_tree) {
-  if (args.has("--full")) return {};
-  const FindingScope unheard;  // each builds the scene again, with the same findings
-  std::vector<std::string> more = proposals(loaded, m, !is_tree);
-  if (m.run.formulation != Formulation::omega || !make_integrator(m.run, loaded.registry)->info().joint) return more;
-  if (const std::string rows = rows_along_joints(loaded); !rows.empty())
-    more.push_back(fmt::format("\"formulation\": \"auto\" uses joint coordinates, with {} instead of {} constraints",
-                               rows, r.rows));
-  return more;
-}
 
 /// The formulation of a run, and what it makes of the mechanism; `why_not_joint`: what keeps it from joint coordinates.
 std::string formulation_of(const Mechanism& m, const std::string& why_not_joint, const Findings& found) {
@@ -213,10 +172,13 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
   found.violation = dynamics.violation(start), found.violation_v = dynamics.violation_v(start);
   found.moves = mobility_of(dynamics, m, start);
   const MobilityReport& r = found.moves.mobility;
-  const std::string not_joint = why_not_joint(m.run, dynamics, start, loaded.registry);
+  const std::string not_joint = why_not_joint(dynamics, start, *make_integrator(m.run, loaded.registry));
   TreeReport tree;
   if (not_joint.empty()) tree = tree_of(m.system, start.modes);
-  found.proposals = all_proposals(args, loaded, m, r, not_joint.empty() && !tree.has_rows());
+  if (!args.has("--full")) {
+    const FindingScope unheard;  // each builds the scene again, with the same findings
+    found.proposals = proposals(loaded, m, !not_joint.empty() || tree.has_rows());
+  }
   if (m.run.formulation == Formulation::automatic || m.run.formulation == Formulation::joint)
     found.tree = std::move(tree);
   found.formulation = formulation_of(m, not_joint, found);
@@ -246,8 +208,7 @@ const Fields<Findings>& check_fields() {
                  {"closures", "", "", [](const Findings& f) { return f.tree.closures; }},
                  {"columns", "", "", &Findings::columns},
                  {"parameters", "parameters and points", &Findings::parameters, kParameter},
-                 {"proposals", "", "possible simplifications", &Findings::proposals},
-                 {"error", "", "", &Findings::error}});
+                 {"proposals", "", "possible simplifications", &Findings::proposals}});
   return kFields;
 }
 
@@ -262,12 +223,8 @@ std::string body_words(const System& system) {
 
 // "4 revolute: A, B, C, D; 1 distance: rope".
 std::string joint_words(const System& system) {
-  std::vector<std::pair<std::string, Names>> by_type;
-  for (const auto& link : system.links()) {
-    auto found = std::ranges::find(by_type, link->type(), &std::pair<std::string, Names>::first);
-    if (found == by_type.end()) found = by_type.insert(found, {std::string(link->type()), {}});
-    found->second.push_back(link->name());
-  }
+  nlohmann::ordered_map<std::string, Names> by_type;
+  for (const auto& link : system.links()) by_type[std::string(link->type())].push_back(link->name());
   std::string words;
   for (const auto& [type, names] : by_type)
     words += fmt::format("{}{} {}: {}", words.empty() ? "" : "; ", names.size(), type, first_of(names));
@@ -296,7 +253,7 @@ std::string redundant_words(const Findings& f) {
 std::string brief_text(const System& system, const Findings& f, bool in_space) {
   const MobilityReport& r = f.moves.mobility;
   std::string text;
-  if (f.error.empty())
+  if (f.moves.error.empty())
     text = fmt::format("  OK: the mechanism assembles; {}.\n\n",
                        r.freedoms > 0
                            ? counted(r.freedoms, "degree") + " of freedom " + (r.freedoms == 1 ? "is free" : "are free")
@@ -307,16 +264,11 @@ std::string brief_text(const System& system, const Findings& f, bool in_space) {
   };
   line("bodies", body_words(system));
   line("joints", joint_words(system));
-  if (!f.error.empty()) return text + "\n";
+  if (!f.moves.error.empty()) return text + "\n";
   line("degrees of freedom", freedom_words(r));
   line("redundant", redundant_words(f));
   line("solved as", f.formulation);
   return text + "\n  More: --verbose, --channels" + (in_space ? "\n" : ", --full\n");
-}
-
-int refused(const Error& error) {
-  tell_error(error.what());
-  return exit_code_of(error);
 }
 
 // Degrees of freedom are counted in space if the scene's plane leaves none.
@@ -324,9 +276,7 @@ Mechanism build_to_count(const Loaded& loaded) {
   Mechanism m = build_observed(loaded.scene, loaded.registry);
   if (!m.system.plane() || loaded.scene.root.find("planar") != nullptr) return m;
   Dynamics dynamics = make_dynamics(m, loaded.registry);
-  State start = m.system.start();
-  dynamics.to_slots(start);
-  const MobilityReport r = mobility(dynamics, start);
+  const MobilityReport r = mobility(dynamics, m.system.start());
   return r.freedoms + r.driven > 0 ? std::move(m) : build_observed(in_space(loaded.scene), loaded.registry);
 }
 
@@ -335,16 +285,11 @@ Result check_scene(const Arguments& args) {
   const Loaded loaded = load(args);
   Mechanism m = build_to_count(loaded);
   if (args.has("--channels")) return {loaded, channel_fields(), channels_of(m.system, args["--of"])};
-  Findings found = found_in(args, loaded, m);
-  int code = kExitOk;
-  if (found.moves.refused) try {
-      std::rethrow_exception(found.moves.refused);
-    } catch (const Error& error) {
-      code = refused(error), found.error = error.what();
-    }
+  const Findings found = found_in(args, loaded, m);
+  if (!found.moves.error.empty()) tell_error(found.moves.error);
   Result result(loaded, check_fields(), found);
   if (!args.has("--verbose")) result.brief = brief_text(m.system, found, args.has("--full"));
-  result.code = code;
+  result.code = found.moves.exit_code;
   return result;
 }
 
@@ -361,8 +306,8 @@ Result check(const Arguments& args) {
     try {
       result = check_scene(one);
     } catch (const Error& error) {
-      result.code = refused(error);
-      result.scene = scene, result.data = {{"error", error.what()}};
+      tell_error(error.what());
+      result.code = exit_code_of(error), result.scene = scene, result.data = {{"error", error.what()}};
     }
     if (all.code == kExitOk) all.code = result.code;
     all.each.push_back(std::move(result));
@@ -371,18 +316,6 @@ Result check(const Arguments& args) {
 }
 
 }  // namespace
-
-std::pair<std::string, std::string> owner_of(const std::string& channel, const System& system) {
-  std::pair<std::string, std::string> owner;
-  const auto take = [&](const char* kind, const std::string& name) {
-    if (name.size() > owner.second.size() && channel.starts_with(name + ".")) owner = {kind, name};
-  };
-  for (const Body& b : system.bodies()) take("body", b.name);
-  for (const Marker& m : system.markers()) take("marker", m.name);
-  for (const auto& l : system.links()) take("joint", l->name());
-  for (const auto& f : system.forces()) take("force", f->name());
-  return owner;
-}
 
 Command check_command() {
   return {

@@ -13,7 +13,7 @@ std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
   if (d.in_passing) return "only near a singular configuration";
   if (!d.undecided.empty())
     return fmt::format("not decided: {}, so solvers may differ; correct the geometry, or remove one", d.undecided);
-  if (choice == NearlyRedundant::told || !d.decided)
+  if (choice == NearlyRedundant::reported || !d.decided)
     return "solvers may differ; choose \"nearly_redundant\": \"held\" or \"free\" (--nearly-redundant)";
   const std::string left_out =
       d.left_out.empty() ? "" : fmt::format(". Left out, because others imply them: {}", by_joint(d.left_out));
@@ -23,6 +23,12 @@ std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
   return fmt::format(
       "it is released{}. Violation after a motion of 0.3 rad: {:.1g} m. To hold it: --nearly-redundant held", left_out,
       d.violation);
+}
+
+std::string decision(const NearDependency& d, NearlyRedundant choice) {
+  if (choice == NearlyRedundant::reported) return "reported";
+  if (!d.decided) return choice == NearlyRedundant::automatic && d.undecided.empty() ? "reported" : "undecided";
+  return choice == NearlyRedundant::free ? "free" : "held";
 }
 
 }  // namespace
@@ -35,16 +41,6 @@ Finding finding_of(const NearDependency& d, NearlyRedundant choice) {
   f.value = d.singular_value;
   return f;
 }
-
-namespace {
-
-std::string decision(const NearDependency& d, NearlyRedundant choice) {
-  if (choice == NearlyRedundant::told) return "told";
-  if (!d.decided) return choice == NearlyRedundant::automatic && d.undecided.empty() ? "told" : "undecided";
-  return choice == NearlyRedundant::free ? "free" : "held";
-}
-
-}  // namespace
 
 std::vector<DecidedNear> decided(const std::vector<NearDependency>& near, NearlyRedundant choice) {
   std::vector<DecidedNear> all;

@@ -19,6 +19,7 @@
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include <lockstep/version.h>
+#include "framework/foundation/support/lines.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/complete.h"
 #include "framework/tools/program/files.h"
@@ -72,10 +73,10 @@ void add_option(CLI::App& app, const Option& o, std::map<std::string, CLI::Optio
     if (o.repeats || names)
       option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args(o.positional());
     if (names) option->delimiter(',');
-    if (!o.choices.empty()) option->check(CLI::IsMember(words_of(o.choices)).description(""));
+    if (!o.choices.empty()) option->check(CLI::IsMember(lines_of(o.choices, ',')).description(""));
   }
   option->required(o.required)->group(std::string(o.group));
-  std::vector<std::string> excluded = words_of(o.excludes);
+  std::vector<std::string> excluded = lines_of(o.excludes, ',');
   std::erase_if(excluded, [&](const std::string& other) { return !known.contains(other); });
   for (const std::string& other : excluded) option->excludes(known.at(other));
   option->description(o.words() + (excluded.empty() ? "" : " (not with " + text::join(excluded, " or ") + ")"));

@@ -94,9 +94,6 @@ Loaded load(const Arguments&);
 /// The command line of an earlier run, `lockstep run` ..., by its words after the program's name.
 Arguments read_run_words(const std::vector<std::string>& words);
 
-/// The owner of a channel, "body" and "crank": the object with the longest name that begins the channel's; "" of none.
-std::pair<std::string, std::string> owner_of(const std::string& channel, const System&);
-
 /// The commit that the program was built from, if the tree was clean; else "".
 std::string_view commit_of_build();
 

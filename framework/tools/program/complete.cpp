@@ -10,6 +10,7 @@
 #include <lockstep/finding.h>
 #include <lockstep/recorder.h>
 #include "framework/description/scene/describe.h"
+#include "framework/foundation/support/lines.h"
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/tools.h"
 
@@ -17,13 +18,6 @@ namespace lockstep {
 namespace {
 
 using Words = std::vector<std::string>;
-
-template <class Descriptions>
-Words names_of(const Descriptions& all) {
-  Words names;
-  for (const Description& d : all) names.push_back(d.info.name);
-  return names;
-}
 
 /// The names that the scene of the line has, read once they are asked for.
 class SceneAtHand {
@@ -132,14 +126,16 @@ Line read_line(const Program& program, const Words& words) {
 }
 
 Words names_on(const Registry& registry, const std::string& option) {
-  if (option.starts_with("--integrator")) return names_of(shelf_contents(registry, "integrators"));
-  if (option.starts_with("--solver")) return names_of(shelf_contents(registry, "solvers"));
-  return {};
+  Words names;
+  for (const char* shelf : {"integrators", "solvers"})  // --integrator, --integrators
+    if (("--" + std::string(shelf)).starts_with(option))
+      for (const Description& d : shelf_contents(registry, shelf)) names.push_back(d.info.name);
+  return names;
 }
 
 Completion of_value(const Line& line, const Option& option, SceneAtHand& scene) {
   const std::string name(option.key());
-  if (!option.choices.empty()) return {words_of(option.choices)};
+  if (!option.choices.empty()) return {lines_of(option.choices, ',')};
   if (name == "--set" || name == "--vary") return {scene.parameters()};
   if (line.command->name == "check" && name == "--of") return {scene.things()};
   if (name == "--inputs" || name == "--outputs") return {scene.channels()};
@@ -153,7 +149,7 @@ Completion of_positional(const Line& line, SceneAtHand& scene) {
     if (each.positional()) expected.push_back(&each);
   if (expected.empty()) return {};
   const Option& next = *expected[std::min(line.positionals.size(), expected.size() - 1)];
-  if (!next.choices.empty()) return {words_of(next.choices)};
+  if (!next.choices.empty()) return {lines_of(next.choices, ',')};
   if (line.command->name == "describe") {
     Words all = known_words(make_registry(line.plugins));
     for (const FindingKind* kind : finding_kinds()) all.emplace_back(kind->code);
@@ -172,7 +168,7 @@ Completion all_of(const Line& line, SceneAtHand& scene) {
     if (line.command != nullptr)
       for (const Option& each : line.command->options)
         if (!each.positional())
-          for (const std::string& name : words_of(each.name)) found.words.push_back(name);
+          for (const std::string& name : lines_of(each.name, ',')) found.words.push_back(name);
     return found;
   }
   if (line.command != nullptr) return of_positional(line, scene);

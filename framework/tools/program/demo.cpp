@@ -48,7 +48,8 @@ Result show_demo(const Arguments& args) {
 Command demo_command() {
   return {"demo",
           {{"--into", "DIR", "folder of the files; default: lockstep_demo in LOCKSTEP_OUTPUT or here"},
-           {"--no-open", "", "write the files without opening a browser"}},
+           {"--no-open", "", "write the files without opening a browser"},
+           {"--summary", "", "print the extremes of all recorded columns, with their times"}},
           show_demo,
           "Writes four_bar.json, .csv, .png, .svg and .html. An existing four_bar.json is shown unchanged.\n\n"
           "Example:\n  lockstep demo"};

@@ -18,11 +18,11 @@ const std::vector<double>& times(const Table& table) { return table.columns().fr
 }  // namespace
 
 PictureRows::PictureRows(std::unique_ptr<Recorder> own, const Recorder& rows, double spacing)
-    : own_(std::move(own)), rows_(rows), spacing_(spacing) {}
+    : RowsAtJumps([this](const Sample& s) { add(s, true); }, rows), own_(std::move(own)), spacing_(spacing) {}
 
 void PictureRows::start(const Sample& sample) {
   own_->start(sample);
-  last_ = sample.state.t, acted_ = -1, n_between_ = n_steps_ = 0;
+  last_ = sample.state.t, n_between_ = n_steps_ = 0;
   of_jump_.clear();
 }
 
@@ -37,25 +37,16 @@ void PictureRows::between(const Sample& sample) {
   if (add(sample, false)) ++n_between_;
 }
 
-void PictureRows::before_jump(const Sample& sample) {
-  acted_ = sample.state.t;
-  if (rows_.last_instant() != acted_) add(sample, true);
-}
-
-void PictureRows::jumped(const Sample& sample) {
-  if (sample.state.t == acted_) add(sample, true);
-}
-
 void PictureRows::save(Snapshot& out) const {
   own_->save(out);
-  out.put(last_), out.put(acted_);
+  out.put(last_), RowsAtJumps::save(out);
   out.put(static_cast<double>(n_between_)), out.put(static_cast<double>(n_steps_));
   for (const bool jump : of_jump_) out.put(jump ? 1 : 0);
 }
 
 void PictureRows::load(SnapshotReader& in) {
   own_->load(in);
-  last_ = in.get(), acted_ = in.get();
+  last_ = in.get(), RowsAtJumps::load(in);
   n_between_ = in.get_count(), n_steps_ = in.get_count();
   of_jump_.resize(own_->table().n_rows());
   for (std::size_t i = 0; i < of_jump_.size(); ++i) of_jump_[i] = in.get_flag();

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include <lockstep/recorder.h>
-#include "framework/dynamics/simulate/detail_observer.h"
+#include "framework/tools/scene_run/rows_at_jumps.h"
 
 namespace lockstep {
 
 /// The rows that a picture needs in addition to those of the table: on a grid within steps, by dense output, or at the
 /// ends of steps of a method without it; before and after jumps.
-class PictureRows final : public DetailObserver {
+class PictureRows final : public RowsAtJumps {
  public:
   /// `own`: a recorder of the columns that are drawn, which `rows` has, too. `spacing`: of the rows, s; infinity: at
   /// jumps only.
@@ -21,9 +21,8 @@ class PictureRows final : public DetailObserver {
   double spacing() const override { return spacing_; }
   void start(const Sample&) override;
   void step(const Sample&) override;
-  void jumped(const Sample&) override;
   void between(const Sample&) override;
-  void before_jump(const Sample&) override;
+  bool keeps_rows() const override { return false; }
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;
 
@@ -35,8 +34,7 @@ class PictureRows final : public DetailObserver {
  private:
   bool add(const Sample&, bool of_jump);
   std::unique_ptr<Recorder> own_;
-  const Recorder& rows_;
-  double spacing_, last_ = 0, acted_ = -1;
+  double spacing_, last_ = 0;
   long n_between_ = 0, n_steps_ = 0;
   std::vector<bool> of_jump_;  // by row of own_
 };

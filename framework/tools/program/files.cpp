@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/replace.hpp>
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <cerrno>
 #include <chrono>
@@ -32,9 +33,7 @@ namespace fs = std::filesystem;
 
 std::string in_quotes(const std::string& word) {
   if (!word.empty() && word.find_first_of(" \t\n'\"\\$`*?&|;<>()#~!{}[]") == std::string::npos) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
+  return "'" + boost::replace_all_copy(word, "'", "'\\''") + "'";
 }
 
 std::string output_folder() {
@@ -84,11 +83,7 @@ void make_folder(const std::string& folder, const std::string& next) {
 
 std::string csv_path(const std::string& record, const std::string& scene) {
   if (record == "-") return record;
-  fs::path file = record;
-  if (record.empty()) {
-    file = fs::path(output_folder()) / stem_of(scene);
-    file += ".csv";
-  }
+  const fs::path file = record.empty() ? fs::path(output_folder()) / (stem_of(scene) + ".csv") : fs::path(record);
   make_folder(file.parent_path().string());
   return file.lexically_normal().string();
 }

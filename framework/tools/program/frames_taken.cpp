@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <initializer_list>
-#include <set>
+#include <map>
 
 #include "framework/description/scene/tree.h"
 
@@ -24,31 +24,24 @@ bool has_any(const Value& object, std::initializer_list<const char*> keys) {
   return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return object.find(key) != nullptr; });
 }
 
-// The names of the bodies that have this key.
-std::set<std::string> bodies_with(const Scene& scene, const char* key) {
-  std::set<std::string> names;
-  for_each_named(scene, "bodies", [&](const std::string& name, const Value& body) {
-    if (body.find(key) != nullptr) names.insert(name);
-  });
-  return names;
-}
-
 }  // namespace
 
 std::vector<std::string> frames_taken(const Scene& scene) {
   std::vector<std::string> lines;
-  const std::set<std::string> rods = bodies_with(scene, "rod"), particles = bodies_with(scene, "particle");
+  std::map<std::string, const Value*> bodies;
   for_each_named(scene, "bodies", [&](const std::string& name, const Value& body) {
+    bodies[name] = &body;
     if (!has_any(body, {"position", "rod"})) lines.push_back("body '" + name + "' starts at the world's origin");
   });
   for_each_named(scene, "markers", [&](const std::string& name, const Value& marker) {
     if (has_any(marker, {"at", "world_at"})) return;
     const std::string* body = text_under(marker, "body");
     const std::string carrier = body != nullptr ? *body : "its body";
+    const auto on = [&](const char* key) { return bodies.contains(carrier) && bodies[carrier]->find(key) != nullptr; };
     const bool in_world = marker.find("world_orientation") != nullptr || carrier == "ground";
-    if (!in_world && particles.contains(carrier)) return;  // a point has no other place
+    if (!in_world && on("particle")) return;  // a point has no other place
     lines.push_back("marker '" + name + "' is at the origin of " + (in_world ? "the world" : "'" + carrier + "'") +
-                    (!in_world && rods.contains(carrier) ? ", the centre of its rod" : ""));
+                    (!in_world && on("rod") ? ", the centre of its rod" : ""));
   });
   return lines;
 }

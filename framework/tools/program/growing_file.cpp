@@ -151,10 +151,8 @@ void GrowingFile::count_written(std::size_t n) {
 }
 
 void GrowingFile::commit() {
-  write();
-  if (in_place_) return;
-  if (::fsync(file_) != 0 && errno != EINVAL && errno != EROFS) fail("cannot be brought to the disk");
-  if (std::rename(partial_.c_str(), name_.c_str()) != 0) fail("cannot be renamed");
+  sync();
+  if (!in_place_ && std::rename(partial_.c_str(), name_.c_str()) != 0) fail("cannot be renamed");
 }
 
 void GrowingCsv::begin() {

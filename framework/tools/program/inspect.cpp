@@ -108,7 +108,8 @@ Result list_all(const Arguments& args) {
   }
   Shelves shelves;
   for (const std::string name : kShelves)
-    if (!args.has("shelf") || args["shelf"] == name) shelves[name] = shelf_contents(registry, name);
+    if (!args.has("shelf") || (args["shelf"] == "joints" ? "links" : args["shelf"]) == name)
+      shelves[name] = shelf_contents(registry, name);
   return {shelf_fields(), shelves};
 }
 
@@ -218,10 +219,10 @@ Result print_schema(const Arguments& args) {
 
 Command list_command() {
   return {"list",
-          {Option{"shelf", "SHELF", "only one of them"}.among("links,laws,forces,integrators,solvers,findings"),
+          {Option{"shelf", "SHELF", "only one of them"}.among("joints,links,laws,forces,integrators,solvers,findings"),
            kPlugin, kJson},
           list_all,
-          "Example:\n  lockstep list links",
+          "Example:\n  lockstep list joints",
           {&shelf_fields().schema(), &kinds_fields().schema()}};
 }
 Command describe_command() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // From the command line to a scene and a registry.
-#include <cctype>
+#include <boost/algorithm/string/predicate.hpp>
 #include <filesystem>
 #include <set>
 
@@ -9,6 +9,7 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/json.h"
 #include "framework/description/scene/reading.h"
+#include "framework/description/scene/tree.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/method_specs.h"
@@ -18,12 +19,9 @@ namespace {
 
 // The picture has the name of the table with another ending: a table of that name would be overwritten.
 void refuse_picture(const std::string& record) {
-  const std::filesystem::path file = record;
-  std::string ending = file.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (ending != ".png" && ending != ".svg") return;
+  if (!boost::iends_with(record, ".png") && !boost::iends_with(record, ".svg")) return;
   throw UsageError("--record: \"" + record + "\" is the name of the picture; name a CSV file, as in --record " +
-                   std::filesystem::path(file).replace_extension(".csv").string());
+                   std::filesystem::path(record).replace_extension(".csv").string());
 }
 
 bool takes_fixed_steps(const RunSettings& run, const Registry& registry) {
@@ -96,15 +94,11 @@ void refuse_rows(const RunSettings& run) {
 void put_shortcuts(Scene& scene, const Arguments& args) {
   if (args.has("--full")) {
     change_root(scene, [](Value& root) {
-      root = root.without({"planar", "merge"});
-      root.object()->push_back({"planar", Value("off"), root.where});
+      root = root.without({"merge"});
+      put(root, "planar", Value("off"));
     });
   }
-  if (args["--planar"].empty()) return;
-  change_root(scene, [&](Value& root) {
-    root = root.without({"planar"});
-    root.object()->push_back({"planar", Value(args["--planar"]), root.where});
-  });
+  if (!args["--planar"].empty()) change_root(scene, [&](Value& root) { put(root, "planar", Value(args["--planar"])); });
 }
 
 }  // namespace

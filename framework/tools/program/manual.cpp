@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include <lockstep/version.h>
+#include "framework/foundation/support/lines.h"
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/tools.h"
 
@@ -36,7 +37,7 @@ std::string form_of(const Option& option) {
   const std::string type = "\\fI" + escaped(option.type) + "\\fR";
   if (option.positional()) return type;
   std::string names;
-  for (const std::string& name : words_of(option.name))
+  for (const std::string& name : lines_of(option.name, ','))
     names += (names.empty() ? "" : ", ") + ("\\fB" + escaped(name) + "\\fR");
   return option.flag() ? names : names + " " + type;
 }
@@ -72,17 +73,6 @@ rows of a run that has not ended, or that ended with an error
 the command of an unfinished sweep, for sweep \-\-resume
 )";
 
-}  // namespace
-
-std::string commands_page(const Program& program) {
-  std::ostringstream out;
-  for (const Command& command : program.commands)
-    if (verb_of(command.name)->program.empty() == program.calls_tools) write_command(out, command);
-  return out.str();
-}
-
-namespace {
-
 Result print_manual(const Arguments&) {
   std::ostringstream out;
   out << ".TH LOCKSTEP 1 \"\" \"lockstep " << kVersion << "\" \"User Commands\"\n"
@@ -99,6 +89,13 @@ Result print_manual(const Arguments&) {
 }
 
 }  // namespace
+
+std::string commands_page(const Program& program) {
+  std::ostringstream out;
+  for (const Command& command : program.commands)
+    if (verb_of(command.name)->program.empty() == program.calls_tools) write_command(out, command);
+  return out.str();
+}
 
 Command man_command() { return {"man", {}, print_manual, "Example:\n  lockstep man | man -l -"}; }
 

@@ -15,7 +15,7 @@ inline constexpr const char* kExitCodes =
     "    2  invalid command line\n"
     "    3  invalid scene\n"
     "    4  plugin, or its code\n"
-    "    5  the start does not fit the constraints\n"
+    "    5  the start, or a jump of a law, does not fit the constraints\n"
     "    6  a step or solution cannot be computed\n"
     "    7  a number is not finite\n"
     "    8  file\n"

@@ -26,6 +26,21 @@ std::vector<Value> other_values(const Key& key) {
   return values;
 }
 
+double number_of(const std::string& option, const std::string& text, Unit unit, const char* example) {
+  double x = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    const Measured measured = read_quantity(text, unit);
+    if (!measured.problem.empty() || unit == Unit::none)
+      throw UsageError(option + ": \"" + text + "\" is not a " + name_of(unit) + "; write it as in " + option + " " +
+                       (example != nullptr   ? example
+                        : unit == Unit::none ? "1e-6"
+                                             : "0.001"));
+    x = measured.value;
+  }
+  return x;
+}
+
 }  // namespace
 
 MethodSpec read_spec(const std::string& option, const std::string& text, const std::vector<TypeInfo>& types) {
@@ -68,25 +83,6 @@ MethodSpec with_known_keys(const TypeInfo& type, const Value& keys) {
         members.push_back(m);
   return {type.name, Value(std::move(members)), {}};
 }
-
-namespace {
-
-double number_of(const std::string& option, const std::string& text, Unit unit, const char* example) {
-  double x = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    const Measured measured = read_quantity(text, unit);
-    if (!measured.problem.empty() || unit == Unit::none)
-      throw UsageError(option + ": \"" + text + "\" is not a " + name_of(unit) + "; write it as in " + option + " " +
-                       (example != nullptr   ? example
-                        : unit == Unit::none ? "1e-6"
-                                             : "0.001"));
-    x = measured.value;
-  }
-  return x;
-}
-
-}  // namespace
 
 double positive_number(const std::string& option, const std::string& text, Unit unit, const char* example) {
   const double x = number_of(option, text, unit, example);

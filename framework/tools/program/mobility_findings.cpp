@@ -22,12 +22,10 @@ namespace {
 constexpr int kMostMotions = 12;        // reported in words
 constexpr double kNearPosition = 1e-2;  // singular value of rows of length 1
 
-void evaluate_first(Dynamics& dynamics, const State& start) {
-  try {
-    dynamics.evaluate(start);
-  } catch (const Error& error) {
-    rethrow_with(cause_of_stop(dynamics, start, 0), error);
-  }
+void evaluate_first(Dynamics& dynamics, const State& start) try {
+  dynamics.evaluate(start);
+} catch (const Error& error) {
+  rethrow_with(cause_of_stop(dynamics, start, 0), error);
 }
 
 State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, MobilityFindings& found) {
@@ -43,9 +41,11 @@ State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, Mobili
     refuse_short_laws(m, dynamics, start);
     StepLoop run(dynamics, make_integrator(m.run, *m.methods), loop_options(m.run));
     run.set_state(start), run.run_until(start.t);  // as a run begins
+    warn_of_branches(dynamics, run);
+    warn_of_no_freedom(m, dynamics, run, kManyVelocities);
     evaluate_first(dynamics, run.state());
-  } catch (const Error&) {
-    found.refused = std::current_exception();
+  } catch (const Error& error) {
+    found.error = error.what(), found.exit_code = exit_code_of(error);
     if (dynamics.violation(start) > StepLoopOptions().start_limit) start = typed;
   }
   if (!near.looked) near = {true, nearly_redundant_at(dynamics, m, start)};
@@ -78,7 +78,7 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   if (r.redundant > 0 || !found.near.all.empty()) found.reactions = uniqueness(dynamics, counted);
   for (const NearDependency& d : found.near.all) CommandFindings::add(finding_of(d, m.run.nearly_redundant));
   found.columns_not_unique = columns_not_unique(m.run, found.reactions);
-  note_not_unique(found.reactions);
+  if (found.error.empty()) note_not_unique(found.reactions);
   found.position = branch_point(dynamics, counted);
   State at = counted;
   dynamics.to_slots(at);
@@ -122,7 +122,8 @@ const Fields<MobilityFindings>& mobility_fields() {
                  {"reactions_unique", "", "reactions", all_unique, unique_text},
                  {"rows_not_unique", "", "reactions not unique", [](const Found& f) { return f.reactions.rows; },
                   grouped_text},
-                 {"columns_not_unique", "", "  recorded", &Found::columns_not_unique}});
+                 {"columns_not_unique", "", "  recorded", &Found::columns_not_unique},
+                 {"error", "", "", &Found::error}});
   return kFields;
 }
 

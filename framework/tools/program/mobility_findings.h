@@ -2,7 +2,6 @@
 // The mobility of a scene, for the commands `mobility` and `check`.
 #pragma once
 
-#include <exception>
 #include <string>
 #include <vector>
 
@@ -25,11 +24,12 @@ struct MobilityFindings {
   NearlyRedundant choice = NearlyRedundant::automatic;  ///< as the run requests
   std::vector<std::string> columns_not_unique;          ///< recorded columns of reactions that are not unique
   DriveReport moves;
-  std::string plane;           ///< "z": its normal; "" in space
-  std::exception_ptr refused;  ///< why a run would not start; null if it would
+  std::string plane;        ///< "z": its normal; "" in space
+  std::string error;        ///< why a run would not start; "" if it would,
+  int exit_code = kExitOk;  ///< and that of the run
 };
 /// Counted at the assembled start: one typed with eight digits leaves a loop no degree of freedom. A start that cannot
-/// be assembled is used as typed, and `refused` is set.
+/// be assembled is used as typed, and `error` is set.
 MobilityFindings mobility_of(Dynamics&, Mechanism&, const State& typed);
 
 /// As a result.

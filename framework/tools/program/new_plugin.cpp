@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/algorithm/string/replace.hpp>
 #include <cctype>
 #include <filesystem>
 #include <string_view>
 
 #include <lockstep/author/registry.h>
 #include "framework/description/registry/shelves.h"
+#include "framework/foundation/support/lines.h"
 #include "framework/tools/program/options.h"
 
 namespace lockstep {
@@ -62,29 +64,20 @@ void check_free(const std::string& kind, const std::string& name, const Registry
     throw UsageError(fmt::format("new-plugin: \"{}\" is a target of every CMake project; use another name", name));
 }
 
-std::string replaced(std::string_view text, std::string_view what, std::string_view by) {
-  std::string out;
-  for (std::size_t at = 0;;) {
-    const std::size_t next = text.find(what, at);
-    out += text.substr(at, next - at);
-    if (next == std::string_view::npos) return out;
-    out += by;
-    at = next + what.size();
-  }
+Result make_plugin(const Arguments& args) {
+  const std::vector<std::string> files = write_plugin(args["kind"], args["name"], args["--into"], builtin_registry());
+  const std::string folder = fs::path(files.front()).parent_path().string();
+  for (const std::string& file : files) fmt::print("{}\n", file);
+  fmt::print("Build and test it: cmake -S {0} -B {0}/build && cmake --build {0}/build && ctest --test-dir {0}/build\n",
+             folder);
+  return kExitOk;
 }
 
 }  // namespace
 
 std::string class_name(const std::string& kind, const std::string& name) {
-  std::string camel, word;
-  for (const char c : name + "_") {
-    if (c != '_') {
-      word += c;
-    } else {
-      camel += capitalised(word);
-      word.clear();
-    }
-  }
+  std::string camel;
+  for (const std::string& word : lines_of(name, '_')) camel += capitalised(word);
   const std::string end = capitalised(kind);
   return camel.size() > end.size() && camel.ends_with(end) ? camel : camel + end;
 }
@@ -106,8 +99,9 @@ std::vector<std::string> write_plugin(const std::string& kind, const std::string
     for (const TemplateFile& file : template_files()) {
       if (file.kind != kind) continue;
       const std::string old_name = "template_" + kind, old_class = "Template" + capitalised(kind);
-      const auto renamed = [&](std::string_view text) {
-        return replaced(replaced(text, old_name, name), old_class, class_name(kind, name));
+      const auto renamed = [&](const std::string& text) {
+        return boost::replace_all_copy(boost::replace_all_copy(text, old_name, name), old_class,
+                                       class_name(kind, name));
       };
       made.write((folder / renamed(file.name)).string(), renamed(file.text));
     }
@@ -117,19 +111,6 @@ std::vector<std::string> write_plugin(const std::string& kind, const std::string
   }
   return made.files;
 }
-
-namespace {
-
-Result make_plugin(const Arguments& args) {
-  const std::vector<std::string> files = write_plugin(args["kind"], args["name"], args["--into"], builtin_registry());
-  const std::string folder = fs::path(files.front()).parent_path().string();
-  for (const std::string& file : files) fmt::print("{}\n", file);
-  fmt::print("Build and test it: cmake -S {0} -B {0}/build && cmake --build {0}/build && ctest --test-dir {0}/build\n",
-             folder);
-  return kExitOk;
-}
-
-}  // namespace
 
 Command new_plugin_command() {
   return {"new-plugin",

@@ -20,16 +20,6 @@ const Option* Command::option(std::string_view word) const {
   return found == options.end() ? nullptr : &*found;
 }
 
-std::vector<std::string> words_of(std::string_view choices) {
-  std::vector<std::string> all;
-  while (!choices.empty()) {
-    const std::size_t comma = std::min(choices.find(','), choices.size());
-    all.emplace_back(choices.substr(0, comma));
-    choices.remove_prefix(std::min(comma + 1, choices.size()));
-  }
-  return all;
-}
-
 Options grouped(std::string_view heading, Options options) {
   for (Option& o : options) o.group = heading;
   return options;
@@ -37,7 +27,7 @@ Options grouped(std::string_view heading, Options options) {
 
 std::string Option::words() const {
   std::string all(help);
-  if (!choices.empty()) all += " (" + text::join(words_of(choices), " or ") + ")";
+  if (!choices.empty()) all += " (" + text::join(lines_of(choices, ','), " or ") + ")";
   return needs.empty() ? all : all + " (with " + std::string(needs) + ")";
 }
 
@@ -53,9 +43,9 @@ const Options& scene_options() {
        Option{"--planar", "AXIS", "normal of planar motion; auto: if planar motion is exact"}.among("off,auto,x,y,z"),
        {"--full", "", "no simplifications: motion in space, no merged bodies, absolute coordinates"},
        Option{"--nearly-redundant", "CHOICE",
-              "nearly dependent constraints (relative singular value below 1e-3): held: keep; free: drop; told: report "
-              "only; auto: keep if possible"}
-           .among("auto,told,free,held")});
+              "nearly dependent constraints (relative singular value below 1e-3): held: keep; free: drop; report: "
+              "report only; auto: keep if possible"}
+           .among("auto,report,free,held")});
   return kOptions;
 }
 
@@ -66,7 +56,7 @@ const Options& settings_options() {
                {{"--until", "TIME", "end of the run, in s or with a unit (\"50 ms\")"},
                 {"--integrator", "NAME", "see `lockstep list integrators`; with keys: dopri5:fixed=true"},
                 {"--step", "TIME", "fixed step, or the largest step of an adaptive integrator, in s or with a unit"},
-                Option{"--tolerance", "NUMBER", "relative tolerance of adaptive integrators"}.without("--step"),
+                {"--tolerance", "NUMBER", "relative tolerance of adaptive integrators"},
                 Option{"--formulation", "NAME",
                        "coordinates: joint (relative), omega (6 velocities per body), quaternion (7 per body); auto: "
                        "joint if possible, else omega"}

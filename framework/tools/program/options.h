@@ -100,9 +100,6 @@ Result run_and_certify(const Arguments&, Certify);
 Json results_of(std::span<const Command>);
 Json results_of_all();
 
-/// "a,b" as words.
-std::vector<std::string> words_of(std::string_view choices);
-
 // -- what several commands share
 inline constexpr std::string_view kStabilizations = "project,baumgarte,none",
                                   kFormulations = "omega,quaternion,joint,auto";

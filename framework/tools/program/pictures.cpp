@@ -56,8 +56,7 @@ std::vector<Panel> panels_by_unit(const Table& table, const std::vector<std::str
 // The requested panels, each split by unit; without any, as many columns as a picture can hold.
 std::vector<Panel> panels_of(const Table& table, const Panels& draw) {
   constexpr std::size_t kMostPanels = 4, kMostCurves = 6;
-  std::vector<std::string> names;
-  for (const Column& c : table.columns()) names.push_back(c.name);
+  const std::vector<std::string> names = table.names();
   if (draw.empty()) return panels_by_unit(table, {names.begin() + 1, names.end()}, kMostPanels, kMostCurves);
   std::vector<Panel> panels;
   for (const std::vector<std::string>& panel : draw)

@@ -46,40 +46,37 @@ std::vector<std::string> missing_folders(const Survey& survey) {
 }
 
 // `why`: text has all of them.
-Fields<PluginCandidate> make_plugin_fields(bool why) {
+template <bool why>
+const Fields<PluginCandidate>& plugin_fields() {
   using Candidate = PluginCandidate;
-  const auto only_why = [why](const char* label) { return why ? label : ""; };
+  constexpr auto only_why = [](const char* label) { return why ? label : ""; };
   using Brought = std::pair<std::string, std::string>;
   static const Fields<Brought> kBrought{{"kind", "", "kind", &Brought::first}, {"name", "", "name", &Brought::second}};
-  return {{"name", "", "name", &Candidate::name},
-          {"state", "", "state", state_of},
-          {"brings_words", "", "brings", brought},
-          {"why", "", "why", &Candidate::why},
-          {"path", "", only_why("path"), &Candidate::path},
-          {"file", "", only_why("file"), &Candidate::file},
-          {"folder", "", "", &Candidate::folder},
-          {"build", "", only_why("build"), &Candidate::build},
-          {"brings", "", [](const Candidate& c) { return std::vector<Brought>(c.brings.begin(), c.brings.end()); },
-           kBrought},
-          {"size", "", only_why("bytes"), [](const Candidate& c) { return c.stamp.size; }},
-          {"checksum", "", only_why("checksum"),
-           [](const Candidate& c) { return fmt::format("{:016x}", c.stamp.checksum); }}};
-}
-const Fields<PluginCandidate>& plugin_fields(bool why) {
-  static const Fields<PluginCandidate> kShort = make_plugin_fields(false), kWhole = make_plugin_fields(true);
-  return why ? kWhole : kShort;
+  static const Fields<Candidate> kFields{
+      {"name", "", "name", &Candidate::name},
+      {"state", "", "state", state_of},
+      {"brings_words", "", "brings", brought},
+      {"why", "", "why", &Candidate::why},
+      {"path", "", only_why("path"), &Candidate::path},
+      {"file", "", only_why("file"), &Candidate::file},
+      {"folder", "", "", &Candidate::folder},
+      {"build", "", only_why("build"), &Candidate::build},
+      {"brings", "", [](const Candidate& c) { return std::vector<Brought>(c.brings.begin(), c.brings.end()); },
+       kBrought},
+      {"size", "", only_why("bytes"), [](const Candidate& c) { return c.stamp.size; }},
+      {"checksum", "", only_why("checksum"),
+       [](const Candidate& c) { return fmt::format("{:016x}", c.stamp.checksum); }}};
+  return kFields;
 }
 
-const Fields<Survey>& survey_fields(bool why) {
-  const auto make = [](bool all) {
-    return Fields<Survey>{{"host", "", all ? "this host" : "", &Survey::host},
-                          // LOCKSTEP_PLUGIN_PATH, then the program's own
-                          {"folders", "", all ? "searched folders" : "", &Survey::folders},
-                          {"missing_folders", "", all ? "missing folders" : "", missing_folders},
-                          {"plugins", "plugins", &Survey::plugins, plugin_fields(all)}};
-  };
-  static const Fields<Survey> kShort = make(false), kWhole = make(true);
-  return why ? kWhole : kShort;
+template <bool why>
+const Fields<Survey>& survey_fields() {
+  static const Fields<Survey> kFields{{"host", "", why ? "this host" : "", &Survey::host},
+                                      // LOCKSTEP_PLUGIN_PATH, then the program's own
+                                      {"folders", "", why ? "searched folders" : "", &Survey::folders},
+                                      {"missing_folders", "", why ? "missing folders" : "", missing_folders},
+                                      {"plugins", "plugins", &Survey::plugins, plugin_fields<why>()}};
+  return kFields;
 }
 
 // Precedes the answer of a process; output of the plugin may precede it.
@@ -110,6 +107,13 @@ void ask_process(PluginCandidate& c) {
           "; the file is damaged, or its code is wrong; build or install it again";
 }
 
+Result list_plugins(const Arguments& args) {
+  const Survey found{abi_words(abi_of_this_build()), plugin_folders(), survey_plugins(plugin_folders(), ask_process)};
+  if (found.plugins.empty() && !args.has("--json"))
+    fmt::print("no plugins in {} folders; --why lists them\n", found.folders.size());
+  return args.has("--why") ? Result(survey_fields<true>(), found) : Result(survey_fields<false>(), found);
+}
+
 }  // namespace
 
 int answer_for_plugin(const char* file) {
@@ -117,7 +121,7 @@ int answer_for_plugin(const char* file) {
   PluginCandidate c;
   c.file = file;
   ask_plugin(c, builtin_registry());
-  const std::vector<std::uint8_t> answer = Json::to_msgpack(plugin_fields(false)(c));
+  const std::vector<std::uint8_t> answer = Json::to_msgpack(plugin_fields<false>()(c));
   fmt::print("{}{}", kAnswer, std::string_view(reinterpret_cast<const char*>(answer.data()), answer.size()));
   return kExitOk;
 }
@@ -129,23 +133,12 @@ std::string plugin_advice(const std::string& type) {
   return "";
 }
 
-namespace {
-
-Result list_plugins(const Arguments& args) {
-  const Survey found{abi_words(abi_of_this_build()), plugin_folders(), survey_plugins(plugin_folders(), ask_process)};
-  if (found.plugins.empty() && !args.has("--json"))
-    fmt::print("no plugins in {} folders; --why lists them\n", found.folders.size());
-  return {survey_fields(args.has("--why")), found};
-}
-
-}  // namespace
-
 Command plugins_list_command() {
   return {"plugins list",
           {{"--why", "", "report folders, files, builds, and why a plugin is rejected"}, kJson},
           list_plugins,
           "Example:\n  LOCKSTEP_PLUGIN_PATH=~/my/plugins lockstep plugins list --why",
-          {&survey_fields(false).schema()}};
+          {&survey_fields<false>().schema()}};
 }
 
 }  // namespace lockstep

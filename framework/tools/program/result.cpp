@@ -19,19 +19,6 @@ namespace {
 
 constexpr std::size_t kMostLines = 40;  // of a list, as text
 
-}  // namespace
-
-std::string number_text(const Json& v, double largest) {
-  if (v.is_null()) return "-";
-  if (v.is_number_integer()) return v.dump();
-  const double x = v.get<double>();
-  return fmt::format("{:.6g}", std::abs(x) <= 1e-12 * largest || std::abs(x) < 1e-30 ? 0.0 : x);
-}
-
-std::string unless_zero(const Json& n) { return n == 0 ? std::string() : number_text(n); }
-
-namespace {
-
 // The largest number in it, however deep.
 double largest_in(const Json& v) {
   if (v.is_number()) return std::abs(v.get<double>());
@@ -40,18 +27,6 @@ double largest_in(const Json& v) {
     for (const Json& x : v) largest = std::max(largest, largest_in(x));
   return largest;
 }
-
-}  // namespace
-
-std::string vector_text(const Json& v, double largest) {
-  largest = std::max(largest, largest_in(v));
-  std::string text;
-  for (const Json& x : v)
-    text += (text.empty() ? "" : ", ") + (x.is_array() ? vector_text(x, largest) : number_text(x, largest));
-  return "[" + text + "]";
-}
-
-namespace {
 
 // A value in one line, without its unit; `largest`: the largest number of this unit that is printed.
 std::string value_text(const FieldInfo& field, const Json& v, double largest) {
@@ -239,6 +214,23 @@ const Fields<Document>& last_fields() {
 }
 
 }  // namespace
+
+std::string number_text(const Json& v, double largest) {
+  if (v.is_null()) return "-";
+  if (v.is_number_integer()) return v.dump();
+  const double x = v.get<double>();
+  return fmt::format("{:.6g}", std::abs(x) <= 1e-12 * largest || std::abs(x) < 1e-30 ? 0.0 : x);
+}
+
+std::string unless_zero(const Json& n) { return n == 0 ? std::string() : number_text(n); }
+
+std::string vector_text(const Json& v, double largest) {
+  largest = std::max(largest, largest_in(v));
+  std::string text;
+  for (const Json& x : v)
+    text += (text.empty() ? "" : ", ") + (x.is_array() ? vector_text(x, largest) : number_text(x, largest));
+  return "[" + text + "]";
+}
 
 void Result::write(const std::string& file, std::string_view text) {
   GrowingFile out(file);

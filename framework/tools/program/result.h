@@ -133,15 +133,14 @@ struct Field {
   Field(std::string name, std::string label, Get read, const Fields<U>& of,
         std::string (*words)(const Json&) = nullptr);
   /// The same, absent if it is empty.
-  Field optional() const {
-    Field same = *this;
-    same.info.optional = true;
-    return same;
-  }
+  Field optional() const { return with(&FieldInfo::optional); }
   /// The same, of which text has all entries.
-  Field whole() const {
+  Field whole() const { return with(&FieldInfo::whole); }
+
+ private:
+  Field with(bool FieldInfo::*property) const {
     Field same = *this;
-    same.info.whole = true;
+    same.info.*property = true;
     return same;
   }
 };

@@ -15,7 +15,6 @@
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
-#include "framework/tools/program/formulation_seen.h"
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/options.h"
@@ -35,44 +34,6 @@
 
 namespace lockstep {
 namespace {
-
-// An error is returned: it must not hide that of the run.
-std::exception_ptr write_rest(GrowingFile& file) {
-  try {
-    file.write();
-    return nullptr;
-  } catch (const std::exception&) {
-    return std::current_exception();
-  }
-}
-
-struct Ended {
-  std::exception_ptr error;
-  bool interrupted = false;
-};
-
-// `seconds`: wall-clock time so far; that of this part is added.
-Ended go(StepLoop& sim, double until, bool quiet, Checkpoints& checkpoints, double& seconds) {
-  Ended ended;
-  Interrupt interrupt;
-  Progress progress(until, quiet);
-  const double before = seconds;
-  if (checkpoints)
-    sim.between_steps = [&] { checkpoints.write_if_due(sim, interrupt.asked(), before + progress.seconds()); };
-  sim.progress = [&](const State& s) {
-    progress.at(s.t);
-    return !interrupt.asked() || s.t >= until;
-  };
-  try {
-    sim.run_until(until);
-  } catch (...) {
-    ended.error = std::current_exception();
-  }
-  progress.finish();
-  ended.interrupted = interrupt.asked() && sim.state().t < until;
-  seconds = before + progress.seconds();
-  return ended;
-}
 
 /// A run that did not reach its end.
 struct FailedRun {
@@ -94,16 +55,10 @@ void write_unfinished(const RunReport& report, const StepLoop& sim, const std::e
   if (!report) return;
   try {
     const std::string why = fmt::format("the run ended at t = {:.9g} s: {}", sim.state().t, thrown_words(error));
-    tell(fmt::format("note: unfinished report: {}\n", report.write_unfinished(sim, "", why)));
+    tell(fmt::format("note: unfinished report: {}\n", report.write(sim, "", why)));
   } catch (const std::exception& second) {
     tell(fmt::format("note: no report: {}\n", second.what()));
   }
-}
-
-void show(const Arguments& args, const RunReport& report) {
-  if (!args.has("--open")) return;
-  const std::string problem = open_in_browser(report.file());
-  if (!problem.empty()) tell(fmt::format("note: {}\n", problem));
 }
 
 Loaded load_for(const Arguments& args, const RunCheckpoint* from) {
@@ -123,8 +78,8 @@ std::string table_of(Mechanism& m, const Loaded& loaded, const Arguments& args) 
   return csv_path(args["--record"], args["scene"]);
 }
 
-// Unknown velocities. Counting the degrees of freedom of many takes long: it is done only if nothing moved.
-constexpr int kFewVelocities = 300, kManyVelocities = 3000;
+// Unknown velocities. Counting the degrees of freedom of more takes long: it is done only if nothing moved.
+constexpr int kFewVelocities = 300;
 
 // Whether every body is where the scene puts it: nothing moved.
 bool is_as_given(const System& system, const State& s) {
@@ -136,6 +91,25 @@ bool is_as_given(const System& system, const State& s) {
            rotation_vector(now.q * conjugate(then.q)).norm() <= kSlight;
   });
 }
+
+/// Counts the steps of a run by the coordinates of their ends. An event may change the choice of "auto".
+class FormulationSeen final : public Observer {
+ public:
+  void step(const Sample& s) override { ++(s.state.coordinates ? joint_ : slots_); }
+  void save(Snapshot& out) const override {
+    out.put(static_cast<double>(joint_)), out.put(static_cast<double>(slots_));
+  }
+  void load(SnapshotReader& in) override { joint_ = in.get_count(), slots_ = in.get_count(); }
+
+  /// That of most steps; of the state if there was none: "joint", "omega" or "quaternion".
+  std::string name(const StepLoop& sim, Formulation asked) const {
+    const bool joint = joint_ + slots_ > 0 ? joint_ >= slots_ : sim.state().coordinates != nullptr;
+    return joint ? "joint" : to_string(asked == Formulation::quaternion ? asked : Formulation::omega);
+  }
+
+ private:
+  long joint_ = 0, slots_ = 0;
+};
 
 // One run of a scene, with all its observers and all its results.
 class ProgramRun {
@@ -169,16 +143,14 @@ class ProgramRun {
     report_.mark(dynamics_, start);
     add_observers(start);
     begin(std::move(start));
-    double seconds = from_ != nullptr ? from_->seconds : 0;
-    const Ended ended = lockstep::go(sim_, m_.run.until, args_.has("--quiet"), checkpoints_, seconds);
-    const std::exception_ptr unwritten = write_rest(file_);
-    if (ended.error) fail(ended.error, unwritten);
+    const std::exception_ptr error = run_on(), unwritten = thrown_by([&] { file_.write(); });  // which hides no other
+    if (error) fail(error, unwritten);
     const Audit found = audit_.result();
     EndedRun end{sim_,
                  m_.run,
                  found,
-                 seconds,
-                 ended.interrupted,
+                 seconds_,
+                 interrupted_,
                  singular_.passed(),
                  formulation_.name(sim_, m_.run.formulation),
                  missed_events(m_, sim_),
@@ -220,7 +192,7 @@ class ProgramRun {
     if (m_.system.n_velocities() <= kFewVelocities) refuse_driven_lock(dynamics_, start);
     refuse_short_laws(m_, dynamics_, start);
     if (args_.has("--quiet")) return start;
-    not_unique_ = columns_not_unique(dynamics_, start, m_.run);
+    if (records_reactions(m_.run)) not_unique_ = columns_not_unique(m_.run, uniqueness(dynamics_, start));
     if (!not_unique_.empty()) {
       const std::string names = first_of(not_unique_);
       CommandFindings::add({&finding::reactions_not_unique, names,
@@ -281,8 +253,26 @@ class ProgramRun {
     warn_of_no_freedom(m_, dynamics_, sim_, kFewVelocities);
   }
 
+  // To the end, an error, which is returned, or an interruption.
+  std::exception_ptr run_on() {
+    Interrupt interrupt;
+    Progress progress(m_.run.until, args_.has("--quiet"));
+    const double before = from_ != nullptr ? from_->seconds : 0;
+    if (checkpoints_)
+      sim_.between_steps = [&] { checkpoints_.write_if_due(sim_, interrupt.asked(), before + progress.seconds()); };
+    sim_.progress = [&](const State& s) {
+      progress.at(s.t);
+      return !interrupt.asked() || s.t >= m_.run.until;
+    };
+    const std::exception_ptr error = thrown_by([&] { sim_.run_until(m_.run.until); });
+    progress.finish();
+    interrupted_ = interrupt.asked() && sim_.state().t < m_.run.until;
+    seconds_ = before + progress.seconds();
+    return error;
+  }
+
   [[noreturn]] void fail(const std::exception_ptr& error, const std::exception_ptr& unwritten) {
-    const long n = rows_.rows().n_rows();
+    const long n = sim_.state().t > started_.t ? rows_.rows().n_rows() : 0;  // the start alone is not kept
     const std::string saved = unwritten ? "  saved: no rows: " + thrown_words(unwritten) + "\n"
                               : n == 0  ? std::string()
                                         : fmt::format("  saved: {} row{} up to t = {:.9g} s in {}\n", n,
@@ -307,11 +297,7 @@ class ProgramRun {
     try {
       std::rethrow_exception(error);
     } catch (const Error& e) {
-      try {
-        rethrow_with(cause(), e, saved);
-      } catch (...) {
-        return std::current_exception();
-      }
+      return thrown_by([&] { rethrow_with(cause(), e, saved); });
     } catch (...) {
       return error;
     }
@@ -324,15 +310,6 @@ class ProgramRun {
     return found.fact.empty() && step > 0 ? cause_of_stop(dynamics_, started_, step) : found;
   }
 
-  // A run that was interrupted replaces nothing: its rows and its report have other names, and pictures are not drawn.
-  std::vector<std::string> leave_unfinished(const std::string& lines) {
-    std::vector<std::string> files{file_.partial()};
-    if (report_)
-      files.push_back(
-          report_.write_unfinished(sim_, lines, fmt::format("interrupted at t = {:.9g} s", sim_.state().t)));
-    return files;
-  }
-
   // Files, pictures, report and verified digits of a run that reached its end; of one that was interrupted, its rows.
   std::vector<std::string> conclude(EndedRun& end, const std::exception_ptr& unwritten) {
     try {
@@ -342,7 +319,12 @@ class ProgramRun {
     }
     if (unwritten) std::rethrow_exception(unwritten);
     const std::string lines = report_ ? run_text(end, true, true) + text_of(end.findings) : "";
-    if (end.interrupted) return leave_unfinished(lines);
+    if (end.interrupted) {  // it replaces nothing: its rows and its report have other names
+      std::vector<std::string> files{file_.partial()};
+      const std::string why = fmt::format("interrupted at t = {:.9g} s", sim_.state().t);
+      if (report_) files.push_back(report_.write(sim_, lines, why));
+      return files;
+    }
     file_.commit();
     checkpoints_.remove();
     std::vector<std::string> files{csv_ == "-" ? "standard output" : csv_};
@@ -351,9 +333,10 @@ class ProgramRun {
         args_.has("--quiet"))
       tell(fmt::format("note: {}\n", end.notes.front()));
     if (report_) {
-      report_.write(sim_, lines);
-      files.push_back(report_.file());
-      show(args_, report_);
+      files.push_back(report_.write(sim_, lines));
+      if (args_.has("--open"))
+        if (const std::string problem = open_in_browser(files.back()); !problem.empty())
+          tell(fmt::format("note: {}\n", problem));
     }
     if (certify_ != nullptr) {
       const CertifiedRun certified = certify_(loaded_, args_, m_.run, recorder_->table());
@@ -389,7 +372,9 @@ class ProgramRun {
   const RunOutputs outputs_;
   std::vector<std::string> not_unique_;  // columns of reactions
   std::string assembled_;
-  bool moved_ = false;  // by assembling
+  bool moved_ = false;        // by assembling
+  bool interrupted_ = false;  // by the user
+  double seconds_ = 0;        // wall-clock, so far
   double resumed_at_ = NAN;
   std::string uncertified_;  // columns without a digit verified by --certify
   GrowingFile file_;
@@ -408,16 +393,6 @@ class ProgramRun {
   NearRows near_;
   State started_;
 };
-
-}  // namespace
-
-Result run_scene(const Arguments& args) {
-  if (args.has("--certify")) throw UsageError("--certify: give it as a separate word, after the command");
-  return ProgramRun(args, nullptr).go();
-}
-Result run_and_certify(const Arguments& args, Certify certify) { return ProgramRun(args, nullptr, certify).go(); }
-
-namespace {
 
 Result resume_run(const Arguments& args) {
   const RunCheckpoint from = RunCheckpoint::read(args["checkpoint"]);
@@ -446,6 +421,12 @@ Result report_run(const Arguments& args) {
 }
 
 }  // namespace
+
+Result run_scene(const Arguments& args) {
+  if (args.has("--certify")) throw UsageError("--certify: give it as a separate word, after the command");
+  return ProgramRun(args, nullptr).go();
+}
+Result run_and_certify(const Arguments& args, Certify certify) { return ProgramRun(args, nullptr, certify).go(); }
 
 std::vector<const Schema*> run_results() { return {&run_fields().schema(), &failed_fields().schema()}; }
 

@@ -13,15 +13,6 @@
 #include "framework/tools/report/points.h"
 
 namespace lockstep {
-namespace {
-
-// The text of the scene file; from the data if there is no file.
-std::string scene_text(const Scene& scene) {
-  const std::string text = contents_of(scene.file);
-  return text.empty() ? write_json(scene.root) : text;
-}
-
-}  // namespace
 
 std::string contents_of(const std::string& file) {
   std::error_code none;
@@ -57,7 +48,8 @@ ReportText text_of(const Arguments& args, const Loaded& loaded) {
   ReportText text;
   text.title = loaded.title();
   text.description = loaded.scene.description;
-  text.scene = scene_text(loaded.scene);
+  const std::string written = contents_of(loaded.scene.file);  // empty if there is no file
+  text.scene = written.empty() ? write_json(loaded.scene.root) : written;
   text.command = args.command;
   return text;
 }
@@ -103,22 +95,13 @@ void RunReport::mark(Dynamics& dynamics, const State& start) {
     text_.marked = marked_links(uniqueness(dynamics, start));
 }
 
-void RunReport::write(const StepLoop& sim, const std::string& lines) const {
-  if (report_) write_to(file_, sim, lines, "");
-}
-
-std::string RunReport::write_unfinished(const StepLoop& sim, const std::string& lines, const std::string& why) const {
-  const std::string file = unfinished_report(file_);
-  write_to(file, sim, lines, why);
-  return file;
-}
-
-void RunReport::write_to(const std::string& file, const StepLoop& sim, const std::string& lines,
-                         const std::string& failure) const {
+std::string RunReport::write(const StepLoop& sim, const std::string& lines, const std::string& failure) const {
+  const std::string file = failure.empty() ? file_ : unfinished_report(file_);
   ReportText text = text_;
   text.facts = facts_of(lines);
   text.findings = sim.report().findings, text.failure = failure;
   report_->write(file, text);
+  return file;
 }
 
 }  // namespace lockstep

@@ -39,17 +39,13 @@ class RunReport {
   /// Make it before the run. Throws UsageError, FileError: the file cannot be written, or is needed.
   RunReport(const Arguments&, const Loaded&, const Mechanism&, const Recorder&, const std::string& csv);
   explicit operator bool() const { return report_ != nullptr; }
-  const std::string& file() const { return file_; }
   void watch(StepLoop&);                     ///< adds the observer
   void mark(Dynamics&, const State& start);  ///< marks joints whose reactions are not unique, of up to 1000
-  /// Writes the file: `lines` are what the program prints of the run. Throws FileError.
-  void write(const StepLoop&, const std::string& lines) const;
-  /// Of a run that did not reach its end, and why. An older report stays: the file is unfinished_report(), and is
-  /// returned. Throws FileError.
-  std::string write_unfinished(const StepLoop&, const std::string& lines, const std::string& why) const;
+  /// Writes and returns the file: `lines` are what the program prints of the run. `failure`: why it did not reach its end;
+  /// an older report stays then, and the file is unfinished_report(). Throws FileError.
+  std::string write(const StepLoop&, const std::string& lines, const std::string& failure = {}) const;
 
  private:
-  void write_to(const std::string& file, const StepLoop&, const std::string& lines, const std::string& failure) const;
   std::string file_;
   ReportText text_;
   std::unique_ptr<Report> report_;

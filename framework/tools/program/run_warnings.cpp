@@ -5,7 +5,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <new>
 
 #include <lockstep/analysis.h>
 #include <lockstep/author/integrator.h>
@@ -63,9 +62,7 @@ bool laws_move(Dynamics& dynamics, const State& state, double until) try {
     if (!(e.norm(C) <= kOff)) return true;
   }
   return false;
-} catch (const std::bad_alloc&) {
-  throw;
-} catch (...) {
+} catch (const Error&) {
   return true;
 }
 
@@ -100,10 +97,6 @@ void warn_of_settings(const Scene& scene, const Mechanism& m, const Arguments& a
                      fmt::format("tolerance: it has no effect, as \"{}\" has fixed steps", run.integrator.type)});
 }
 
-std::string why_not_joint(const RunSettings& run, Dynamics& dynamics, const State& start, const Registry& registry) {
-  return why_not_joint(dynamics, start, *make_integrator(run, registry));
-}
-
 // With a separate mechanism: the run decides on its constraints, and reports on its settings, again.
 void refuse_impossible_formulation(const RunSettings& run, const Loaded& loaded) {
   if (run.formulation != Formulation::joint) return;
@@ -112,7 +105,7 @@ void refuse_impossible_formulation(const RunSettings& run, const Loaded& loaded)
     const FindingScope unheard;
     Mechanism m = build_mechanism(loaded.scene, loaded.registry);
     Dynamics dynamics = make_dynamics(m, loaded.registry);
-    why = why_not_joint(m.run, dynamics, decided_start(dynamics, m), loaded.registry);
+    why = why_not_joint(dynamics, decided_start(dynamics, m), *make_integrator(m.run, loaded.registry));
   } catch (const Error&) {
     return;
   }
@@ -128,11 +121,8 @@ void refuse_short_laws(const Mechanism& m, Dynamics& dynamics, const State& star
   end.t = std::max(start.t, m.run.until);
   try {
     dynamics.gather(end);
-  } catch (const ModelError&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (...) {
+  } catch (const Error& error) {
+    if (error.kind() == Error::Kind::model) throw;
   }
 }
 
@@ -177,11 +167,6 @@ void warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, i
                                                                   mobile.redundant > 1 ? "s" : "")
                                                     : ""),
                    "use a joint that leaves the motion free (lockstep check)"});
-}
-
-std::vector<std::string> columns_not_unique(Dynamics& dynamics, const State& start, const RunSettings& run) {
-  if (!records_reactions(run)) return {};
-  return columns_not_unique(run, uniqueness(dynamics, start));
 }
 
 }  // namespace lockstep

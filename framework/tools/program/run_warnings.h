@@ -2,9 +2,6 @@
 // Warnings before a run: settings without effect, singular starts, reactions that are not unique.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include <lockstep/sweep.h>
 #include "framework/tools/program/commands.h"
 
@@ -14,19 +11,15 @@ namespace lockstep {
 void warn_of_settings(const Scene&, const Mechanism&, const Arguments&, StepLoop&);
 /// Warns of a start in a singular configuration, from which the motion may continue in several ways.
 void warn_of_branches(Dynamics&, StepLoop&);
-/// Why a run of the mechanism cannot use joint coordinates, at a start: "constraints of joint 'high' are left out as
-/// redundant", "integrator radau5 does not support joint coordinates"; "" if it can.
-std::string why_not_joint(const RunSettings&, Dynamics&, const State& start, const Registry&);
 /// Throws ModelError if joint coordinates are requested and not possible, before a run opens a file. Other errors of
 /// the scene are left to the run.
 void refuse_impossible_formulation(const RunSettings&, const Loaded&);
 /// Throws the error of a law that has no value at the end of the run, such as a table that is shorter, unless an event
 /// may stop the run or release a joint before.
 void refuse_short_laws(const Mechanism&, Dynamics&, const State& start);
+inline constexpr int kManyVelocities = 3000;  ///< unknown; the degrees of freedom of more are not counted
 /// Warns of a mechanism without a degree of freedom, unless a law moves it, an event releases a joint or a joint is
 /// one-sided. Not of one with more unknown velocities than `most`, as the count costs too much.
 void warn_of_no_freedom(const Mechanism&, Dynamics&, StepLoop&, int most);
-/// The recorded columns that hold reactions which are not unique at the start.
-std::vector<std::string> columns_not_unique(Dynamics&, const State& start, const RunSettings&);
 
 }  // namespace lockstep

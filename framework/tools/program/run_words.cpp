@@ -15,16 +15,6 @@
 #include "framework/tools/program/method_specs.h"
 
 namespace lockstep {
-std::vector<Finding> of_severity(const std::vector<Finding>& findings, Severity severity) {
-  std::vector<Finding> some;
-  std::ranges::copy_if(findings, std::back_inserter(some), [&](const Finding& f) { return f.severity() == severity; });
-  return some;
-}
-std::vector<Finding> of_kind(const std::vector<Finding>& findings, const FindingKind& kind) {
-  std::vector<Finding> some;
-  std::ranges::copy_if(findings, std::back_inserter(some), [&](const Finding& f) { return f.code() == kind.code; });
-  return some;
-}
 
 std::vector<MissedEvent> missed_events(Mechanism& m, const StepLoop& sim) {
   std::vector<MissedEvent> missed;
@@ -36,6 +26,13 @@ std::vector<MissedEvent> missed_events(Mechanism& m, const StepLoop& sim) {
 }
 
 namespace {
+
+// The texts of those findings that pass a test.
+template <class Test>
+std::vector<std::string> texts_of_those(std::vector<Finding> findings, const Test& test) {
+  std::erase_if(findings, std::not_fn(test));
+  return texts_of(findings);
+}
 
 std::string words_of(const MissedEvent& e) {
   const std::string unit = e.unit.empty() ? "" : " " + e.unit;
@@ -54,17 +51,6 @@ std::string words_of(const MissedEvent& e) {
         fmt::format("; nearest value {:.6g}{} at t = {:.6g} s", e.asked.crosses + e.course.nearest, unit, e.course.at);
   return words;
 }
-
-}  // namespace
-
-Finding finding_of(const MissedEvent& e) {
-  Finding f{&finding::event_missed, "event '" + e.course.name + "'", words_of(e)};
-  f.unit = e.unit, f.t = e.course.at;
-  if (!e.asked.channel.empty()) f.value = e.asked.crosses + e.course.nearest, f.limit = e.asked.crosses;
-  return f;
-}
-
-namespace {
 
 const Fields<EndedRun>& method_fields() {
   using Run = EndedRun;
@@ -99,7 +85,9 @@ const Fields<EndedRun>& energy_fields() {
       {"dissipated", "J", "dissipated", [](const Run& r) { return r.audit.dissipated; }},
       {"instants", "at single times", [](const Run& r) { return r.audit.instants; }, kInstant},
       {"unbooked_forces", "", "", [](const Run& r) { return r.audit.unbooked_forces; }},
-      {"suspects", "", "", [](const Run& r) { return texts_of(of_kind(r.findings, finding::energy_suspect)); }}};
+      {"suspects", "", "", [](const Run& r) {
+         return texts_of_those(r.findings, [](const Finding& f) { return f.code() == finding::energy_suspect.code; });
+       }}};
   return kFields;
 }
 
@@ -158,57 +146,6 @@ std::vector<std::string> in_contact(const EndedRun& run) {
     if (link->unilateral() && run.sim.state().modes[link->number()]) names.push_back(link->name());
   return names;
 }
-
-}  // namespace
-
-const Fields<EndedRun>& run_fields() {
-  using Run = EndedRun;
-  static const Fields<PassedPosition> kPassed{{"t", "s", "", &PassedPosition::t},
-                                              {"indicator", "", "", &PassedPosition::indicator},
-                                              {"links", "", "", &PassedPosition::links}};
-  static const Fields<Run> kDrift{{"violation", "m", "", [](const Run& r) { return r.audit.violation; }},
-                                  {"limit", "m", "", [](const Run& r) { return r.audit.limits.violation; }},
-                                  {"drifted", "", "", [](const Run& r) { return r.audit.drifted; }}};
-  constexpr auto status = [](const Run& r) {
-    return r.interrupted ? "interrupted" : r.audit.is_wrong() ? "wrong" : "ok";
-  };
-  constexpr auto method = +[](const Json& m) {
-    return m["integrator"].get<std::string>() + ", formulation " + m["formulation_used"].get<std::string>();
-  };
-  static const Fields<Run> kFields{
-      {"status", "", "", status},
-      {"assembled", "", "", &Run::assembled},
-      {"resumed_at", "s", "", &Run::resumed_at},
-      {"t", "s", "", [](const Run& r) { return r.sim.state().t; }},
-      {"until", "s", "", [](const Run& r) { return r.settings.until; }},
-      {"seconds", "s", "", &Run::seconds},
-      {"method", "method", std::identity(), method_fields(), method},
-      {"steps", "", "steps", [](const Run& r) { return r.sim.report().steps; }},
-      {"rejected", "", "rejected steps", [](const Run& r) { return r.sim.report().rejected; }, unless_zero},
-      {"manifold_steps", "", "steps with projected stages", [](const Run& r) { return r.sim.report().manifold_steps; },
-       unless_zero},
-      {"evaluations", "", "", [](const Run& r) { return r.sim.dynamics().work().evaluations; }},
-      {"factors", "", "", [](const Run& r) { return r.sim.dynamics().work().factors; }},
-      {"impacts", "", "", [](const Run& r) { return r.sim.report().impacts; }},
-      {"in_contact", "", "in contact", in_contact},
-      {"stopped_by", "", "", [](const Run& r) { return r.interrupted ? "" : r.sim.report().stopped_by; }},
-      {"missed_events", "", &Run::missed, missed_fields()},
-      {"energy", "energy", std::identity(), energy_fields()},
-      {"drift", "", std::identity(), kDrift},
-      {"warnings", "", "", [](const Run& r) { return texts_of(r.sim.report().findings); }},
-      {"doubts", "", "", [](const Run& r) { return texts_of(of_severity(r.findings, Severity::doubt)); }},
-      {"singular_positions", "", [](const Run& r) { return r.passed; }, kPassed},
-      {"rows", "", "rows", [](const Run& r) { return r.rows->n_rows(); }},
-      {"columns", "", columns_of, column_fields()},
-      {"frames_taken", "", "places assumed", &Run::frames_taken, first_places},
-      {"notes", "", "", &Run::notes},
-      Field<Run>("certificate", "", "", &Run::certificate).optional(),
-      {"not_unique", "", "", &Run::not_unique},
-      {"nearly_redundant", "", &Run::near, near_fields()}};
-  return kFields;
-}
-
-namespace {
 
 std::string line_of(std::string_view label, const std::string& text) {
   return fmt::format("  {:<9}  {}\n", label, text);
@@ -296,6 +233,63 @@ std::string short_results(const EndedRun& run) {
 }
 
 }  // namespace
+
+Finding finding_of(const MissedEvent& e) {
+  Finding f{&finding::event_missed, "event '" + e.course.name + "'", words_of(e)};
+  f.unit = e.unit, f.t = e.course.at;
+  if (!e.asked.channel.empty()) f.value = e.asked.crosses + e.course.nearest, f.limit = e.asked.crosses;
+  return f;
+}
+
+const Fields<EndedRun>& run_fields() {
+  using Run = EndedRun;
+  static const Fields<PassedPosition> kPassed{{"t", "s", "", &PassedPosition::t},
+                                              {"indicator", "", "", &PassedPosition::indicator},
+                                              {"links", "", "", &PassedPosition::links}};
+  static const Fields<Run> kDrift{{"violation", "m", "", [](const Run& r) { return r.audit.violation; }},
+                                  {"limit", "m", "", [](const Run& r) { return r.audit.limits.violation; }},
+                                  {"drifted", "", "", [](const Run& r) { return r.audit.drifted; }}};
+  constexpr auto status = [](const Run& r) {
+    return r.interrupted ? "interrupted" : r.audit.is_wrong() ? "wrong" : "ok";
+  };
+  constexpr auto method = +[](const Json& m) {
+    return m["integrator"].get<std::string>() + ", formulation " + m["formulation_used"].get<std::string>();
+  };
+  static const Fields<Run> kFields{
+      {"status", "", "", status},
+      {"assembled", "", "", &Run::assembled},
+      {"resumed_at", "s", "", &Run::resumed_at},
+      {"t", "s", "", [](const Run& r) { return r.sim.state().t; }},
+      {"until", "s", "", [](const Run& r) { return r.settings.until; }},
+      {"seconds", "s", "", &Run::seconds},
+      {"method", "method", std::identity(), method_fields(), method},
+      {"steps", "", "steps", [](const Run& r) { return r.sim.report().steps; }},
+      {"rejected", "", "rejected steps", [](const Run& r) { return r.sim.report().rejected; }, unless_zero},
+      {"manifold_steps", "", "steps with projected stages", [](const Run& r) { return r.sim.report().manifold_steps; },
+       unless_zero},
+      {"evaluations", "", "", [](const Run& r) { return r.sim.dynamics().work().evaluations; }},
+      {"factors", "", "", [](const Run& r) { return r.sim.dynamics().work().factors; }},
+      {"impacts", "", "", [](const Run& r) { return r.sim.report().impacts; }},
+      {"in_contact", "", "in contact", in_contact},
+      {"stopped_by", "", "", [](const Run& r) { return r.interrupted ? "" : r.sim.report().stopped_by; }},
+      {"missed_events", "", &Run::missed, missed_fields()},
+      {"energy", "energy", std::identity(), energy_fields()},
+      {"drift", "", std::identity(), kDrift},
+      {"warnings", "", "", [](const Run& r) { return texts_of(r.sim.report().findings); }},
+      {"doubts", "", "",
+       [](const Run& r) {
+         return texts_of_those(r.findings, [](const Finding& f) { return f.severity() == Severity::doubt; });
+       }},
+      {"singular_positions", "", [](const Run& r) { return r.passed; }, kPassed},
+      {"rows", "", "rows", [](const Run& r) { return r.rows->n_rows(); }},
+      {"columns", "", columns_of, column_fields()},
+      {"frames_taken", "", "places assumed", &Run::frames_taken, first_places},
+      {"notes", "", "", &Run::notes},
+      Field<Run>("certificate", "", "", &Run::certificate).optional(),
+      {"not_unique", "", "", &Run::not_unique},
+      {"nearly_redundant", "", &Run::near, near_fields()}};
+  return kFields;
+}
 
 std::string run_text(const EndedRun& run, bool all_columns, bool verbose) {
   std::string text;

@@ -45,10 +45,6 @@ struct EndedRun {
   std::string certificate{};
 };
 
-/// Those of the findings with this severity.
-std::vector<Finding> of_severity(const std::vector<Finding>&, Severity);
-/// Those of the findings of this kind.
-std::vector<Finding> of_kind(const std::vector<Finding>&, const FindingKind&);
 /// That an event did not happen.
 Finding finding_of(const MissedEvent&);
 

@@ -5,8 +5,9 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <sstream>
 #include <string_view>
+
+#include "framework/foundation/support/lines.h"
 
 namespace lockstep {
 
@@ -28,8 +29,7 @@ const char* error_mark() {
 
 void tell_error(std::string_view sentence) {
   std::string words;
-  std::istringstream lines{std::string(sentence)};
-  for (std::string line; std::getline(lines, line);)
+  for (const std::string& line : lines_of(sentence))
     words += (line.starts_with(' ') ? "" : error_mark() + std::string(" ")) + line + "\n";
   tell(words);
 }

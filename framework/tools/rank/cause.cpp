@@ -115,10 +115,6 @@ std::optional<Cause> open_loop(const System& system, const State& state) {
 
 // -- rows that contradict, or lock
 
-std::string drive_name(const NamedRow& row) {
-  return row.link->name() + "." + row.link->driven()->drive(row.link->row(row.own).drive).name;
-}
-
 /// "1 rad/s": the rate that a drive prescribes.
 std::string asked_rate(const NamedRow& row, double t) {
   const int d = row.link->row(row.own).drive;
@@ -151,8 +147,8 @@ std::optional<Contradiction> contradiction(const System& system, const Evaluatio
       for (int k = 0; k < rows.n(); ++k) {
         if (!takes_part(k)) continue;
         const NamedRow row(system, table, rows.numbers[k]);
-        if (row.link->row(row.own).drive >= 0) {
-          who.drives.push_back(drive_name(row)), who.rates.push_back(asked_rate(row, t));
+        if (const std::string drive = row.drive(); !drive.empty()) {
+          who.drives.push_back(drive), who.rates.push_back(asked_rate(row, t));
         } else {
           add_name(row.link->name(), row.link->unilateral() != nullptr ? who.stops : who.joints);
           const Jointed* joint = row.link->jointed();
@@ -177,22 +173,19 @@ std::pair<const Lock*, double> odd_axis(Dynamics& dynamics, const State& state) 
     axes.emplace_back(link.get(), in_world(MarkerFrame(*s), in).A.col(2));
   }
   if (axes.size() < 3) return {};
-  for (const auto& [link, axis] : axes) {
-    double odd = 0;
-    bool others_agree = true;
-    const Vec3* first = nullptr;
-    for (const auto& [other, of_other] : axes) {
-      if (other == link) continue;
-      if (first == nullptr) first = &of_other;
-      others_agree = others_agree && cross(*first, of_other).norm() < kNearlyDependent;
-      odd = std::atan2(cross(axis, of_other).norm(), std::abs(axis.dot(of_other)));
+  for (const auto& [of, shared] : axes) {
+    std::vector<std::pair<const Lock*, double>> odd;
+    for (const auto& [link, axis] : axes) {
+      const double angle = std::atan2(cross(shared, axis).norm(), std::abs(shared.dot(axis)));
+      if (angle > kNearlyDependent) odd.emplace_back(link, angle);
     }
-    if (others_agree && odd > kNearlyDependent) return {link, odd};
+    if (odd.size() == 1) return odd.front();
   }
   return {};
 }
 
-std::optional<Cause> locked(Dynamics& dynamics, const State& state, const MobilityReport& mobile) {
+std::optional<Cause> locked(Dynamics& dynamics, const State& state) {
+  const MobilityReport mobile = mobility(dynamics, state);
   if (mobile.freedoms + mobile.driven > 0 || mobile.drives.empty()) return {};
   Cause cause;
   cause.fact = fmt::format("the mechanism is locked: its joints leave no degree of freedom, so drive {} cannot move it",
@@ -248,8 +241,7 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
     return Cause{fmt::format("drives {} contradict: they prescribe {} of coordinates that depend on each other {}",
                              text::join(who->drives, " and "), text::join(who->rates, " and "), when),
                  "remove one of them, or let their motions agree"};
-  const MobilityReport mobile = mobility(dynamics, still);
-  if (std::optional<Cause> cause = locked(dynamics, still, mobile)) return cause;
+  if (std::optional<Cause> cause = locked(dynamics, still)) return cause;
   return Cause{
       fmt::format(
           "drive {} has reached a limit position (dead centre) {}: the loop of joints {} allows no further motion",
@@ -312,7 +304,7 @@ Cause cause_of_start(Dynamics& dynamics, const State& given) {
 }
 
 Cause cause_of_lock(Dynamics& dynamics, const State& at) {
-  return first_found({[&] { return locked(dynamics, at, mobility(dynamics, at)); }});
+  return first_found({[&] { return locked(dynamics, at); }});
 }
 
 Cause cause_of_stop(Dynamics& dynamics, const State& at, double step) {

@@ -9,12 +9,12 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/author/lock.h>
-#include <lockstep/author/relative.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/simulate/start_rows.h"
 #include "framework/foundation/math/decompositions.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/tools/rank/loop_rows.h"
 #include "framework/tools/rank/motion_words.h"
-#include "framework/tools/rank/unknowns.h"
 
 namespace lockstep {
 namespace {
@@ -42,44 +42,17 @@ std::vector<FreeCoordinate> free_coordinates(const System& system, const State& 
   return all;
 }
 
-/// Rate of a coordinate: of P against S, along or about an axis of S; rotations as lengths.
-double rate_of(const FreeCoordinate& c, const Inputs& in, double length) {
-  const auto [p, s] = c.link->pairs().front();
-  const MarkerInWorld P = in_world(MarkerFrame(*p), in), S = in_world(MarkerFrame(*s), in);
-  const Vec3 axis = S.A.col(axis_index(c.axis) % 3);
-  if (is_rotation(c.axis)) return length * axis.dot(P.w - S.w);
-  return axis.dot(Vec3(P.v - S.v - cross(S.w, Vec3(P.x - S.x))));
-}
-
-/// Rates of these coordinates in each free motion, less those at rest, which the markers' own laws give.
+/// Rates of these coordinates in each free motion; rotations as lengths.
 MatX rates_in(const std::vector<FreeCoordinate>& coordinates, Dynamics& dynamics, const State& state,
               const Unknowns& unknowns, const MatX& motions) {
-  const System& system = dynamics.system();
-  State moving = state;
-  const auto rates = [&](const VecX& v) {
-    moving.v = v;
-    const Inputs& in = dynamics.inputs(moving);
-    VecX out(static_cast<Eigen::Index>(coordinates.size()));
-    for (std::size_t i = 0; i < coordinates.size(); ++i)
-      out[static_cast<Eigen::Index>(i)] = rate_of(coordinates[i], in, system.length());
-    return out;
-  };
-  const VecX at_rest = rates(VecX::Zero(6 * system.n_slots()));
-  MatX out(at_rest.size(), motions.cols());
-  for (Eigen::Index k = 0; k < motions.cols(); ++k) out.col(k) = rates(unknowns.motion_of(motions.col(k))) - at_rest;
-  return out;
-}
-
-/// Names of drives by the names of their rows.
-std::map<std::string, std::string> drives_by_row(const System& system) {
-  std::map<std::string, std::string> names;
-  for (const auto& link : system.links()) {
-    if (link->driven() == nullptr) continue;
-    for (int k = 0; k < link->row_count(); ++k)
-      if (const int drive = link->row(k).drive; drive >= 0)
-        names[link->name() + "." + link->row_name(k)] = link->name() + "." + link->driven()->drive(drive).name;
+  MatX out(static_cast<Eigen::Index>(coordinates.size()), motions.cols());
+  for (Eigen::Index i = 0; i < out.rows(); ++i) {
+    const FreeCoordinate& c = coordinates[i];
+    const double unit = is_rotation(c.axis) ? dynamics.system().length() : 1.0;
+    const VecX rate = coordinate_row(dynamics, state, *c.link, c.axis).of_rate;
+    out.row(i) = unit * unknowns.forces_in(rate).transpose() * motions;
   }
-  return names;
+  return out;
 }
 
 }  // namespace
@@ -103,7 +76,10 @@ DriveReport driven_by(Dynamics& dynamics, const State& state) {
   DriveReport report;
   const MobilityReport mobile = mobility(dynamics, state);
   report.freedoms = mobile.freedoms;
-  const std::map<std::string, std::string> drives = drives_by_row(system);
+  const Evaluation& e = dynamics.gather_rows(state);
+  std::map<std::string, std::string> drives;  // by the names of their rows
+  for (int k = 0; k < e.rows().n_rows; ++k)
+    if (const NamedRow row(system, e.rows(), k); !row.drive().empty()) drives[row.name()] = row.drive();
   for (const Dependency& d : mobile.dependencies) {
     if (d.too_many == 0) continue;
     std::vector<std::string> set;
@@ -114,7 +90,6 @@ DriveReport driven_by(Dynamics& dynamics, const State& state) {
   if (report.freedoms == 0 || system.n_velocities() > kDenseUnknowns) return report;
 
   const Unknowns unknowns(system);
-  const Evaluation& e = dynamics.gather_rows(state);
   const MatX N = free_motions(e);
   const std::vector<FreeCoordinate> coordinates = free_coordinates(system, state);
   const MatX rates = rates_in(coordinates, dynamics, state, unknowns, N);

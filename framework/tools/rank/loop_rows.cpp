@@ -62,6 +62,11 @@ NamedRow::NamedRow(const System& system, const RowTable& table, int row) {
 
 std::string NamedRow::name() const { return link->name() + "." + link->row_name(own); }
 
+std::string NamedRow::drive() const {
+  const int number = link->row(own).drive;
+  return number < 0 ? "" : link->name() + "." + link->driven()->drive(number).name;
+}
+
 void add_name(const std::string& name, std::vector<std::string>& names) {
   if (std::ranges::find(names, name) == names.end()) names.push_back(name);
 }

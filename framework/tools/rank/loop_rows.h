@@ -23,12 +23,13 @@ struct LoopRows {
   int n() const { return static_cast<int>(numbers.size()); }
 };
 
-/// A row of a table by its link: the link's own number of it, and its name, "A.z".
+/// A row of a table by its link: the link's own number of it, its name, "A.z", and that of its drive, "A.rz", or "".
 struct LOCKSTEP_API NamedRow {
   NamedRow(const System&, const RowTable&, int row);
   const Lock* link;
   int own;
   std::string name() const;
+  std::string drive() const;
 };
 
 /// Adds a name that is not there.

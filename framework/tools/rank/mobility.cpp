@@ -9,16 +9,13 @@
 namespace lockstep {
 namespace {
 
-bool is_drive(const NamedRow& row) { return row.link->row(row.own).drive >= 0; }
-
 // The part of the rank that is due to drives, and the names of these drives, "A.rz".
 int rank_of_drives(const System& system, const RowTable& table, const LoopRows& rows, int rank,
                    std::vector<std::string>& names) {
   std::vector<int> others;
   for (int k = 0; k < rows.n(); ++k) {
-    const NamedRow named(system, table, rows.numbers[k]);
-    if (is_drive(named))
-      add_name(named.link->name() + "." + named.link->driven()->drive(named.link->row(named.own).drive).name, names);
+    if (const std::string drive = NamedRow(system, table, rows.numbers[k]).drive(); !drive.empty())
+      add_name(drive, names);
     else
       others.push_back(k);
   }

@@ -184,11 +184,11 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
   if (all.empty()) return told;
   const NearlyRedundant choice = asked != NearlyRedundant::automatic ? asked
                                  : are_few_rows(system, state.modes) ? NearlyRedundant::held
-                                                                     : NearlyRedundant::told;
+                                                                     : NearlyRedundant::reported;
   try_out(system, dynamics, state, all);
   std::vector<NamedRow> gone;
   for (NearSet& f : all) {
-    f.told.decided = choice != NearlyRedundant::told && f.told.undecided.empty() && !f.told.in_passing;
+    f.told.decided = choice != NearlyRedundant::reported && f.told.undecided.empty() && !f.told.in_passing;
     if (f.told.decided && choice == NearlyRedundant::free) {
       gone.insert(gone.end(), f.gone.begin(), f.gone.end());
       f.told.left_out = names_of(f.gone);

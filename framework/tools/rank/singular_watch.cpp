@@ -10,12 +10,13 @@
 
 #include <lockstep/error.h>
 #include <lockstep/solvers.h>
+#include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/rank/doubts.h"
-#include "framework/tools/rank/fading_rows.h"
+#include "framework/tools/rank/loop_rows.h"
 
 namespace lockstep {
 
@@ -24,15 +25,35 @@ namespace {
 constexpr double kLook = 0.02;   // rad between two looks
 constexpr int kRounds = 6;       // of parabolas, each of which gains more than a digit
 constexpr double kUnseen = 0.1;  // of the turn of a step: about the distance of its stages
+// Of a pivot, what is left of it beside a singular configuration; and of the combination of rows that fades there, the
+// share below which a row takes no part, since what is left of the pivot is spread over others.
+constexpr double kFaded = 0.05;
 
 // Whether there are rows that a singular configuration could make redundant.
 bool has_rows(const Sample& sample) { return !sample.state.coordinates || sample.state.coordinates->has_rows(); }
+
+// Names of the links whose rows become dependent from a regular position to a singular one: those that take part in the
+// combination of rows which fades, loop by loop. None if a loop has more than 300 rows, or no row fades.
+std::vector<std::string> fading_links(System& system, const State& regular, const State& singular) {
+  const Evaluation before(system, regular), there(system, singular);
+  std::vector<std::string> names;
+  for (const std::vector<int>& entries : loops_of(system, there.rows())) {
+    const LoopRows rows(system, there.rows(), entries), usual(system, before.rows(), entries);
+    if (rows.n() > kDenseRows || rows.n() != usual.n()) continue;
+    const RowSpace was(usual.Jt), now(rows.Jt);
+    const int rank = was.rank();
+    if (rank == 0 || !(now.pivot(rank - 1) < kFaded * was.pivot(rank - 1))) continue;
+    const VecX shares = now.circuit(rank - 1, rank - 1).cwiseAbs();
+    for (int k = 0; k < rows.n(); ++k)
+      if (shares[k] >= kFaded) add_name(NamedRow(system, there.rows(), rows.numbers[k]).link->name(), names);
+  }
+  return names;
+}
 
 }  // namespace
 
 SingularWatch::SingularWatch(System& system)
     : system_(system), eye_(system, std::make_unique<SchurSolver>(), {.formulation = Formulation::omega}) {}
-SingularWatch::~SingularWatch() = default;
 
 bool SingularWatch::is_needed(const Dynamics& dynamics, const State& state, const IntegratorInfo& method) {
   const bool projects = dynamics.options().stabilization.kind == Stabilization::Kind::project;
@@ -164,8 +185,7 @@ Finding finding_of(const std::vector<PassedPosition>& passed, long n, const Inte
   std::vector<std::string> links;
   for (const PassedPosition& p : passed) {
     times.push_back(p.t);
-    for (const std::string& name : p.links)
-      if (std::ranges::find(links, name) == links.end()) links.push_back(name);
+    for (const std::string& name : p.links) add_name(name, links);
   }
   const std::string where = links.empty() ? "" : fmt::format(" (joints {})", first_of(links));
   const char* next = !projects ? "--stabilization project with --integrator dop853"

@@ -25,7 +25,6 @@ class LOCKSTEP_API SingularWatch final : public Observer {
  public:
   /// The system must outlive it.
   explicit SingularWatch(System&);
-  ~SingularWatch() override;
 
   /// Whether a run needs it: loops, rows that are in force as such, and a method that does not care for singular
   /// positions itself.

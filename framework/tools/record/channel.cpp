@@ -10,6 +10,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/support/finding_kinds.h"
+#include "framework/foundation/support/lines.h"
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep {
@@ -107,18 +108,6 @@ std::vector<std::string> names_of(const Entries& entries) {
   return names;
 }
 
-// The one rotation of a joint was called "angle_z" before it was "rz": for one release both are read.
-const Entry* find_old(const Entries& entries, const std::string& name, std::string_view quantity) {
-  if (!quantity.starts_with("angle_")) return nullptr;
-  const auto now = std::ranges::find(entries, "r" + std::string(quantity.substr(6)), &Entry::name);
-  if (now == entries.end()) return nullptr;
-  report_finding({&finding::renamed_key, "",
-                  fmt::format("channel \"{}\" is now called \"{}{}\"", name,
-                              name.substr(0, name.size() - quantity.size()), now->name),
-                  "the next release reads only the new name"});
-  return &*now;
-}
-
 Channel made(System& system, const std::string& name, const Entry& entry) {
   Channel c{name, entry.unit, {}};
   entry.make(system, c);
@@ -130,22 +119,24 @@ const Entry* find(const Entries& entries, std::string_view name) {
   return found != entries.end() ? &*found : nullptr;
 }
 
-// "omega_z" as {"omega", "z"}.
-std::vector<std::string_view> parts_of(std::string_view name) {
-  std::vector<std::string_view> parts;
-  for (std::size_t end = name.find('_'); end != std::string_view::npos; end = name.find('_'))
-    parts.push_back(name.substr(0, end)), name.remove_prefix(end + 1);
-  parts.push_back(name);
-  return parts;
+// The one rotation of a joint was called "angle_z" before it was "rz": for one release both are read.
+const Entry* find_old(const Entries& entries, const std::string& name, const std::string& quantity) {
+  const Entry* now = quantity.starts_with("angle_") ? find(entries, "r" + quantity.substr(6)) : nullptr;
+  if (now != nullptr)
+    report_finding({&finding::renamed_key, "",
+                    fmt::format("channel \"{}\" is now called \"{}{}\"", name,
+                                name.substr(0, name.size() - quantity.size()), now->name),
+                    "the next release reads only the new name"});
+  return now;
 }
 
 // Whether a name begins and ends with parts of the word, and has its other parts between them: "omega_world_z" for
 // "omega_z".
 bool says_more(std::string_view name, std::string_view word) {
-  const std::vector<std::string_view> all = parts_of(name), some = parts_of(word);
+  const std::vector<std::string> all = lines_of(name, '_'), some = lines_of(word, '_');
   if (some.size() < 2 || all.front() != some.front() || all.back() != some.back()) return false;
   std::size_t found = 0;
-  for (const std::string_view part : all) found += found < some.size() && part == some[found];
+  for (const std::string& part : all) found += found < some.size() && part == some[found];
   return found == some.size();
 }
 
@@ -161,7 +152,9 @@ std::vector<std::string> meant_by(const std::string& quantity, const std::vector
                                    {"reaction", "force_on_p_world_x"},
                                    {"force", "force_on_p_world_x"},
                                    {"angle", "angle_z"},
+                                   {"torque", "drive.torque_on_p_link_z"},
                                    {"torque", "torque_on_p_link_z"},
+                                   {"w", "omega_world_"},
                                    {"r", "angle_"},
                                    {"moment", "torque"}})
     if (quantity.starts_with(word))
@@ -228,6 +221,15 @@ Channel make_pair_channel(System& system, const std::string& name, std::size_t a
 }
 
 }  // namespace
+
+std::pair<std::string, std::string> owner_of(const std::string& channel, const System& system) {
+  std::pair<std::string, std::string> owner;
+  each_object(system, [&](const char* kind, const std::string& name, const auto&) {
+    if (name.size() > owner.second.size() && channel.starts_with(name + ".")) owner = {kind, name};
+  });
+  return owner;
+}
+
 }  // namespace channels
 
 Channel make_channel(System& system, const std::string& name) {

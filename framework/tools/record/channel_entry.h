@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <lockstep/dynamics.h>
@@ -73,6 +74,8 @@ void of_force(const Force&, Entries&);
 void of_totals(Entries&);
 void of_run(Entries&);
 
+/// The owner of a channel, "body" and "crank": the object with the longest name that begins the channel's; "" of none.
+LOCKSTEP_API std::pair<std::string, std::string> owner_of(const std::string& channel, const System&);
 /// The rows of a link in the table; null while it is not active.
 LOCKSTEP_API const RowEntry* entry_of(const Lock&, const RowTable&);
 /// Quantities that an object reports itself: value(k, sample). `owner`: "spring force".

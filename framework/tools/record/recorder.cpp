@@ -7,6 +7,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/user_code.h"
+#include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
 
@@ -51,11 +52,10 @@ void call_at(const Sample& sample, Hook Channel::*hook, const std::vector<Channe
              const std::vector<Channel>& followed) {
   std::exception_ptr first;
   for (const auto* all : {&columns, &followed})
-    for (const Channel& c : *all) try {
-        if (c.*hook) user_code("channel", c.name, sample.state.t, [&] { (c.*hook)(sample); });
-      } catch (...) {
-        if (!first) first = std::current_exception();
-      }
+    for (const Channel& c : *all) {
+      const auto called = [&] { user_code("channel", c.name, sample.state.t, [&] { (c.*hook)(sample); }); };
+      if (const std::exception_ptr error = c.*hook ? thrown_by(called) : nullptr; !first) first = error;
+    }
   if (first) std::rethrow_exception(first);
 }
 

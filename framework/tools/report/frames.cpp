@@ -23,13 +23,9 @@ Pose pose_of(const Body& body, const Inputs& in) {
 }
 
 // The load of a force on a body is that on its rigid group, with the moment about the marker.
-LinkWrench wrench_of(const Force& force, const Marker& at, const Evaluated& v) {
-  VecX f = VecX::Zero(6 * static_cast<Eigen::Index>(v.in.motions.size() - 1));
-  WrenchSum sum(v.in.motions, f);
-  named(force, v.in.t, [&] {
-    force.apply(v.in, sum);
-    if (force.reacting()) force.reacting()->react(v.in, Reactions(v), sum);
-  });
+LinkWrench wrench_of(const System& system, const Force& force, const Marker& at, const Evaluated& v) {
+  const Reactions reactions(v);
+  const VecX f = wrench_of(system, v.in, force, &reactions);
   const int slot = at.body->slot;
   const Motion& O = v.in.slot(slot);
   const Vec3 F = f.segment<3>(6 * slot), M = O.A * f.segment<3>(6 * slot + 3);
@@ -46,7 +42,10 @@ const Marker* moving_one(const std::vector<const Marker*>& markers) {
 
 }  // namespace
 
-Frames::Frames(const System& system, std::size_t most_numbers, std::size_t fewest) : system_(&system) {
+void Frames::start(const Sample& sample) {
+  const System& system = sample.system();
+  *this = Frames(most_numbers_, fewest_);
+  system_ = &system;
   for (const Body& body : system.bodies())
     if (!body.fixed) bodies_.push_back(&body);
   for (const Marker& marker : system.markers())
@@ -60,7 +59,7 @@ Frames::Frames(const System& system, std::size_t most_numbers, std::size_t fewes
   for (const auto& force : system.forces())
     if (const Marker* at = moving_one(force->markers())) loads_.push_back({nullptr, force.get(), at});
   width_ = 13 * bodies_.size() + 7 * markers_.size() + 6 * loads_.size();
-  most_ = std::max(fewest, most_numbers / std::max<std::size_t>(1, width_));
+  most_ = std::max(fewest_, most_numbers_ / std::max<std::size_t>(1, width_));
   paths_.resize(system.links().size());
   path_seen_.resize(system.links().size());
 }
@@ -82,7 +81,7 @@ void Frames::jumped(const Sample& sample) {
 }
 
 void Frames::finish(const Sample& sample) {
-  if (times_.empty() || times_.back() < sample.state.t) add(sample);
+  if (system_ != nullptr && (times_.empty() || times_.back() < sample.state.t)) add(sample);
 }
 
 void Frames::add(const Sample& sample) {
@@ -127,8 +126,8 @@ void Frames::put_loads(const Sample& of_run) {
   try {
     const Solution& v = sample.values();
     for (const Load& load : loads_) {
-      const LinkWrench wrench =
-          load.link ? sample.wrench(*load.link, *load.at, Reactions::kJoint) : wrench_of(*load.force, *load.at, v);
+      const LinkWrench wrench = load.link ? sample.wrench(*load.link, *load.at, Reactions::kJoint)
+                                          : wrench_of(*system_, *load.force, *load.at, v);
       put(wrench.force), put(wrench.moment);
     }
   } catch (const Error&) {

@@ -37,17 +37,21 @@ struct Load {
 ///     of every load:               force (N), moment about the marker's origin (N m), world axes       6
 ///
 /// A load that cannot be solved for is NaN.
-class Frames {
+class LOCKSTEP_API Frames final : public Observer {
  public:
   /// Keeps about so many numbers at most, and at least `fewest` frames.
-  explicit Frames(const System&, std::size_t most_numbers = 16'000'000, std::size_t fewest = 100);
+  explicit Frames(std::size_t most_numbers = 16'000'000, std::size_t fewest = 100)
+      : most_numbers_(most_numbers), fewest_(fewest) {}
 
-  void output(const Sample&);  ///< adds a frame
-  void step(const Sample&);    ///< adds one if bodies moved far since the last
-  void jumped(const Sample&);  ///< adds one at the same time, and a mark
-  void finish(const Sample&);  ///< adds the last one
+  void start(const Sample&) override;   ///< forgets all frames
+  void output(const Sample&) override;  ///< adds a frame
+  void step(const Sample&) override;    ///< adds one if bodies moved far since the last
+  void jumped(const Sample&) override;  ///< adds one at the same time, and a mark
+  void finish(const Sample&) override;  ///< adds the last one
+  bool saves_all() const override { return false; }
 
-  const System& system() const { return *system_; }
+  bool any() const { return !times_.empty(); }
+  const System& system() const { return *system_; }                       ///< from the start on
   const std::vector<const Body*>& bodies() const { return bodies_; }      ///< that move
   const std::vector<const Marker*>& markers() const { return markers_; }  ///< that laws move
   const std::vector<Load>& loads() const { return loads_; }
@@ -73,7 +77,8 @@ class Frames {
   bool has_moved_far(const Inputs&) const;
   void thin();
 
-  const System* system_;
+  std::size_t most_numbers_, fewest_;
+  const System* system_ = nullptr;
   std::vector<const Body*> bodies_;
   std::vector<const Marker*> markers_;
   std::vector<Load> loads_;

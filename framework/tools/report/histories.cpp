@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "framework/tools/report/outline.h"
+#include "framework/tools/report/run_data.h"
 
 namespace lockstep::report {
 namespace {
@@ -18,7 +19,7 @@ std::size_t share(long n_runs) { return kMostOfAll / static_cast<std::size_t>(st
 Histories::Histories(long n_runs, std::size_t most_outlines)
     : n_runs_(n_runs), stride_((std::max(n_runs, 1L) + kMostRuns - 1) / kMostRuns), most_outlines_(most_outlines) {}
 
-std::unique_ptr<Watcher> Histories::watcher() const { return std::make_unique<Watcher>(share(n_runs_), kFewest); }
+std::unique_ptr<Frames> Histories::watcher() const { return std::make_unique<Frames>(share(n_runs_), kFewest); }
 
 // None: there is no room for it.
 std::optional<std::size_t> Histories::mechanism_number(std::string outline) {
@@ -29,12 +30,12 @@ std::optional<std::size_t> Histories::mechanism_number(std::string outline) {
   return mechanisms_.emplace(std::move(outline), mechanisms_.size()).first->second;
 }
 
-void Histories::add(long run, const Table& table, const Watcher& watcher, const Mechanism& m) {
+void Histories::add(long run, const Table& table, const Frames& frames, const Mechanism& m) {
   std::string outline;
-  if (watcher.has_seen()) {
+  if (frames.any()) {
     const nlohmann::ordered_json json = [&] {
       const std::scoped_lock lock(adding_);
-      return outline_of(watcher.frames(), m.solids, m.looks, meshes_);
+      return outline_of(frames, m.solids, m.looks, meshes_);
     }();
     outline = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   }
@@ -42,11 +43,11 @@ void Histories::add(long run, const Table& table, const Watcher& watcher, const 
   nlohmann::ordered_json json{{"run", run}};
   json["table"] = table_json(table, share(n_runs_), kFewest, numbers_);
   most_rows_left_out_ = std::max(most_rows_left_out_, json["table"]["stride"].get<std::size_t>());
-  if (watcher.has_seen()) {
+  if (frames.any()) {
     if (const std::optional<std::size_t> number = mechanism_number(std::move(outline))) {
       json["mechanism"] = *number;
-      json.update(frames_json(watcher.frames(), numbers_));
-      most_instants_left_out_ = std::max(most_instants_left_out_, watcher.frames().stride());
+      json.update(frames_json(frames, numbers_));
+      most_instants_left_out_ = std::max(most_instants_left_out_, frames.stride());
     } else {
       ++n_without_motion_;
     }

@@ -11,7 +11,8 @@
 
 #include <lockstep/report.h>
 #include <lockstep/scene.h>
-#include "framework/tools/report/run_data.h"
+#include "framework/tools/report/frames.h"
+#include "framework/tools/report/meshes.h"
 
 namespace lockstep::report {
 
@@ -32,9 +33,9 @@ class LOCKSTEP_API Histories {
   /// Whether this run is kept.
   bool keeps(long run) const { return (run - 1) % stride_ == 0; }
   /// An observer that takes the motion of a run.
-  std::unique_ptr<Watcher> watcher() const;
+  std::unique_ptr<Frames> watcher() const;
   /// Adds a run: its columns, and its motion if it has begun.
-  void add(long run, const Table&, const Watcher&, const Mechanism&);
+  void add(long run, const Table&, const Frames&, const Mechanism&);
 
   long n_kept() const;  ///< runs that were added
   /// The kept part of the runs: "1 run in 5, 1 row in 3, 1 frame in 4, no motion of 7 of them"; "" if it is all. Rows and

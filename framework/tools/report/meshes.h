@@ -2,7 +2,6 @@
 // Meshes of a report: each once, however many bodies have it.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>

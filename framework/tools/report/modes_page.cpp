@@ -39,7 +39,8 @@ Json pivots_json(const std::vector<const Body*>& bodies, const Inputs& in) {
 
 std::string modes_page(const ReportText& text, const Sample& rest, const Mechanism& m,
                        const std::vector<ShownMode>& modes, double length) {
-  Frames frames(rest.system());
+  Frames frames;
+  frames.start(rest);
   frames.output(rest);
   Numbers numbers;
   Meshes meshes(numbers);

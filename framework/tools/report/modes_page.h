@@ -5,7 +5,6 @@
 #include <array>
 #include <complex>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <lockstep/report.h>

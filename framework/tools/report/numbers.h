@@ -2,7 +2,6 @@
 // Numbers of a report: arrays in one block of bytes, which the page holds as base64 text.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <span>

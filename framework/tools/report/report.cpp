@@ -18,24 +18,24 @@ constexpr std::size_t kMostCells = 12'000'000;  // of the table: 64 MB of page
 }  // namespace
 
 struct Report::Seen {
-  report::Watcher watcher;
+  report::Frames frames;
 };
 
 Report::Report(const Recorder& recorder, std::vector<Solid> solids, std::vector<Look> looks)
     : recorder_(recorder), solids_(std::move(solids)), looks_(std::move(looks)), seen_(std::make_unique<Seen>()) {}
 Report::~Report() = default;
 
-void Report::start(const Sample& sample) { seen_->watcher.start(sample); }
-void Report::step(const Sample& sample) { seen_->watcher.step(sample); }
-void Report::jumped(const Sample& sample) { seen_->watcher.jumped(sample); }
-void Report::output(const Sample& sample) { seen_->watcher.output(sample); }
-void Report::finish(const Sample& sample) { seen_->watcher.finish(sample); }
+void Report::start(const Sample& sample) { seen_->frames.start(sample); }
+void Report::step(const Sample& sample) { seen_->frames.step(sample); }
+void Report::jumped(const Sample& sample) { seen_->frames.jumped(sample); }
+void Report::output(const Sample& sample) { seen_->frames.output(sample); }
+void Report::finish(const Sample& sample) { seen_->frames.finish(sample); }
 
 std::string Report::page(const ReportText& text) const {
-  if (!seen_->watcher.has_seen())
+  if (!seen_->frames.any())
     throw ModelError(
         "report: the run has not begun; add the report to the run (add_observer), and write it after the run");
-  const report::Frames& frames = seen_->watcher.frames();
+  const report::Frames& frames = seen_->frames;
   report::Numbers numbers;
   report::Meshes meshes(numbers);
   Json json{{"text", report::json_of(text)}, {"mechanism", report::outline_of(frames, solids_, looks_, meshes)}};

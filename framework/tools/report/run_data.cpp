@@ -19,15 +19,6 @@ std::vector<double> thinned(const std::vector<double>& values, std::size_t k) {
 
 }  // namespace
 
-Watcher::~Watcher() = default;
-void Watcher::start(const Sample& sample) { frames_.emplace(sample.system(), most_numbers_, fewest_); }
-void Watcher::step(const Sample& sample) { frames_->step(sample); }
-void Watcher::jumped(const Sample& sample) { frames_->jumped(sample); }
-void Watcher::output(const Sample& sample) { frames_->output(sample); }
-void Watcher::finish(const Sample& sample) {
-  if (frames_) frames_->finish(sample);
-}
-
 Json table_json(const Table& table, std::size_t most_cells, std::size_t fewest, Numbers& numbers) {
   const std::size_t least = std::max<std::size_t>(1, table.n_rows() / std::max<std::size_t>(1, fewest));
   const std::size_t stride = std::min(least, 1 + table.n_rows() * table.n_columns() / most_cells);

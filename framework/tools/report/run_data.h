@@ -3,43 +3,12 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
-#include <vector>
 
 #include <lockstep/recorder.h>
-#include <lockstep/solid.h>
-#include <lockstep/step_loop.h>
 #include "framework/tools/report/frames.h"
-#include "framework/tools/report/meshes.h"
 #include "framework/tools/report/numbers.h"
 
 namespace lockstep::report {
-
-/// Takes the frames of a run.
-class LOCKSTEP_API Watcher final : public Observer {
- public:
-  /// As Frames.
-  explicit Watcher(std::size_t most_numbers = 16'000'000, std::size_t fewest = 100)
-      : most_numbers_(most_numbers), fewest_(fewest) {}
-
-  ~Watcher() override;
-  Watcher(const Watcher&) = delete;
-  Watcher& operator=(const Watcher&) = delete;
-
-  void start(const Sample&) override;
-  void step(const Sample&) override;
-  void jumped(const Sample&) override;
-  void output(const Sample&) override;
-  void finish(const Sample&) override;
-  bool saves_all() const override { return false; }
-  /// Whether there is a frame; and these.
-  bool has_seen() const { return frames_ && !frames_->times().empty(); }
-  const Frames& frames() const { return *frames_; }
-
- private:
-  std::size_t most_numbers_, fewest_;
-  std::optional<Frames> frames_;  // none before the start
-};
 
 /// {"rows":, "stride":, "columns": [...]}: of a table of more than `most_cells` numbers every k-th row, but at least
 /// `fewest` of them.

@@ -23,27 +23,6 @@ Channel channel_of(Mechanism& m, const EventRequest& request) {
   return channel;
 }
 
-}  // namespace
-
-std::unique_ptr<Recorder> make_recorder(Mechanism& m, const std::set<std::string>* only) {
-  auto recorder = std::make_unique<Recorder>(system_of(m));
-  Refusals wrong;
-  for (const ChannelRequest& request : m.run.record)
-    if (only == nullptr || only->contains(request.name.empty() ? request.channel : request.name)) wrong.attempt([&] {
-      placed(request.where, "run.record", [&] {
-        Channel channel = channel_of(m, request.channel);
-        if (!request.name.empty()) channel.name = request.name;
-        recorder->add(std::move(channel));
-      });
-    });
-  for (const EventRequest& request : m.events)
-    if (!request.channel.empty()) wrong.attempt([&] { channel_of(m, request); });
-  wrong.raise();
-  return recorder;
-}
-
-namespace {
-
 Event make_event(Mechanism& m, const EventRequest& request, Recorder& recorder) {
   Event event = request.event;
   if (request.channel.empty()) return event;
@@ -54,6 +33,24 @@ Event make_event(Mechanism& m, const EventRequest& request, Recorder& recorder) 
 }
 
 }  // namespace
+
+std::unique_ptr<Recorder> make_recorder(Mechanism& m, const std::set<std::string>* only) {
+  auto recorder = std::make_unique<Recorder>(system_of(m));
+  Refusals wrong;
+  for (const ChannelRequest& request : m.run.record)
+    if (only == nullptr || only->contains(request.column()))
+      wrong.attempt([&] {
+        placed(request.where, "run.record", [&] {
+          Channel channel = channel_of(m, request.channel);
+          channel.name = request.column();
+          recorder->add(std::move(channel));
+        });
+      });
+  for (const EventRequest& request : m.events)
+    if (!request.channel.empty()) wrong.attempt([&] { channel_of(m, request); });
+  wrong.raise();
+  return recorder;
+}
 
 Mechanism build_observed(const Scene& scene, const Registry& registry) {
   return build_mechanism(scene, registry, [](Mechanism& m, SceneErrors& wrong) {

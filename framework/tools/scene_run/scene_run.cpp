@@ -42,21 +42,20 @@ bool holds_by_itself(System& system, const State& start) {
 // Whether anything may be decided, as far as it is known without the rows.
 bool is_asked_for(Mechanism& m, const State& start) {
   const NearlyRedundant choice = m.run.nearly_redundant;
-  return choice != NearlyRedundant::told && has_loops(m.system, start.modes) &&
+  return choice != NearlyRedundant::reported && has_loops(m.system, start.modes) &&
          (choice != NearlyRedundant::automatic || holds_by_itself(system_of(m), start));
 }
 
 // Rows that were left out would stay so when those that hold their directions are released.
 void refuse_switched(const Mechanism& m, const NearDependency& decided) {
   for (const EventRequest& request : m.events)
-    for (const auto* names : {&request.event.activate, &request.event.deactivate})
-      for (const std::string& link : decided.links)
-        if (std::ranges::find(*names, link) != names->end())
-          throw ModelError("\"nearly_redundant\" of \"run\" is \"" +
-                           std::string(m.run.nearly_redundant == NearlyRedundant::held ? "held" : "free") +
-                           "\", and event '" + request.event.name + "' switches joint '" + link +
-                           "', on whose loop rows nearly depend on others: what is decided at the start is wrong then; "
-                           "leave it \"auto\", or \"told\"");
+    for (const std::string& link : decided.links)
+      if (switches(request.event, link))
+        throw ModelError("\"nearly_redundant\" of \"run\" is \"" +
+                         std::string(m.run.nearly_redundant == NearlyRedundant::held ? "held" : "free") +
+                         "\", and event '" + request.event.name + "' switches joint '" + link +
+                         "', on whose loop rows nearly depend on others: what is decided at the start is wrong then; "
+                         "leave it \"auto\", or \"report\"");
 }
 
 // The first event that switches a link of such a loop, whichever links other events have put into force before; "" if none
@@ -64,9 +63,8 @@ void refuse_switched(const Mechanism& m, const NearDependency& decided) {
 std::string switching_event(const Mechanism& m, const State& start) {
   std::vector<bool> modes = start.modes;
   for (const EventRequest& request : m.events)
-    for (const auto* names : {&request.event.activate, &request.event.deactivate})
-      for (const auto& link : m.system.links())
-        if (std::ranges::find(*names, link->name()) != names->end()) modes[link->number()] = true;
+    for (const auto& link : m.system.links())
+      if (switches(request.event, link->name())) modes[link->number()] = true;
   for (const EventRequest& request : m.events)
     if (switched_of_decided(m.system, modes, request.event) != nullptr) return request.event.name;
   return {};
@@ -84,7 +82,7 @@ bool decide(Dynamics& dynamics, Mechanism& m, const State& start, const State& p
   }
   const std::string event = switching_event(m, start);
   if (event.empty()) return true;
-  near.all = decide_nearly_redundant(system_of(m), dynamics, pose, NearlyRedundant::told);
+  near.all = decide_nearly_redundant(system_of(m), dynamics, pose, NearlyRedundant::reported);
   for (NearDependency& d : near.all)
     if (d.undecided.empty() && !d.in_passing) d.undecided = "event '" + event + "' switches joints of such a loop";
   return false;
@@ -97,14 +95,15 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
   if (!is_asked_for(m, start)) return start;
   State pose = start;
   NearRows near;
+  AssemblyReport unheard;
   try {
     const bool off = dynamics.violation(pose) > kOn * m.system.length();
     if (off && !m.run.assemble) return start;
-    if (off) assemble_positions(dynamics, pose, m.assembly);
+    if (off) find_positions(dynamics, pose, m.assembly, unheard);
     near.looked = true;
     if (may_depend(system_of(m), pose)) {
       dynamics.project(pose);
-      near.all = decide_nearly_redundant(system_of(m), dynamics, pose, NearlyRedundant::told);
+      near.all = decide_nearly_redundant(system_of(m), dynamics, pose, NearlyRedundant::reported);
     }
     if (off && !near.all.empty()) {  // once more, with its words
       pose = start;
@@ -150,7 +149,7 @@ std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m
     State pose = start;
     dynamics.to_slots(pose);
     if (dynamics.violation(pose) > kOn * system_of(m).length() || !may_depend(system_of(m), pose)) return {};
-    return decide_nearly_redundant(system_of(m), dynamics, pose, NearlyRedundant::told);
+    return decide_nearly_redundant(system_of(m), dynamics, pose, NearlyRedundant::reported);
   } catch (const Error&) {  // the run reports the error
     return {};
   }

@@ -69,6 +69,19 @@ void assemble_start(const RunSettings& settings, Dynamics& by, State& start, Ass
     begin_turns(by, start);
 }
 
+std::string name_of(const MethodSpec& method) {
+  std::string name = method.type;
+  if (method.keys.object() != nullptr)
+    for (const Value::Member& m : *method.keys.object()) name += ":" + m.key + "=" + shown(m.value);
+  return name;
+}
+
+// What a checkpoint of another simulation would differ in, in addition to what the loop compares.
+std::string fingerprint(const RunSettings& run) {
+  return fmt::format("integrator {}, solver {}, tolerance {:a} {:a}, step {:a}, output {:a}", name_of(run.integrator),
+                     name_of(run.solver), run.tolerance.relative, run.tolerance.atol_x, run.step, run.output);
+}
+
 }  // namespace
 
 Simulation::Parts::~Parts() = default;
@@ -162,23 +175,6 @@ Dynamics& Simulation::dynamics() {
   parts_->begun();
   return *parts_->dynamics;
 }
-
-namespace {
-
-std::string name_of(const MethodSpec& method) {
-  std::string name = method.type;
-  if (method.keys.object() != nullptr)
-    for (const Value::Member& m : *method.keys.object()) name += ":" + m.key + "=" + shown(m.value);
-  return name;
-}
-
-// What a checkpoint of another simulation would differ in, in addition to what the loop compares.
-std::string fingerprint(const RunSettings& run) {
-  return fmt::format("integrator {}, solver {}, tolerance {:a} {:a}, step {:a}, output {:a}", name_of(run.integrator),
-                     name_of(run.solver), run.tolerance.relative, run.tolerance.atol_x, run.step, run.output);
-}
-
-}  // namespace
 
 void Simulation::save(const std::string& file) {
   Snapshot out;

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
 
 #include <lockstep/error.h>
 #include <lockstep/sweep.h>

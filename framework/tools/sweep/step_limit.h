@@ -2,8 +2,6 @@
 // The largest fixed step of a method by linear theory: a scene's small motions about its start.
 #pragma once
 
-#include <memory>
-
 #include <lockstep/scene.h>
 
 namespace lockstep {

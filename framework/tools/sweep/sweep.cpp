@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include <lockstep/error.h>
@@ -31,39 +30,6 @@ ColumnRange range_of(const std::vector<double>& values) {
   }
   return range;
 }
-
-// Rows at jumps in the history of a run: "at_jumps" of "run".
-class HistoryRows {
- public:
-  explicit HistoryRows(Recorder& recorder)
-      : recorder_(recorder), at_jumps_([this](const Sample& s) { add(s); }, recorder) {}
-  HistoryRows(const HistoryRows&) = delete;
-  HistoryRows& operator=(const HistoryRows&) = delete;
-
-  Observer& observer() { return at_jumps_; }
-  /// The table without these rows: the results of a run in a sweep do not depend on whether its history is kept.
-  Table outputs_alone() const {
-    const Table& all = recorder_.table();
-    Table outputs;
-    for (const Column& column : all.columns()) outputs.add_column(column.name, column.unit);
-    std::vector<double> row(all.n_columns());
-    for (std::size_t i = 0; i < all.n_rows(); ++i) {
-      if (std::ranges::binary_search(added_, i)) continue;
-      for (std::size_t k = 0; k < row.size(); ++k) row[k] = all.columns()[k].values[i];
-      outputs.add_row(row);
-    }
-    return outputs;
-  }
-
- private:
-  void add(const Sample& sample) {
-    added_.push_back(recorder_.table().n_rows());
-    recorder_.output(sample);
-  }
-  Recorder& recorder_;
-  std::vector<std::size_t> added_;  // rows, rising
-  RowsAtJumps at_jumps_;
-};
 
 void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
               const std::function<bool(const State&)>& go_on, Observer* at_jumps, Observer* besides) {
@@ -99,11 +65,6 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   result.findings = doubts.findings(report.steps, sim.state().t);
   judge(audit.result(), result);
   if (report.stopped && !result.broken_off) result.status = "stopped by '" + report.stopped_by + "'";
-}
-
-void refuse_other_columns(const Table& table, const Table& like) {
-  if (table.names() != like.names())
-    throw ModelError("it records other columns than the first run; list the same channels under \"record\" of \"run\"");
 }
 
 std::string titled(const std::string& name, const std::string& unit) {
@@ -164,21 +125,33 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     Mechanism m = build_mechanism(scene, registry);
     record_places(m);
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
-    std::optional<HistoryRows> at_jumps;
-    if (history != nullptr && scene.run.at_jumps) at_jumps.emplace(*recorder);
+    // Rows at jumps are those of the history alone: results do not depend on whether it is kept.
+    Table outputs = recorder->table();
+    bool jumps = false;
+    std::optional<RowsAtJumps> at_jumps;
+    if (history != nullptr && scene.run.at_jumps) {
+      at_jumps.emplace([&](const Sample& s) { jumps = true, recorder->output(s), jumps = false; }, *recorder);
+      recorder->on_row(
+          [&](std::span<const double> row) {
+            if (!jumps) outputs.add_row(row);
+          },
+          true);
+    }
     const auto end = [&] {
       if (history != nullptr) *history = recorder->table();
       if (watch.ended) watch.ended(m, recorder->table());
     };
     try {
-      refuse_other_columns(recorder->table(), like);
+      if (recorder->table().names() != like.names())
+        throw ModelError(
+            "it records other columns than the first run; list the same channels in \"record\" of \"run\"");
       if (m.run.until < 0) throw ModelError("the scene has no end time; add \"until\" to \"run\"");
-      simulate(m, *recorder, registry, result, go_on, at_jumps ? &at_jumps->observer() : nullptr, watch.observer);
+      simulate(m, *recorder, registry, result, go_on, at_jumps ? &*at_jumps : nullptr, watch.observer);
     } catch (...) {
       end();
       throw;
     }
-    SweepRun recorded = recorded_run(at_jumps ? at_jumps->outputs_alone() : recorder->table());
+    SweepRun recorded = recorded_run(at_jumps ? outputs : recorder->table());
     result.columns = std::move(recorded.columns), result.t = recorded.t;
     end();
   } catch (const std::exception& error) {
@@ -201,10 +174,15 @@ std::string sweep_header(const std::vector<Variable>& variables, const Table& co
   return line + ",energy,imbalance,violation [m],steps,cpu [s],status\n";
 }
 
-std::string sweep_row(long run, const std::vector<Variable>& variables, const std::vector<std::size_t>& choice,
-                      const Table& columns, const SweepRun& result) {
+std::string row_begin(long run, const std::vector<Variable>& variables, const std::vector<std::size_t>& choice) {
   std::string line = std::to_string(run);
   for (std::size_t k = 0; k < variables.size(); ++k) line += "," + csv_cell(plain_text(variables[k].values[choice[k]]));
+  return line;
+}
+
+std::string sweep_row(long run, const std::vector<Variable>& variables, const std::vector<std::size_t>& choice,
+                      const Table& columns, const SweepRun& result) {
+  std::string line = row_begin(run, variables, choice);
   const std::size_t n = columns.n_columns() - 1;
   if (result.failed || result.columns.size() != n) {
     line += std::string(1 + 3 * n, ',');

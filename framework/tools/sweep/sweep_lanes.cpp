@@ -2,7 +2,6 @@
 #include "framework/tools/sweep/sweep_lanes.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <lockstep/batch.h>
 #include <lockstep/error.h>
@@ -41,7 +40,7 @@ std::string unsuited(const RunSettings& run) {
   if (run.solver.type != "schur" || has_keys(run.solver)) return "vectorised runs need the solver schur without keys";
   if (run.stabilization.kind == Stabilization::Kind::baumgarte) return "Baumgarte stabilisation is not vectorised";
   if (run.nearly_redundant == NearlyRedundant::free || run.nearly_redundant == NearlyRedundant::held)
-    return "vectorised runs need \"nearly_redundant\": \"auto\" or \"told\"";
+    return "vectorised runs need \"nearly_redundant\": \"auto\" or \"report\"";
   if (run.times.empty() && !(run.output > 0)) return "every step is recorded; give \"output\" or \"times\" to \"run\"";
   return {};
 }
@@ -77,12 +76,6 @@ std::vector<double> output_times(const RunSettings& run) {
     times.push_back(static_cast<double>(k) * run.output);
   times.push_back(run.until);
   return times;
-}
-
-std::unique_ptr<Lane> make_lane(const Scene& scene, const Registry& registry) {
-  auto lane = std::make_unique<Lane>(Lane{build_mechanism(in_space(scene), registry)});
-  record_places(lane->mechanism);
-  return lane;
 }
 
 void prepare(Lane& lane, const Registry& registry) {
@@ -173,7 +166,8 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
       if (histories != nullptr && scene.run.at_jumps) return {};  // lanes have no rows at jumps
       if (!(scene.run.until > 0) || !alike(scene.run, scenes.front().run)) return {};
       const FindingScope scope;
-      lanes.push_back(make_lane(scene, registry));
+      lanes.push_back(std::make_unique<Lane>(Lane{build_mechanism(in_space(scene), registry)}));
+      record_places(lanes.back()->mechanism);
       if (!unsuited(lanes.back()->mechanism).empty()) return {};
       prepare(*lanes.back(), registry);
       lanes.back()->found = scope.found;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One run of a sweep with a further observer besides its recorder.
+// Parts of a sweep: one run with a further observer besides its recorder, and the beginning of its row.
 #pragma once
 
 #include <functional>
@@ -21,5 +21,8 @@ void judge(const Audit&, SweepRun&);
 /// As sweep_run.
 LOCKSTEP_API SweepRun watched_run(const Scene&, const Registry&, const Table& like,
                                   const std::function<bool(const State&)>& go_on, Table* history, const RunWatch&);
+
+/// The first cells of the row of a run, as sweep_row() writes them: its number and values.
+LOCKSTEP_API std::string row_begin(long run, const std::vector<Variable>&, const std::vector<std::size_t>& choice);
 
 }  // namespace lockstep

@@ -33,7 +33,7 @@ struct Grip {
 };
 
 /// The facet of a force that depends on the reactions of joints. Such a force derives from it, and Force::reacting()
-/// returns `this`. What it exerts is added to apply(). The solution is found by iteration, so the force as a function
+/// returns `this`. Its load is added to that of apply(). The solution is found by iteration, so the force as a function
 /// of the reactions must be a contraction, as friction with a coefficient well below one is.
 class LOCKSTEP_API Reacting {
  public:
@@ -126,7 +126,7 @@ class LOCKSTEP_API Force {
   virtual double supply(const Inputs&) const;
 
   // -- facets: null without it; a class with the facet derives from it and returns `this`
-  virtual const Observable* observable() const { return nullptr; }    ///< recorder channels of its own
+  virtual const Observable* observable() const { return nullptr; }    ///< recorder channels of the force
   virtual const Remembering* remembering() const { return nullptr; }  ///< numbers in State::z
   virtual const Reacting* reacting() const { return nullptr; }        ///< it depends on the reactions of joints
 

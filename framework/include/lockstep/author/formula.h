@@ -154,7 +154,7 @@ enum class Vary {
   pose,     ///< with respect to dx, dth
   velocity  ///< with respect to v, w
 };
-/// A motion as jets, with the derivatives of its own pose or velocity, or with none.
+/// A motion as jets, with the derivatives of the pose or velocity, or with none.
 LOCKSTEP_API MotionT<SlotJet> varied(const Motion&, Vary);
 
 /// The markers of a force at the inputs' motions and time.

@@ -84,22 +84,22 @@ class LOCKSTEP_API Integrator {
   /// from it by that small move. Right after begin() it gives the state of begin(). False if the method has none,
   /// the default (a cubic Hermite polynomial would be of lower order): the step loop then ends steps on the output
   /// times.
-  virtual bool dense(double t, State& out) const;
+  virtual bool dense([[maybe_unused]] double t, [[maybe_unused]] State& out) const { return false; }
   /// Sets the error of a step that is allowed. Default: ignored, for fixed steps.
-  virtual void set_tolerance(const Tolerance&);
+  virtual void set_tolerance(const Tolerance&) {}
   /// Guess of the first step from this state, s, at most `largest`; 0, the default: none (fixed step).
-  virtual double first_step(Dynamics&, const State&, double largest);
+  virtual double first_step(Dynamics&, const State&, [[maybe_unused]] double largest) { return 0; }
   /// The coefficients of an explicit Runge-Kutta method, with which vectorised batches (Copies) make its steps. Null,
   /// the default: only step() can make them.
-  virtual const EmbeddedScheme* scheme() const;
+  virtual const EmbeddedScheme* scheme() const { return nullptr; }
   /// Saves history and step control: with the State, all that a checkpoint or a step taken back needs. Default:
   /// nothing.
-  virtual void save(Snapshot&) const;
+  virtual void save(Snapshot&) const {}
   /// Takes back what save() wrote, in the same order, also in another object after begin(). Default: nothing.
-  virtual void restore(SnapshotReader&);
+  virtual void restore(SnapshotReader&) {}
   /// Whether save() writes all that the next steps read, so that a checkpoint continues to the last bit; false for
   /// methods of other libraries that do not expose their history. Default: true.
-  virtual bool saves_all() const;
+  virtual bool saves_all() const { return true; }
 
  private:
   std::string origin_;

@@ -221,7 +221,7 @@ class LOCKSTEP_API MarkerLock : public Lock,
   unsigned laws() const { return laws_; }
   /// p and its rates at these inputs, by move() and the drives along axes.
   ImposedTranslation imposed_translation(const Inputs& in) const { return imposed().translation(in.t, own_states(in)); }
-  /// q_D and its rates at these inputs, by turn() and the drive about an axis.
+  /// q_D and its rates at these inputs, by `turn()` and the drive about an axis.
   ImposedRotation imposed_rotation(const Inputs& in) const { return imposed().rotation(in.t, own_states(in)); }
   const Marker& p() const { return *p_; }  ///< marker on body 1
   const Marker& s() const { return *s_; }  ///< marker on body 2

@@ -58,7 +58,7 @@ class LOCKSTEP_API Snapshot {
   void put_bits(std::uint64_t bits);                               ///< appends a word of 64 bits, as two numbers
   void clear() { numbers_.clear(); }                               ///< removes all numbers
   const std::vector<double>& numbers() const { return numbers_; }  ///< all of them, in order
-  /// Takes these numbers, of another snapshot, in place of its own.
+  /// Replaces all numbers by these, of another snapshot.
   void assign(std::vector<double> numbers) { numbers_ = std::move(numbers); }
 
  private:

@@ -201,7 +201,7 @@ struct Key {
   Default fallback{};                       ///< 0.5, "words", Value::List{0, 0, 1}, kRequired or kOptional
   std::string help;                         ///< one line; names the frame if there is one
   std::vector<std::string> choices{};       ///< the texts that are accepted, for Form::choice
-  LawQuantity of_law = LawQuantity::other;  ///< in the table of a law, of keys without a unit of their own
+  LawQuantity of_law = LawQuantity::other;  ///< in the table of a law, of keys without a unit
   bool of_time = true;                      ///< of a key that holds a law: whether its argument is the time, s
 
   /// Whether it must be given.

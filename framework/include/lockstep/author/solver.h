@@ -40,7 +40,7 @@ struct SlotMass {
 
 /// Shape of the matrix. It changes only with the description of the system and with the set of active joints.
 struct KktPattern {
-  /// For solvers that read the rows where the joints wrote them (LinearSolver::reads_rows); every slot then has six
+  /// For solvers that read the rows from the memory of the joints (LinearSolver::reads_rows); every slot then has six
   /// unknowns, and `first`, `M`, `links` and the blocks of Kkt are empty. Otherwise null.
   const RowTable* rows = nullptr;
   int n_slots() const { return static_cast<int>(width.size()); }  ///< moving slots

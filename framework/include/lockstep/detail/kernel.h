@@ -130,7 +130,7 @@ LOCKSTEP_INLINE void for_rows(Mask rows, int first, F&& f) {
 }  // namespace kernel
 
 /// The translational rows, given to take(C, Ct, Qhat, row, rate): three vectors, row(vec::Unit<k>{}) the Jacobian of
-/// row k, a kernel::Row, and rate() = d/dt C. What `take` does not use is not computed. M: MarkerMotionT, or
+/// row k, a kernel::Row, and rate() = d/dt C. Values that `take` does not use are not computed. M: MarkerMotionT, or
 /// MarkerAtRestT if kWith has no law of a marker.
 template <unsigned kWith, class T, class M, class Take>
 LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, const M& P, const M& S,

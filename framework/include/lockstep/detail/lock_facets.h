@@ -79,12 +79,12 @@ struct LOCKSTEP_API ImposedMotion {
 };
 
 /// Facet of a joint of one pair of markers that holds coordinates by a mask and takes laws on held and on free ones.
-/// Laws are given before the system is set up: move, turn, drive and drive_speed throw ModelError afterwards.
+/// Laws are given before the system is set up: `move`, `turn`, `drive` and `drive_speed` throw ModelError afterwards.
 class LOCKSTEP_API Jointed {
  public:
   virtual Mask mask() const = 0;    ///< rows of the joint itself
   virtual Mask rows() const = 0;    ///< the same with those of the drives
-  virtual bool turned() const = 0;  ///< whether turn() imposed a law
+  virtual bool turned() const = 0;  ///< whether `turn()` imposed a law
   /// After setup: whether laws act on it: imposed ones, drives, or those of its markers.
   virtual bool has_laws() const = 0;
   virtual const ImposedMotion& imposed() const = 0;  ///< the laws of the lock itself

@@ -71,7 +71,7 @@ struct SlotList {
   int operator[](int i) const { return slot[static_cast<std::size_t>(i)]; }
 };
 
-/// The shape of a block of rows: what its numbers mean and where they are.
+/// The shape of a block of rows: the meaning of its numbers and their places.
 struct RowShape {
   int m = 0,                            ///< rows
       n = 0;                            ///< slots
@@ -341,7 +341,7 @@ class LOCKSTEP_API Auxiliary {
 
 // WrenchSum: adds forces up by slot, as the equations of motion take them (theory, (2.5), (2.9)).
 
-/// Sum of the forces on each slot. What acts on the ground is ignored.
+/// Sum of the forces on each slot. Forces on the ground are ignored.
 class WrenchSum {
  public:
   /// Adds to f, 6 numbers per slot: force (world, N), moment about the slot's origin (slot axes, N m). `motions`: as in
