@@ -128,6 +128,19 @@ TEST_CASE("errors known before the first step leave no file", "[facts]") {
   CHECK_FALSE(std::filesystem::exists(left));
 }
 
+TEST_CASE("kinematics that cannot begin leaves no file", "[facts]") {
+  const std::string left = kRunnerFolder + "/undriven.csv.partial";
+  check_refused(call("kinematics " + bar("", "", "") + " --record undriven.csv"), 3, {"not fully prescribed"});
+  CHECK_FALSE(std::filesystem::exists(left));
+}
+
+TEST_CASE("joints are listed by both of their names", "[facts]") {
+  const Called joints = call("list joints");
+  CHECK(joints.exit == 0);
+  CHECK(contains(joints.text, "revolute"));
+  CHECK(joints.text == call("list links").text);
+}
+
 TEST_CASE("no message gives a rotation that is not finite", "[facts]") {
   const std::string fast = bar(R"(, "start": {"velocity": {"rz": 1}})",
                                R"("forces": [{"name": "s", "type": "torsion_spring_damper", "p": "bar",

@@ -250,8 +250,6 @@ Result follow(const Arguments& args, bool inverse) {
   } catch (const Error& error) {
     file.write();
     const std::size_t n = recorder->table().n_rows();
-    std::error_code none;
-    if (n == 0) std::filesystem::remove(file.partial(), none);
     rethrow_with(cause_of_stop(dynamics, motion.state(), 0), error,
                  n == 0 ? "" : fmt::format("  saved: {} row{} in {}\n", n, n == 1 ? "" : "s", file.partial()));
   }
@@ -288,8 +286,8 @@ Command kinematics_command() {
   return driven_command(
       "kinematics", [](const Arguments& args) { return follow(args, false); },
       "Masses are needed only for columns of forces and energies. For too few or too many drives, the error names the "
-      "coordinates to drive or the drives "
-      "to release.\n\nExample:\n  lockstep kinematics samples/scenes/four_bar.json --until 0.2");
+      "coordinates to drive or the drives to release.\n\nExample:\n  lockstep kinematics samples/scenes/four_bar.json "
+      "--until 0.2");
 }
 Command inverse_command() {
   return driven_command(

@@ -379,8 +379,7 @@ Command statics_command() {
              Option{"--all", "N", "find all equilibria, unstable ones too, from N random starts"}.without("--nearest"),
              Option{"--vary", "NAME=...",
                     "NAME=a:b:n, NAME=a:b:n:log or NAME=v1,v2,...: follow the equilibrium over a parameter, one CSV "
-                    "row each; may be "
-                    "repeated"}
+                    "row each; may be repeated"}
                  .repeated(),
              {"--record", "FILE.csv", "write poses, reactions, loads of forces and recorded quantities as CSV"}}}),
       find_rest,

@@ -66,7 +66,9 @@ bool GrowingFile::is_still_partial() const {
 }
 
 GrowingFile::~GrowingFile() {
-  if (file_ >= 0) ::close(file_);
+  struct stat left;
+  if (!in_place_ && ::fstat(file_, &left) == 0 && left.st_size == 0 && is_still_partial()) ::unlink(partial_.c_str());
+  ::close(file_);
 }
 
 void GrowingFile::fail(const char* what) const {

@@ -18,7 +18,7 @@ class GrowingFile {
   /// Opens the file; what it holds stays until clear(), and an existing NAME until commit(). Throws FileError: it
   /// cannot be written, is write-protected, or another run writes it.
   explicit GrowingFile(std::string name);
-  ~GrowingFile();
+  ~GrowingFile();  ///< removes NAME.partial if it is empty
   GrowingFile(const GrowingFile&) = delete;
   GrowingFile& operator=(const GrowingFile&) = delete;
 

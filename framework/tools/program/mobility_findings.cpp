@@ -41,7 +41,7 @@ State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, Mobili
     refuse_short_laws(m, dynamics, start);
     StepLoop run(dynamics, make_integrator(m.run, *m.methods), loop_options(m.run));
     run.set_state(start), run.run_until(start.t);  // as a run begins
-    warn_of_branches(dynamics, run);
+    found.position = warn_of_branches(dynamics, run);
     warn_of_no_freedom(m, dynamics, run, kManyVelocities);
     evaluate_first(dynamics, run.state());
   } catch (const Error& error) {
@@ -79,7 +79,7 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   for (const NearDependency& d : found.near.all) CommandFindings::add(finding_of(d, m.run.nearly_redundant));
   found.columns_not_unique = columns_not_unique(m.run, found.reactions);
   if (found.error.empty()) note_not_unique(found.reactions);
-  found.position = branch_point(dynamics, counted);
+  if (!found.position.known) found.position = branch_point(dynamics, counted);
   State at = counted;
   dynamics.to_slots(at);
   for (const VecX& tangent : found.position.tangents)

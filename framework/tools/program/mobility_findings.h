@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The mobility of a scene, for the commands `mobility` and `check`.
+// The mobility of a scene, for the command `check`.
 #pragma once
 
 #include <string>

@@ -126,11 +126,11 @@ void refuse_short_laws(const Mechanism& m, Dynamics& dynamics, const State& star
   }
 }
 
-void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
+BranchPoint warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
   State start = sim.state();
   dynamics.to_slots(start);
-  const BranchPoint at = branch_point(dynamics, start);
-  if (!at.singular) return;
+  BranchPoint at = branch_point(dynamics, start);
+  if (!at.singular) return at;
   constexpr double kOff = 1e-3;  // of the velocity
   const bool moves = at.moves(start.v);
   const double off = moves && at.all ? at.off_branches(dynamics.system(), start.v) : 0;
@@ -144,6 +144,7 @@ void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
        !moves       ? "give a small start velocity along one of them, or start near the configuration"
        : off > kOff ? "give a velocity along one of them"
                     : ""});
+  return at;
 }
 
 void warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, int most) {

@@ -4,13 +4,14 @@
 
 #include <lockstep/sweep.h>
 #include "framework/tools/program/commands.h"
+#include "framework/tools/rank/branch_point.h"
 
 namespace lockstep {
 
 /// Warns, one line each, of settings that have no effect, or probably not the intended one.
 void warn_of_settings(const Scene&, const Mechanism&, const Arguments&, StepLoop&);
-/// Warns of a start in a singular configuration, from which the motion may continue in several ways.
-void warn_of_branches(Dynamics&, StepLoop&);
+/// Warns of a start in a singular configuration, from which the motion may continue in several ways. Returns what it is.
+BranchPoint warn_of_branches(Dynamics&, StepLoop&);
 /// Throws ModelError if joint coordinates are requested and not possible, before a run opens a file. Other errors of
 /// the scene are left to the run.
 void refuse_impossible_formulation(const RunSettings&, const Loaded&);

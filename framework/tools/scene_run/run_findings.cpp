@@ -50,7 +50,7 @@ std::vector<Finding> run_findings(StepLoop& run, const Audit& audit, const Doubt
   if (std::isfinite(report.stiff_since))
     all.push_back({&finding::stiff, "",
                    fmt::format("stiff from t = {:.4g} s on: damped fast modes limited the steps", report.stiff_since),
-                   "an implicit method may be cheaper (--integrator radau5); lockstep advise measures it", std::numeric_limits<double>::quiet_NaN(),
+                   "--integrator radau5 may be cheaper (lockstep advise)", std::numeric_limits<double>::quiet_NaN(),
                    std::numeric_limits<double>::quiet_NaN(), "", report.stiff_since});
   return all;
 }
