@@ -151,10 +151,12 @@ class Ida final : public Integrator {
       const Sizes v = largest(ida.y_.segment(ida.start_.q.size(), ida.start_.v.size()));
       ida.set_scale({L, 1}, {std::max(v.linear, L), std::max(v.angular, 1.0)});
       ida.scale_.tail(ida.start_.s.size()).setOnes();
+      const Plane plane = ida.dynamics_->system().plane();
       for (Eigen::Index j = 0; j < ida.y_.size(); ++j) {
         const double y = ida.y_[j];
-        ida.y_[j] = y + kMove * std::max(std::abs(y), ida.scale_[j]);
-        const double d = ida.y_[j] - y;
+        const bool is_out = plane && j < ida.start_.q.size() && j % 7 == plane.n;  // nothing depends on it
+        if (!is_out) ida.y_[j] += kMove * std::max(std::abs(y), ida.scale_[j]);
+        const double d = is_out ? 1 : ida.y_[j] - y;
         ida.evaluate(t);
         ida.y_[j] = y;
         Flat(SUNDenseMatrix_Column(J, j), ida.y_.size()) = (numbers(ud) - numbers(r) - ida.f_) / d;

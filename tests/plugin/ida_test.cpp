@@ -124,6 +124,22 @@ TEST_CASE("the steps of ida show its order, projected after each of them", "[plu
   CHECK(std::log(1e3) / std::log(fine / coarse) - 1 == Approx(order).margin(0.3));
 }
 
+TEST_CASE("ida runs a function with a constraint out of its plane", "[plugin][ida]") {
+  const std::string scene = lockstep::testing::scene_file("ida_slot", R"("gravity": [0, -9.81, 0],
+    "bodies": [{"name": "crank", "rod": {"mass": 0.5, "from": [0, 0, 0], "to": [0.1, 0, 0]}},
+               {"name": "yoke", "box": {"mass": 2, "size": [0.05, 0.3, 0.02]}, "position": [0.1, 0, 0]}],
+    "joints": [{"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0, 0, 0],
+                "start": {"velocity": {"rz": 10}}},
+               {"name": "guide", "type": "prismatic", "p": "yoke", "s": "ground", "at": [0.1, 0, 0], "axis": "x"},
+               {"name": "slot", "type": "function", "p": "crank", "s": "yoke", "at": [0.1, 0, 0], "mask": "z",
+                "phi": "=x"}],
+    "run": {"until": 0.5, "tolerance": 1e-8, "record": ["A.rz"]})");
+  const auto angle = [&](const std::string& method) {
+    return run_with_registry(with_ida(), scene, [&](RunSettings& s) { s.integrator = {method}; }).table["A.rz"].back();
+  };
+  CHECK(angle("ida") == Approx(angle("dopri5")).margin(1e-5));
+}
+
 TEST_CASE("a run with checkpoints is rejected before its start if its method cannot be saved", "[plugin][ida]") {
   using lockstep::testing::call, lockstep::testing::contains, lockstep::testing::Called;
   const Called r = call("run '" + std::string(paths::kScenes) + "/flyball.json' --plugin '" + paths::kPlugins +

@@ -79,7 +79,7 @@ TEST_CASE("runner: statics prints poses, reactions and stability", "[plugin][run
   CHECK(words.exit == 0);
   CHECK(contains(words.text, "Newton's method"));
   CHECK(value_of(words.text, "stability") == "stable");
-  CHECK(value_of(words.text, "degrees of freedom") == "2");
+  CHECK(value_of(words.text, "remaining degrees of freedom") == "2");
   CHECK(contains(value_of(words.text, "lowest natural frequency"), " Hz ("));
   const Json all = json_of("statics " + sample("rod_pendulum") + " --all 20 --json");
   REQUIRE(all["equilibria"].size() == 2);

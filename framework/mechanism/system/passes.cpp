@@ -60,7 +60,7 @@ void check_absent_row(const System& system, const Inputs& in, const Lock& link, 
                          " s; set \"nearly_redundant\" of \"run\" to \"held\" or \"report\", or correct the geometry",
                      {.thing = thing_of(link), .t = in.t});
   }
-  const double x = std::max({std::abs(all.C(k)), std::abs(all.Ct(k)), std::abs(all.Qhat(k))});
+  const double x = std::max(std::abs(all.C(k)), std::abs(all.Ct(k)));
   if (system.plane() && x > 1e-8 * std::max(1.0, system.length()))
     throw ModelError("joint '" + link.name() + "', constraint " + link.row_name(k) +
                          ": prescribes a motion out of the plane (" + text::brief(x) +

@@ -4,6 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <new>
 #include <utility>
@@ -267,11 +268,26 @@ std::optional<ModelError> setup_plane(const System& system, System::Found& found
   return {};
 }
 
+namespace {
+
+// Whether all joints that can move do so only out of the plane, such as hinges with their axes in it.
+bool moves_only_out(const System& system) {
+  bool some = false;
+  for (const auto& link : system.links()) {
+    if (system.merged(*link) || link->row_count() == 6) continue;
+    if (std::popcount(unsigned{system.found().planar_rows[link->number()].held}) < 3) return false;
+    some = true;
+  }
+  return some;
+}
+
+}  // namespace
+
 Plane settle_in_plane(System& system, const std::function<bool(Plane)>& starts_in) {
   for (int n = 2; n >= 0; --n) {
     system.set_planar(Plane{n}, true);
     try {
-      if (!system.try_setup() && (!starts_in || starts_in(Plane{n}))) return Plane{n};
+      if (!system.try_setup() && !moves_only_out(system) && (!starts_in || starts_in(Plane{n}))) return Plane{n};
     } catch (const std::bad_alloc&) {
       throw;
     } catch (...) {  // user code that throws during this check will report it in the run

@@ -55,7 +55,7 @@ const Fields<Branches>& branch_fields() {
   };
   static const Fields<Placed> kPlaced{
       {"found", "", "starts that lead here", [](const Placed& p) { return p.branch.found; }},
-      {"freedoms", "", "degrees of freedom", [](const Placed& p) { return p.branch.freedoms; }},
+      {"freedoms", "", "remaining degrees of freedom", [](const Placed& p) { return p.branch.freedoms; }},
       {"distance", "m", "distance from the first", [](const Placed& p) { return p.branch.distance; }},
       {"farthest", "", "  of", [](const Placed& p) { return p.branch.farthest; }},
       {"bodies", "bodies", &Placed::poses, pose_fields()}};

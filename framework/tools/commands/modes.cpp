@@ -120,7 +120,7 @@ const Fields<FoundModes>& modes_fields() {
                                    {"stability", "", "stability", [](const Shown& m) { return stability_of(m.mode); }},
                                    {"moves", "", "shape", [](const Shown& m) { return shape_words(m.mode, m.length); }},
                                    {"shape", "", [](const Shown& m) { return m.mode.shape; }, kShape}};
-  static const Fields<Modes> kModes{{"freedoms", "", "degrees of freedom", &Modes::freedoms},
+  static const Fields<Modes> kModes{{"freedoms", "", "remaining degrees of freedom", &Modes::freedoms},
                                     {"zeros", "", "zero eigenvalues", &Modes::zeros},
                                     {"zero_bound", "1/s", "  zero below", &Modes::zero_bound},
                                     {"complete", "", "all modes", &Modes::complete},
@@ -164,7 +164,7 @@ void write_modes_report(const std::string& file, const Arguments& args, const Lo
   constexpr std::size_t kMost = 200;
   ReportText text = text_of(args, loaded);
   text.facts.emplace_back("state", fmt::format("t = {:.6g} s", at.state.t));
-  text.facts.emplace_back("degrees of freedom", std::to_string(found.freedoms));
+  text.facts.emplace_back("remaining degrees of freedom", std::to_string(found.freedoms));
   if (found.modes.size() > kMost)
     text.facts.emplace_back("modes", fmt::format("the first {} of {}", kMost, found.modes.size()));
   for (const Finding& note : found.notes) text.facts.emplace_back("", note.text());

@@ -164,7 +164,7 @@ const Fields<EquilibriumReport>& report_fields() {
                                         {"unit", "", "unit", &GripReport::unit}};
   static const Fields<Stability> kStability{
       {"stability", "", "stability", [](const Stability& s) { return to_string(s.kind); }},
-      {"freedoms", "", "degrees of freedom", &Stability::freedoms},
+      {"freedoms", "", "remaining degrees of freedom", &Stability::freedoms},
       {"softest", "1/s^2", "lowest natural frequency", &Stability::softest, frequency_text},
       {"growth_time", "s", "fastest growth", [](const Stability& s) { return growth_time(s.softest); }, growth_text},
       {"has_potential", "", "potential", &Stability::has_potential,

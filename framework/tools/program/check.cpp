@@ -271,19 +271,10 @@ std::string brief_text(const System& system, const Findings& f, bool in_space) {
   return text + "\n  More: --verbose, --channels" + (in_space ? "\n" : ", --full\n");
 }
 
-// Degrees of freedom are counted in space if the scene's plane leaves none.
-Mechanism build_to_count(const Loaded& loaded) {
-  Mechanism m = build_observed(loaded.scene, loaded.registry);
-  if (!m.system.plane() || loaded.scene.root.find("planar") != nullptr) return m;
-  Dynamics dynamics = make_dynamics(m, loaded.registry);
-  const MobilityReport r = mobility(dynamics, m.system.start());
-  return r.freedoms + r.driven > 0 ? std::move(m) : build_observed(in_space(loaded.scene), loaded.registry);
-}
-
 // The exit code of a run of it, as far as its start: the findings precede the error of the start.
 Result check_scene(const Arguments& args) {
   const Loaded loaded = load(args);
-  Mechanism m = build_to_count(loaded);
+  Mechanism m = build_observed(loaded.scene, loaded.registry);
   if (args.has("--channels")) return {loaded, channel_fields(), channels_of(m.system, args["--of"])};
   const Findings found = found_in(args, loaded, m);
   if (!found.moves.error.empty()) tell_error(found.moves.error);

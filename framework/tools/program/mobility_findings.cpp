@@ -72,7 +72,7 @@ std::string position_text(const Json& position) {
 MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& typed) {
   MobilityFindings found;
   const State counted = counted_start(dynamics, m, typed, found);
-  const MobilityReport& r = found.mobility = mobility(dynamics, counted);
+  MobilityReport& r = found.mobility = mobility(dynamics, counted);
   found.choice = m.run.nearly_redundant;
   if (const Plane plane = m.system.plane()) found.plane = "xyz"[plane.n];
   if (r.redundant > 0 || !found.near.all.empty()) found.reactions = uniqueness(dynamics, counted);
@@ -85,8 +85,11 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   for (const VecX& tangent : found.position.tangents)
     found.branches.push_back(motion_words(dynamics.system(), dynamics.inputs(at), tangent));
   found.position_words = found.position.text(dynamics, counted);
-  if (r.freedoms > 0 && r.freedoms <= kMostMotions && r.unknowns <= kDenseUnknowns)
-    found.moves = driven_by(dynamics, counted);
+  const System::InSpace look = dynamics.look_in_space();
+  const MobilityReport in_space = mobility(dynamics, at);
+  r.freedoms = in_space.freedoms, r.driven = in_space.driven, r.drives = in_space.drives;
+  if (r.freedoms > 0 && r.freedoms <= kMostMotions && in_space.unknowns <= kDenseUnknowns)
+    found.moves = driven_by(dynamics, at);
   return found;
 }
 
@@ -97,7 +100,8 @@ const Fields<MobilityFindings>& mobility_fields() {
       {"unknowns", "", "unknown velocities", &MobilityReport::unknowns},
       {"rows", "", "constraints", &MobilityReport::rows},
       {"rank", "", "rank", &MobilityReport::rank},
-      {"freedoms", "", "degrees of freedom", &MobilityReport::freedoms},
+      {"degrees_of_freedom", "", "degrees of freedom", [](const MobilityReport& r) { return r.freedoms + r.driven; }},
+      {"freedoms", "", "  free", &MobilityReport::freedoms},
       {"driven", "", "  prescribed by drives", &MobilityReport::driven, unless_zero},
       {"drives", "", "  drives", &MobilityReport::drives},
       {"redundant", "", "redundant constraints", &MobilityReport::redundant},

@@ -15,7 +15,7 @@ namespace lockstep {
 
 /// Of a start that is assembled, as a run begins.
 struct MobilityFindings {
-  MobilityReport mobility;
+  MobilityReport mobility;  ///< constraints as solved; degrees of freedom in space, unless the scene asks for a plane
   NearRows near;
   UniquenessReport reactions;
   BranchPoint position;
