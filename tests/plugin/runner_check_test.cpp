@@ -38,6 +38,39 @@ TEST_CASE("check prints the degrees of freedom, what drives them, and how they a
   CHECK(contains(free.text, "2 degrees of freedom are free"));
 }
 
+TEST_CASE("degrees of freedom are counted in space, although a run is solved in a plane", "[runner]") {
+  const std::string ball = scene_file("ball", R"("gravity": [0, -9.81, 0],
+    "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
+    "joints": [{"name": "A", "type": "spherical", "p": "arm", "s": "ground", "at": [0, 0, 0]}])");
+  const Called checked = call("check '" + ball + "'"), counted = call("check '" + ball + "' --verbose");
+  INFO(checked.text << counted.text);
+  CHECK(contains(checked.text, "3 degrees of freedom are free"));
+  CHECK(contains(checked.text, "in the plane with normal z: 1 unknown velocity"));
+  CHECK(value_of(counted.text, "degrees of freedom") == "3");
+  CHECK(contains(counted.text, "'arm' rotates about x"));
+  CHECK(value_of(call("check '" + ball + "' --verbose --set joints.A.type=revolute").text, "degrees of freedom") ==
+        "1");
+  // but in a plane that the scene asks for
+  CHECK(value_of(call("check '" + ball + "' --verbose --planar z").text, "degrees of freedom") == "1");
+}
+
+TEST_CASE("a door at rest is solved in space by check, run and statics, not in a plane that locks it", "[runner]") {
+  const std::string door = "'" + scene_file("near_door", R"("gravity": [0, 0, -9.81],
+    "bodies": [{"name": "door", "box": {"mass": 30, "size": [0.9, 0.04, 2]}, "position": [0.45, 0, 1]}],
+    "joints": [{"name": "low",  "type": "revolute", "p": "door", "s": "ground", "at": [0, 0, 0.2]},
+               {"name": "mid",  "type": "revolute", "p": "door", "s": "ground", "at": [1e-5, 0, 1]},
+               {"name": "high", "type": "revolute", "p": "door", "s": "ground", "at": [0, 0, 1.8]}],
+    "run": {"until": 0.1, "record": ["low.force_on_p_world_z"]})") +
+                           "'";
+  for (const std::string command : {"check ", "run --no-picture --record near_door.csv ", "statics "}) {
+    const Called free = call(command + door + " --nearly-redundant free");
+    CAPTURE(command, free.text);
+    CHECK(free.exit == 0);
+    CHECK(contains(free.text, "it is released"));
+    CHECK_FALSE(contains(free.text, "no degree of freedom"));
+  }
+}
+
 TEST_CASE("check names what keeps a scene in space that moves in a plane", "[runner]") {
   nlohmann::json scene = nlohmann::json::parse(std::ifstream(kFourBar));
   scene["markers"] = nlohmann::json::parse(
