@@ -109,7 +109,7 @@ PluginStamp stamp_of(const std::string& file) { return stamp_of_bytes(bytes_of(f
 CheckedFile data_from(const std::string& path, std::string_view magic, std::size_t most) {
   const std::vector<char> bytes = bytes_of(path);
   check_image(bytes, path);
-  const auto at = std::ranges::search(bytes, magic).begin();
+  const auto at = std::search(bytes.begin(), bytes.end(), magic.begin(), magic.end());
   const auto n = std::min<std::ptrdiff_t>(bytes.end() - at, static_cast<std::ptrdiff_t>(most));
   return {stamp_of_bytes(bytes), {at, at + n}};
 }
