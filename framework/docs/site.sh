@@ -59,6 +59,10 @@ mv "$gallery" "$html/gallery"
 
 cd "$html"
 "$source/tests/pages/anchors" --html ./md_*.html index.html
+# Marks of Markdown that Doxygen left in the words of a page, but for blocks of code.
+marks="$(perl -0777 -ne 's{<div class="fragment">.*?</div><!-- fragment -->|<pre.*?</pre>|<!--.*?-->|<[^>]*>}{}gs;
+  while (/^(.*(?:`|\\ilinebr).*)$/mg) { print "$ARGV: $1\n" }' ./md_*.html index.html)"
+if [ -n "$marks" ]; then printf 'marks are left on the page:\n%s\n' "$marks"; exit 1; fi
 # Pairs of a page and a local link in it that leads to no file.
 lost() {
   grep -oHE '(href|src)="[^"#]+' ./*.html | sed -E 's/^([^:]+):(href|src)="/\1 /' | sort -u |
