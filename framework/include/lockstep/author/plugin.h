@@ -44,7 +44,6 @@ struct lockstep_abi_record {
 
 namespace lockstep {
 
-inline constexpr const char* kAbiSymbol = "lockstep_abi";                   ///< symbol of a plugin's record
 inline constexpr const char* kRegisterSymbol = "lockstep_register_plugin";  ///< symbol of the function that registers
 inline constexpr const char* kAbiMagic = "lockstep-abi";                    ///< lockstep_abi_record::magic
 
