@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <boost/algorithm/string/predicate.hpp>
+#include <boost/iterator/transform_iterator.hpp>
 #include <cerrno>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <new>
 #include <nlohmann/json.hpp>
-#include <ranges>
 
 #include <lockstep/error.h>
 #include "framework/mechanism/params/read.h"
@@ -38,9 +38,10 @@ class TreeBuilder {
 
   // The parser looks at each character once.
   bool parse() {
-    const auto counted = text_ | std::views::transform([this](char c) { return ++read_, c; });
-    return nlohmann::json::sax_parse(counted.begin(), counted.end(), this, nlohmann::json::input_format_t::json, true,
-                                     true);
+    const auto count = [this](char c) { return ++read_, c; };
+    return nlohmann::json::sax_parse(boost::make_transform_iterator(text_.begin(), count),
+                                     boost::make_transform_iterator(text_.end(), count), this,
+                                     nlohmann::json::input_format_t::json, true, true);
   }
 
   bool null() { return put(Value(), here()); }
