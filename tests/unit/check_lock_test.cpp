@@ -160,7 +160,7 @@ TEST_CASE("check_lock passes a right joint and reports the extent of its checks"
 TEST_CASE("check_lock names wrong derivatives", "[unit][check]") {
   CheckReport r = rod(Fault::rate_sign);
   CAPTURE(r.text());
-  CHECK(says(r, "joint 'rod' (rod): Ct of constraint length is "));
+  CHECK(says(r, "joint 'rod' (rod): 1 finding (seed 7)\n  Ct of constraint length is "));
   CHECK(says(r, "so it has the wrong sign (seed 7, state "));
 
   r = rod(Fault::half_square);
@@ -235,7 +235,7 @@ TEST_CASE("check_lock of a type finds a group that writes one joint twice", "[un
   CHECK(right.ok());
   CHECK(says(wrong, "two joints gathered as one group differ from each one alone"));
   CHECK(says(wrong, "links[i] (not this)"));
-  CHECK(says(wrong, "the first findings are with both bodies moving"));
+  CHECK(says(wrong, "the findings are from the test system with both bodies moving"));
 }
 
 namespace {
@@ -283,6 +283,85 @@ TEST_CASE("check_lock follows a joint over full revolutions", "[unit][check]") {
   CHECK(says(forgotten, "constraint phi jumps by 0.126 when 'thread.P' has rotated by 1"));
   CHECK(says(forgotten, ".counts_turns = true"));
   CHECK(says(odd, "constraint phi on body 'nut' changes with the sign of the quaternion of body 'nut'"));
+}
+
+namespace {
+
+struct Hidden {
+  static constexpr PhiSpec spec{};
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    return y.z - 0.3 * y.x * value_of(y.x);
+  }
+};
+struct Branch {
+  static constexpr PhiSpec spec{.reads = Reads::translation};
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    return y.x < 0 ? y.z - 0.1 : y.z;
+  }
+};
+struct Flat {
+  static constexpr PhiSpec spec{};
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    return 0.0 * y.z;
+  }
+};
+struct SameAsMask {
+  static constexpr PhiSpec spec{};
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    return 2.0 * y.y;
+  }
+};
+struct Throws {
+  static constexpr PhiSpec spec{};
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    if (y.t > 0.5) throw std::runtime_error("the table is empty");
+    return y.z;
+  }
+};
+template <class Phi>
+CheckReport typed() {
+  Registry registry = builtin_registry();
+  registry.links.add({"thread", "a joint", {}}, [](const Attachment& attachment, const Params&) {
+    return std::make_unique<Joint<Phi>>(attachment.name, attachment.p(), attachment.s());
+  });
+  return check_lock(registry, "thread");
+}
+
+}  // namespace
+
+TEST_CASE("check_lock names the variable that a function hides, and not what follows from it", "[unit][check]") {
+  const CheckReport hidden = typed<Hidden>();
+  CAPTURE(hidden.text());
+  CHECK(hidden.findings().size() == 1);
+  CHECK(says(hidden, "  the derivative of constraint phi in x is "));
+  CHECK(says(hidden, "look at x: value_of() or a plain `double` hides it from the derivatives"));
+  CHECK(says(hidden, "note: Jacobian, Ct, Qhat and tangent follow from the function, and were not compared"));
+}
+
+TEST_CASE("check_lock finds a branch of a function that reads no angle", "[unit][check]") {
+  const CheckReport report = typed<Branch>();
+  CAPTURE(report.text());
+  CHECK(says(report, "constraint phi jumps by 0.1 when 'marker P' has rotated by "));
+  CHECK(says(report, "look at branches of the function"));
+}
+
+TEST_CASE("check_lock notes a function that removes no degree of freedom", "[unit][check]") {
+  const CheckReport flat = typed<Flat>(), same = typed<SameAsMask>(), right = typed<TurnsCounted>();
+  CAPTURE(flat.text(), same.text(), right.text());
+  CHECK(flat.ok());
+  CHECK(says(flat, "note: constraint phi removes no degree of freedom in any state: it has no gradient"));
+  CHECK(says(same, "note: constraint phi removes no degree of freedom in any state"));
+  CHECK(right.notes().empty());
+}
+
+TEST_CASE("check_lock names the joint whose function throws", "[unit][check]") {
+  testing::check_words(testing::message_of<UserCodeError>([] { typed<Throws>(); }),
+                       {"t = ", "joint 'sample' (joint) threw: the table is empty"});
 }
 
 TEST_CASE("every joint of the library passes its check", "[unit][check]") {

@@ -10,6 +10,7 @@
 #include <lockstep/author/relative.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/check/sample_system.h"
 #include "framework/tools/check/state_check.h"
 
@@ -25,6 +26,8 @@ class ForceCheck final : public StateCheck {
 
  private:
   void breakpoints(double t0, double t1, std::vector<double>& out) const override { force_.breakpoints(t0, t1, out); }
+
+  ErrorContext context() const override { return context_of(force_, state_.t); }
 
   Reactions reactions() const { return {rows_, {lambda_.data(), static_cast<std::size_t>(lambda_.size())}}; }
   bool reads() const { return lambda_.size() > 0; }
@@ -185,10 +188,11 @@ CheckReport check_force(System& system, const Force& force, const CheckOptions& 
 CheckReport check_force(const Registry& registry, const std::string& type, const Params& params,
                         const CheckOptions& options) {
   return check_in_samples(fmt::format("force type '{}'", type), options, [&](SampleSystem& sample) {
-    Attachment attachment = sample.attachment("tried");
+    Attachment attachment = sample.attachment("sample");
     attachment.link =
         &sample.system.add<Revolute>("hinge", attachment.p(), attachment.s());  // for forces that act in a link
-    const Force* force = &sample.system.add(registry.forces.make(type, attachment, params, &registry, "force 'tried'"));
+    const Force* force =
+        &sample.system.add(registry.forces.make(type, attachment, params, &registry, "force 'sample'"));
     return [=, &sample, &options](CheckReport& report) {
       if (sample.kind.p_fixed && force->slots().empty()) return;  // it acts at P alone
       ForceCheck(sample.system, *force, report, options).run();

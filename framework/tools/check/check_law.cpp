@@ -65,29 +65,35 @@ VecX sizes(const LawNumbers& law, const CheckOptions& options, CheckReport& repo
   return size;
 }
 
-// First derivatives against the change of the value, second ones against the first.
+// First derivatives against the change of the value, second ones against the first, or against the value if the first
+// are wrong.
 void check_rates(const LawNumbers& law, const VecX& size, const CheckOptions& options, CheckReport& report) {
   const std::vector<double> told = told_breakpoints(law.all, options, report);
   const double span = options.to - options.from;
-  Draw draw(options.seed);
-  for (int i = 0; i < 8 * options.states; ++i) {
-    const double t = draw.number(options.from, options.to);
-    double reach = std::min({span / 50, t - options.from, options.to - t});
-    for (const double b : told) reach = std::min(reach, 0.9 * std::abs(t - b));
-    if (reach < kSlight * span) continue;
-    const Curve value = [&](double x) { return law.change(t, x); };
-    const Curve rate = [&](double x) -> VecX { return law.all.at(t + x).segment(law.n_values, law.n); };
-    for (const int level : {1, 2}) {
+  bool wrong = false;  // the first derivatives
+  for (const int level : {1, 2}) {
+    Draw draw(options.seed);
+    const bool twice = level == 2 && wrong;
+    for (int i = 0; i < 8 * options.states; ++i) {
+      const double t = draw.number(options.from, options.to);
+      double reach = std::min({span / 50, t - options.from, options.to - t});
+      for (const double b : told) reach = std::min(reach, 0.9 * std::abs(t - b));
+      if (reach < kSlight * span) continue;
+      const Curve value = [&](double x) { return law.change(t, x); };
+      const Curve rate = [&](double x) -> VecX { return law.all.at(t + x).segment(law.n_values, law.n); };
       const int first = law.n_values + (level - 1) * law.n;
-      const auto what = [&](int k) { return fmt::format("{} at t = {} s", law.name(first + k), text::number(t)); };
+      const auto what = [&](int k) { return fmt::format("{} at t = {} s", law.name(first + k), text::brief(t)); };
       const auto look = [&](int k) {
         return fmt::format("the formula of {}, and at the terms of the chain rule", law.name(first + k));
       };
-      compare(report,
-              {fmt::format("slope {}", level), law.all.at(t).segment(first, law.n),
-               VecX::Constant(law.n, size.segment(first, law.n).maxCoeff()), what,
-               fmt::format("differences of {} give", law.levels[level - 1]), "", look},
-              first_derivative(level == 1 ? value : rate, reach));
+      const bool found =
+          compare(report,
+                  {fmt::format("slope {}", level), law.all.at(t).segment(first, law.n),
+                   VecX::Constant(law.n, size.segment(first, law.n).maxCoeff()), what,
+                   fmt::format("{}differences of {} give", twice ? "second " : "", law.levels[twice ? 0 : level - 1]),
+                   "", look},
+                  twice ? second_derivative(value, reach) : first_derivative(level == 1 ? value : rate, reach));
+      wrong = wrong || found;
     }
   }
 }
@@ -100,10 +106,14 @@ CheckReport checked(const Law& law, const char* kind, const std::string& name, c
                                  options.from, options.to));
   CheckReport report(name.empty() ? kind : fmt::format("{} '{}'", kind, name), options.seed);
   LawNumbers own{levels, {}, {}, 0, 0};
-  own.all = {[&](double t) { return numbers(law.at(t)); }, [&](int c) { return own.name(c); },
+  const auto at = [&](double t) {
+    return in_context([&] { return ErrorContext{.thing = {.kind = kind, .name = name}, .t = t}; },
+                      [&] { return law.at(t); });
+  };
+  own.all = {[&](double t) { return numbers(at(t)); }, [&](int c) { return own.name(c); },
              [&](double t0, double t1, std::vector<double>& out) { law.breakpoints(t0, t1, out); },
              "breakpoints(): append every time at which the value or one of its two derivatives jumps"};
-  own.change = [&](double t, double x) { return change(law.at(t), law.at(t + x)); };
+  own.change = [&](double t, double x) { return change(at(t), at(t + x)); };
   const auto n_all = static_cast<int>(own.all.at(options.from).size());
   own.n = static_cast<int>(own.change(options.from, 0).size()), own.n_values = n_all - 2 * own.n;
   const VecX size = sizes(own, options, report);

@@ -9,7 +9,10 @@
 #include <limits>
 #include <set>
 
+#include <lockstep/author/function_links.h>
+#include <lockstep/detail/phi_rows.h>
 #include <lockstep/error.h>
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/check/sample_system.h"
 #include "framework/tools/check/state_check.h"
 
@@ -88,12 +91,15 @@ class LockCheck final : public StateCheck {
       : StateCheck(system, report, options, link.remembering(), link.first_memory()),
         link_(link),
         sibling_(sibling),
-        m_(link.row_count()) {
+        m_(link.row_count()),
+        idle_(m_, true) {
+    if (const auto* of = dynamic_cast<const LinkFunction*>(&link)) function_ = &of->function();
     is_link_ = true, n_timed_ = 3, n_turned_ = 1;
     for (int i = 0; i < link.slots().n; ++i) slots_.push_back(link.slots()[i]);
   }
 
  private:
+  ErrorContext context() const override { return context_of(link_, state_.t); }
   MatX numbers(const TestState& at) override { return rows_of(system_, link_, at); }
   std::string row(int k) const { return "constraint " + link_.row_name(k); }
   auto J(int k, int slot) const { return is_.block<1, 6>(k, 3 + 6 * slot); }
@@ -118,6 +124,8 @@ class LockCheck final : public StateCheck {
     everything_written();
     group();
     pose_alone();
+    idle();
+    if (function_ != nullptr && !function_fits()) return;
     jacobian();
     time_derivatives();
     tangent();
@@ -196,7 +204,60 @@ class LockCheck final : public StateCheck {
               "gather(): C, Ct and the Jacobian depend on pose and time alone; velocities belong to Qhat");
   }
 
+  // Rows that remove no degree of freedom: no gradient, or a combination of those before.
+  void idle() {
+    std::vector<VecX> basis;
+    for (int k = 0; k < m_; ++k) {
+      VecX rest = is_.row(k).tail(6 * n_).normalized().transpose();
+      for (const VecX& q : basis) rest -= q.dot(rest) * q;
+      if (rest.norm() > kNegligible) idle_[k] = false, basis.push_back(rest.normalized());
+    }
+  }
+
+  // The values of phi, or their derivatives, as coordinate i of pair k (0 to 6; 7: the time) changes by x.
+  Curve phi_along(int k, int i, double Time::*part) const {
+    return [=, this](double x) {
+      auto y = function_->along_motion(state_.in(), state_.z.data() + first_memory_);
+      for (int pair = 0; pair < function_->spec().pairs; ++pair) {
+        LockCoords<Time>& c = y[pair];
+        int j = 0;
+        for (Time* one : {&c.x, &c.y, &c.z, &c.e0, &c.e1, &c.e2, &c.e3, &c.t})
+          *one = j++ == i && (i == 7 || pair == k) ? Time(one->v + x, 1, 0) : Time(one->v);
+      }
+      std::array<Time, kMaxRows> rows;
+      function_->values({y.data(), static_cast<std::size_t>(function_->spec().pairs)}, rows);
+      VecX f(function_->spec().rows);
+      for (int r = 0; r < f.size(); ++r) f[r] = rows[r].*part;
+      return f;
+    };
+  }
+
+  // The derivatives of a function, from which all its other numbers follow.
+  bool function_fits() {
+    constexpr const char* kNames[] = {"x", "y", "z", "e0", "e1", "e2", "e3", "t"};
+    const PhiSpec& spec = function_->spec();
+    const int first = m_ - spec.rows;
+    const VecX size = is_.bottomRightCorner(spec.rows, 6 * n_).cwiseAbs().rowwise().maxCoeff();
+    bool fits = true;
+    for (int k = 0; k < spec.pairs; ++k)
+      for (int i = spec.first(k); i < 8; i = i + 1 == spec.end(k) ? 7 : i + 1) {
+        const std::string in = kNames[i] + (spec.pairs > 1 && i < 7 ? fmt::format(" of pair {}", k + 1) : "");
+        fits = !compare(report_,
+                        {"phi " + in, phi_along(k, i, &Time::d)(0), size,
+                         [&](int r) { return fmt::format("the derivative of {} in {}", row(first + r), in); },
+                         "differences of the function give", here(),
+                         [&](int) { return in + ": value_of() or a plain `double` hides it from the derivatives"; }},
+                        first_derivative(phi_along(k, i, &Time::v), (i < 3 ? length_ : 1) * std::min(0.05, quiet_))) &&
+               fits;
+      }
+    if (!fits) report_.note("Jacobian, Ct, Qhat and tangent follow from the function, and were not compared");
+    return fits;
+  }
+
   void turns() override {
+    for (int k = 0; k < m_; ++k)
+      if (idle_[k])
+        report_.note(row(k) + " removes no degree of freedom in any state: it has no gradient, or repeats another one");
     for (const auto& [p, s] : link_.pairs()) {
       const bool move_p = p->body->slot != kGround;
       turn_about_z((move_p ? p : s)->body->slot, *s, move_p ? 1 : -1, fmt::format("'{}'", (move_p ? p : s)->name));
@@ -325,7 +386,9 @@ class LockCheck final : public StateCheck {
 
   const Lock& link_;
   const Lock* sibling_;
-  int m_;  // rows
+  const PhiRows* function_ = nullptr;  // of a joint that is made of one
+  int m_;                              // rows
+  std::vector<bool> idle_;             // rows that remove no degree of freedom in any state so far
 };
 
 }  // namespace
@@ -345,7 +408,7 @@ CheckReport check_lock(const Registry& registry, const std::string& type, const 
       return &sample.system.add(
           registry.links.make(type, sample.attachment(name), params, &registry, fmt::format("joint '{}'", name)));
     };
-    const Lock *first = add("first"), *second = add("second");  // for the test of groups
+    const Lock *first = add("sample"), *second = add("sibling");  // for the test of groups
     return [=, &sample, &options](CheckReport& report) {
       LockCheck(sample.system, *first, second, report, options).run();
     };

@@ -52,7 +52,7 @@ std::string CheckReport::text() const {
     out += fmt::format("{} {} (seed {})\n", findings_.size(), findings_.size() == 1 ? "finding" : "findings", seed_);
   }
   for (std::size_t i = 0; i < std::min(findings_.size(), kMost); ++i) {
-    out += "  " + subject_ + ": " + findings_[i].what;
+    out += "  " + findings_[i].what;
     if (!findings_[i].look.empty()) out += "; look at " + findings_[i].look;
     out += "\n";
   }
@@ -74,8 +74,10 @@ std::string likeness(double is, double should_be) {
 bool compare(CheckReport& report, const Declared& d, const Slope& slope) {
   bool found = false;
   for (int c = 0; c < d.is.size(); ++c) {
-    const double is = d.is[c], should_be = slope.value[c], off = std::abs(is - should_be);
-    const double size = std::max({std::abs(is), std::abs(should_be), d.size[c]});
+    const double off = std::abs(d.is[c] - slope.value[c]);
+    const double size = std::max({std::abs(d.is[c]), std::abs(slope.value[c]), d.size[c]});
+    const auto rounded = [&](double x) { return std::abs(x) <= kRounding * size ? 0.0 : x; };
+    const double is = rounded(d.is[c]), should_be = rounded(slope.value[c]);
     report.compared(size > 0 ? slope.error[c] / size : 0);
     if (!(off > slope.error[c] + d.rounding * size)) continue;
     found = true;

@@ -44,18 +44,19 @@ SampleSystem::SampleSystem(const SampleKind& sample_kind, const CheckOptions& op
     const Pose home{draw.vector(0.3), draw.turn(0.5)};
     return fixed ? &system.ground() : &system.add_body(name, mass, home);
   };
-  common_ = body("common", kind.s_fixed);
-  const char* names[] = {"a", "b", "c"};
+  common_ = body("S", kind.s_fixed);
+  const char* names[] = {"P", "P2", "P3"};
   for (int k = 0; k < std::clamp(options.pairs, 1, 3); ++k) bodies_.push_back(body(names[k], kind.p_fixed && k == 0));
 }
 
 Attachment SampleSystem::attachment(const std::string& name) {
   Draw draw(seed_ + 1000 * system.markers().size() + 5);
   Attachment attachment{name, {}, nullptr};
+  const std::string of = system.markers().empty() ? "marker " : name + ".";
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const std::string of = name + (k == 0 ? "" : std::to_string(k + 1));
-    Marker& p = system.add_marker(of + ".P", *bodies_[k], {draw.vector(0.2), draw.turn(0.5)});
-    Marker& s = system.add_marker(of + ".S", *common_, {draw.vector(0.2), draw.turn(0.5)});
+    const std::string number = k == 0 ? "" : std::to_string(k + 1);
+    Marker& p = system.add_marker(of + "P" + number, *bodies_[k], {draw.vector(0.2), draw.turn(0.5)});
+    Marker& s = system.add_marker(of + "S" + number, *common_, {draw.vector(0.2), draw.turn(0.5)});
     if (kind.markers_move)
       for (Marker* m : {&p, &s}) {
         m->translation_law = std::make_shared<Sway>(draw.vector(0.2));
@@ -83,7 +84,7 @@ CheckReport check_in_samples(const std::string& subject, const CheckOptions& opt
     check(found);
     report.take(found);
     if (found.ok()) continue;
-    report.note(fmt::format("the first findings are with {}", kind.name));
+    report.note(fmt::format("the findings are from the test system with {}", kind.name));
     break;
   }
   return report;

@@ -17,7 +17,8 @@ struct SampleKind {
   bool s_fixed, p_fixed, markers_move;
 };
 
-/// Bodies "a", "b", ... that carry a P each, and "common" that carries every S; each object gets its own markers.
+/// Bodies "P", "P2", ... that carry a P each, and "S" that carries every S. Each object gets its own markers; those of
+/// the first are "marker P", "marker S", "marker P2", ...
 class SampleSystem {
  public:
   SampleSystem(const SampleKind& kind, const CheckOptions& options);

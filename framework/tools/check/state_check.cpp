@@ -95,6 +95,10 @@ std::string StateCheck::why_not_finite() const {
 }
 
 void StateCheck::run() {
+  in_context([&] { return context(); }, [&] { run_all(); });
+}
+
+void StateCheck::run_all() {
   if (!description()) return;
   length_ = std::max(Differences::distance(slots_, start_of(system_, options_.from).in()), 1e-3);
   Draw draw(options_.seed);
@@ -246,7 +250,10 @@ void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std
     else if (remembering_ != nullptr)
       add("turns", what, "accept_step() and start_memory(), or count_angles(), which counts an angle");
     else if (is_link_)
-      add("turns", what, "its angles: use .counts_turns = true and y.angle_z(), so that they count revolutions");
+      add("turns", what,
+          "branches of the function (`? :`, `if`, abs), or at its angles: with .counts_turns = true, y.angle_z() "
+          "counts "
+          "revolutions");
     else
       report_.note(what + "; if it has to count revolutions, use count_angles()");
   }
@@ -279,7 +286,8 @@ void StateCheck::check_tangent(const TangentSum& sum, bool damping, const Output
   const auto look = [&](int) {
     return is_link_ ? "tangent(); without it, the library differences gather() for implicit methods"
                     : fmt::format(
-                          "tangent(), {} = -df/d({}); without it, the library differences apply() for implicit methods",
+                          "tangent(), {} = -df/d({}), or at value_of() in act(), which hides derivatives; without "
+                          "tangent(), the library differences apply() for implicit methods",
                           letter, damping ? "v, w" : "x, rotation");
   };
   MatX T = MatX::Zero(6 * n_, 6 * n_);

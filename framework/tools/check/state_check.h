@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <lockstep/author/check.h>
+#include <lockstep/error.h>
 #include <lockstep/system.h>
 #include "framework/tools/check/compare.h"
 #include "framework/tools/check/draw.h"
@@ -58,6 +59,7 @@ class StateCheck {
   virtual std::string name(Eigen::Index row, Eigen::Index column) const = 0;
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const = 0;
   virtual std::string why_not_finite() const;
+  virtual ErrorContext context() const = 0;  ///< of what its code throws
 
   // -- its checks
   /// What it is made of, into slots_ and n_timed_. False: nothing else can be checked.
@@ -100,6 +102,7 @@ class StateCheck {
   double quiet_ = 0;        // s; no breakpoint is within it
 
  private:
+  void run_all();
   bool find_state(Draw&);
   void same_again();
   void memory();

@@ -141,6 +141,7 @@ LOCKSTEP_API CheckReport check_law(const RotationLaw&, const CheckOptions& optio
 
 /// Checks a joint of a system, at random states about the start, also off the constraints:
 ///
+/// - the derivatives of its function, if it is made of one; the others follow from these
 /// - each entry of Jh with dC/d(x, rotation)
 /// - Ct with dC/dt at a fixed pose
 /// - Qhat with -Cdd of a motion without accelerations (4.14)

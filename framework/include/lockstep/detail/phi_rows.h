@@ -58,13 +58,12 @@ class LOCKSTEP_API PhiRows {
   /// The coordinates of the pairs with their rates along the motion, for channels of a joint; zero for pairs that phi
   /// does not take.
   std::array<LockCoords<Time>, 3> along_motion(const Inputs& in, const double* memory) const;
+  /// The rows of phi at coordinates of each pair, with the derivatives along their rates.
+  virtual void values(PhiCoords y, std::span<Time> rows) const = 0;
 
  protected:
   /// Of a function with these declarations.
   explicit PhiRows(const PhiSpec& spec);
-  /// The rows of phi.
-  virtual void values(PhiCoords y, std::span<Time> rows) const = 0;
-
   /// The markers of a pair on their slots.
   struct FramePair {
     MarkerFrame P,  ///< marker P

@@ -1,6 +1,7 @@
 // The coupling template_coupling: two wheels, each in its joint, geared with a ratio that varies.
 //
-// Change three things: the function phi, the keys in info(), and the checks in make(). Then build and run the test.
+// Change the function phi, the keys in info() and the checks in make(). Then change the parameters in
+// test_template_coupling.cpp and scene.json, and build and run the test.
 #include <lockstep/author/plugin.h>
 
 #include <lockstep/author/phi_links.h>
@@ -20,7 +21,6 @@ struct TemplateCouplingFunction {
 
   template <class T>
   T operator()(const LockCoords<T>& a, const LockCoords<T>& b) const {
-    using std::sin;
     return a.angle_z() + depth * sin(a.angle_z()) + b.angle_z();
   }
 };

@@ -1,6 +1,7 @@
 // The force template_force: P and S attract each other with the inverse square of their distance.
 //
-// Change three things: the formula in act(), the keys in info(), and the checks in make(). Then build and run the test.
+// Change the formula in act(), the keys in info() and the checks in make(). Then change the parameters in
+// test_template_force.cpp and scene.json, and build and run the test.
 #include <lockstep/author/force.h>
 #include <lockstep/author/plugin.h>
 

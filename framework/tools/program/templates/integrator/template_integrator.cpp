@@ -1,6 +1,6 @@
 // The integrator template_integrator: the midpoint rule, order 2, fixed step.
 //
-// Change three things: step(), info() and type_info(). Then build and run the test, which measures the order.
+// Change step(), info() and type_info(). Then build and run the test, which measures the order.
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/author/plugin.h>

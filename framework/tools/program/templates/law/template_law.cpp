@@ -1,6 +1,7 @@
 // The motion law template_law: y goes to a new value and settles there, as a critically damped spring does.
 //
-// Change three things: the formulas in at(), the keys in info(), and the checks in make(). Then build and run the test.
+// Change the formulas in at(), breakpoints(), the keys in info() and the checks in make(). Then change the parameters in
+// test_template_law.cpp and scene.json, and build and run the test.
 #include <cmath>
 
 #include <lockstep/author/plugin.h>
@@ -22,7 +23,8 @@ class TemplateLaw final : public MotionLaw {
     return {rise_ * (1 - (1 + u) * e), rise_ * u * e / time_, rise_ * (1 - u) * e / (time_ * time_)};
   }
 
-  /// The times at which y, yd or ydd jumps (here ydd): integrators step onto them.
+  /// The times at which y, yd or ydd jumps (here ydd): integrators step onto them. Jumps of higher derivatives may be
+  /// listed as well; adaptive methods then need fewer steps.
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
     if (t0 < start_ && start_ < t1) out.push_back(start_);
   }

@@ -1,6 +1,7 @@
 // The joint template_link: the point P moves on a wavy rail that is fixed to S.
 //
-// Change three things: the function phi, the keys in info(), and the checks in make(). Then build and run the test.
+// Change the function phi, the keys in info() and the checks in make(). Then change the parameters in
+// test_template_link.cpp and scene.json, and build and run the test.
 #include <lockstep/author/plugin.h>
 
 namespace {
@@ -12,6 +13,8 @@ using namespace lockstep;
 /// automatic.
 ///
 ///   phi = z - height (1 - cos(2 pi x/length))/2
+///
+/// Its multiplier is a force in N only if the gradient of phi has length one: record rail.force_on_p_world_z instead.
 struct TemplateLinkFunction {
   double height, length;
   // x y z alone, Reads::both if e or angle_z() occur; phi is a length, RowKind::function for anything else.
@@ -19,7 +22,6 @@ struct TemplateLinkFunction {
 
   template <class T>
   T operator()(const LockCoords<T>& y) const {
-    using std::cos;
     return y.z - 0.5 * height * (1.0 - cos(kTwoPi / length * y.x));
   }
 };
