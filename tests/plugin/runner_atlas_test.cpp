@@ -71,6 +71,7 @@ TEST_CASE("atlas: a method works below the limit of its theory and fails above i
   CHECK_FALSE(j["maps"][1].contains("limit"));  // unconditionally stable
   CHECK(j["maps"][1]["counts"].value("failed", 0) == 0);
   CHECK(j["maps"][2]["counts"]["accurate"] == 24);  // it chooses its steps
+  CHECK(j["not_tried"] == 0);
   CHECK(lines_of("atlas_spring_atlas.csv") == 1 + 3 * 24);
   for (const char* file : {"atlas_spring_atlas.png", "atlas_spring_atlas.svg"})
     CHECK(std::filesystem::exists(kRunnerFolder + "/" + file));

@@ -69,6 +69,15 @@ TEST_CASE("a finer run that fails takes the coarser ones' credit, one that ran o
   CHECK(counts(result, result.runs[2]));
 }
 
+TEST_CASE("a wrong run counts nowhere, however small its error", "[unit][pareto]") {
+  WorkPrecision result;
+  result.runs = {run_of("a", 2, 1e-3, 1), run_of("a", 1, 1e-4, 2)};
+  result.runs[0].wrong = true;
+  CHECK(settings(pareto_front(result)) == std::vector<double>{1});
+  REQUIRE(costs_at_error(result, 1e-2).size() == 1);
+  CHECK(costs_at_error(result, 1e-2)[0].run->setting == 1);
+}
+
 TEST_CASE("a cost is an upper bound until the next coarser run missed", "[unit][pareto]") {
   WorkPrecision result;
   result.runs = {run_of("a", 4, 1e-4, 1), run_of("a", 2, 1e-5, 2),      run_of("b", 4, 1e-2, 1.5),

@@ -191,6 +191,10 @@ TEST_CASE("a key without effect does not make a separate method", "[unit][work_p
   CHECK(result.runs.size() == 4);
   for (const WorkPrecisionRun& run : result.runs) CHECK(run.integrator != "dopri5:key=other");
   CHECK(result.left_out.empty());
+  std::swap(options.integrators[0], options.integrators[1]);  // the shorter name is kept, though it runs later
+  const WorkPrecision swapped = work_precision({.make = swinging, .length = 1.0, .outputs = 5}, options);
+  CHECK(swapped.runs.size() == 4);
+  for (const WorkPrecisionRun& run : swapped.runs) CHECK(run.integrator != "dopri5:key=other");
 }
 
 TEST_CASE("one dimension at a time keeps the others at the base", "[unit][work_precision]") {
@@ -242,6 +246,8 @@ TEST_CASE("a formulation that the base's solver does not take is drawn with anot
   }
   REQUIRE(!chart.remarks.empty());
   CHECK(chart.remarks.front() == "curves: solver schur; quaternion: sparse");
+  base.stabilization = Stabilization::Kind::none;  // of which there are no runs: no curves, and no panels
+  CHECK(integrators_chart(result, "none", base, CostKind::cpu).panels.empty());
 }
 
 // A clock that counts steps: 1 ms each. What the budget allows is then known without asking the machine.

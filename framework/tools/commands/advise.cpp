@@ -55,9 +55,10 @@ std::string run_block(const RunSettings& run, const WorkPrecisionRun& r, double 
   return write_json(block);
 }
 
-// The run that came closest.
-const WorkPrecisionRun* nearest_of(const WorkPrecision& result, ErrorKind kind) {
+// The run that came closest to an error; null if the references differ by more than that.
+const WorkPrecisionRun* nearest_of(const WorkPrecision& result, ErrorKind kind, double error) {
   const WorkPrecisionRun* best = nullptr;
+  if (result.agreement.of(kind) > error) return best;
   for (const WorkPrecisionRun& run : result.runs)
     if (counts(result, run, kind) && (best == nullptr || run.error.of(kind) < best->error.of(kind))) best = &run;
   return best;
@@ -79,9 +80,11 @@ struct Advised {
 std::string hint_of(const Advised& a) {
   const double agreement = a.measured->agreement.of(a.kind);
   if (agreement > a.error)
-    return fmt::format("the reference solutions differ by {:.2g} {}, more than the error; shorten the run (--until)",
-                       agreement, unit_of(a.kind));
-  if (!a.cheapest) return "increase --budget, or allow a larger error";
+    return fmt::format(
+        "the reference solutions differ by {:.2g} {}, more than the error; allow a larger error, or "
+        "shorten the run (--until)",
+        agreement, unit_of(a.kind));
+  if (!a.cheapest) return "no run met the error; increase --budget, or allow a larger error";
   return a.cheapest->cost.confirmed ? "" : "not confirmed by a finer run; increase --budget";
 }
 const Fields<Advised>& advise_fields() {
@@ -137,7 +140,7 @@ Result advise(const Arguments& args) {
     write_runs_report(report, text_of(args, loaded), runs_text(*result), "cpu [s]",
                       fmt::format("{} error [{}]", to_string(kind), unit_of(kind)), true);
   const std::vector<CostAtError> each = each_of(costs_at_error(*result, error, kind));
-  const WorkPrecisionRun* nearest = nearest_of(*result, kind);
+  const WorkPrecisionRun* nearest = nearest_of(*result, kind, error);
   const auto choice = [&](std::size_t k) -> std::optional<Choice> {
     if (k >= each.size()) return {};
     const WorkPrecisionRun& best = *each[k].run;

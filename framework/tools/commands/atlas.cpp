@@ -65,6 +65,13 @@ class Atlas {
   const AtlasPlan& plan() const { return plan_; }
   long n_runs() const { return n_ * static_cast<long>(plan_.panels.size()); }
   bool out_of_time() const { return spent_ > plan_.budget; }
+  long n_left() const {  // by the budget
+    long n = 0;
+    for (const AtlasPanel& panel : plan_.panels)
+      for (const AtlasCell& cell : panel.cells)
+        n += panel.unsuited.empty() && cell.outcome == AtlasOutcome::untried && cell.reason.empty();
+    return out_of_time() ? n : 0;
+  }
   double agreement() const {
     double worst = 0;
     for (const auto& [key, shared] : references_) worst = std::max(worst, shared.reference.agreement);
@@ -192,8 +199,10 @@ const Fields<Atlas>& drawn_fields() {
       {"reference", "", "reference", &Atlas::methods},
       {"agreement", "m", "  accuracy", &Atlas::agreement},
       {"missing", "", "no reference for some values", &Atlas::missing},
-      {"out_of_time", "", "stopped by --budget before every run",
-       &Atlas::out_of_time}}.with(&Atlas::plan, atlas_fields());
+      {"out_of_time", "", "", &Atlas::out_of_time},
+      {"not_tried", "", "budget used up", &Atlas::n_left, [](const Json& n) {
+         return n == 0 ? "" : n.dump() + " runs not tried; increase --budget";
+       }}}.with(&Atlas::plan, atlas_fields());
   return kFields;
 }
 

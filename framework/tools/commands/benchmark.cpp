@@ -23,6 +23,7 @@ constexpr double kDefaultBudget = 60;  // s
 struct Owner {
   Mechanism mechanism;
   std::unique_ptr<Recorder> recorder{};
+  std::unique_ptr<EnergyAudit> audit{};
 };
 
 // `assembled`: the start that all mechanisms of the scene share, computed by the first.
@@ -33,6 +34,8 @@ Subject subject_of(const Scene& scene, const Registry& registry, std::optional<S
   owner->recorder = make_recorder(m);
   Subject subject{owner, &system_of(m), {}};
   subject.events = make_events(m, *owner->recorder);
+  owner->audit = std::make_unique<EnergyAudit>(system_of(m), m.run.limits);
+  subject.audit = owner->audit.get();
   if (!subject.events.empty()) subject.observers.push_back(owner->recorder.get());
   if (!assembled) {
     Dynamics dynamics(system_of(m), make_solver(m.run, registry), {Formulation::omega, m.run.stabilization});
@@ -149,8 +152,8 @@ std::string run_line(const WorkPrecisionRun& r) {
     if (reason.size() > 90) reason = reason.substr(0, reason.rfind(' ', 90)) + " ...";
     return line + (r.given_up ? "" : "failed: ") + reason;
   }
-  return line + fmt::format("{:9.1e} {:9.1e} {:9.1e} {:9.1e} {:9.2g} {:8}", r.error.position, r.error.velocity,
-                            r.error.energy, r.error.reaction, r.cpu, r.evaluations);
+  return line + fmt::format("{:9.1e} {:9.1e} {:9.1e} {:9.1e} {:9.2g} {:8}{}", r.error.position, r.error.velocity,
+                            r.error.energy, r.error.reaction, r.cpu, r.evaluations, r.wrong ? "  WRONG" : "");
 }
 
 }  // namespace

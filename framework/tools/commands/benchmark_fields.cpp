@@ -30,8 +30,10 @@ std::string error_text(const Json& error) {
 std::string runs_words(const Json& runs) {
   const auto failed = std::ranges::count_if(runs, [](const Json& r) { return r.contains("failure"); });
   const auto slow = std::ranges::count_if(runs, [](const Json& r) { return r.contains("stopped"); });
-  return fmt::format("{}{}{}", runs.size(), failed > slow ? fmt::format(", {} failed", failed - slow) : "",
-                     slow > 0 ? fmt::format(", {} stopped as too slow", slow) : "");
+  const auto wrong = std::ranges::count_if(runs, [](const Json& r) { return r.contains("wrong"); });
+  return fmt::format("{}{}{}{}", runs.size(), failed > slow ? fmt::format(", {} failed", failed - slow) : "",
+                     slow > 0 ? fmt::format(", {} stopped as too slow", slow) : "",
+                     wrong > 0 ? fmt::format(", {} wrong (energy or constraints)", wrong) : "");
 }
 
 std::string count_text(const Json& names) {
@@ -46,7 +48,7 @@ const Fields<WorkPrecisionRun>& measured_run_fields() {
       {"integrator", "", "integrator", &Run::integrator},
       {"formulation", "", "formulation", [](const Run& r) { return to_string(r.formulation); }},
       {"stabilization", "", "stabilisation", [](const Run& r) { return to_string(r.stabilization); }},
-      {"solver", "", "solver", &Run::solver},
+      {"solver", "", "solver", [](const Run& r) { return needs_no_solver(r.formulation) ? "-" : r.solver; }},
       Field<Run>(
           "tolerance", "", "tolerance", [](const Run& r) { return r.adaptive ? r.setting : NAN; }, digits_text<3>)
           .optional(),
@@ -59,6 +61,7 @@ const Fields<WorkPrecisionRun>& measured_run_fields() {
           .optional(),
       Field<Run>("failure", "", "failure", [](const Run& r) { return r.done() ? "" : r.failure; }).optional(),
       Field<Run>("stopped", "", "", &Run::given_up).optional(),  // as too slow
+      Field<Run>("wrong", "", "", &Run::wrong).optional(),
       {"cpu", "s", "CPU [s]", &Run::cpu, digits_text<2>},
       {"evaluations", "", "evaluations", &Run::evaluations},
       {"factors", "", "", &Run::factors},

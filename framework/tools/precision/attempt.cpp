@@ -39,6 +39,8 @@ Outcome attempt_run(const Trajectory& trajectory, const Recipe& recipe, double l
     sim.set_state(subject.start);
     for (Observer* o : subject.observers) sim.add_observer(*o);
     if (kind != RunKind::plain) sim.add_observer(observer);
+    const bool judged = kind == RunKind::observed && subject.audit != nullptr;
+    if (judged) sim.add_observer(*subject.audit);
     for (const Event& event : subject.events) sim.add_event(event);
     sim.progress = [&](const State&) { return !(out.given_up = !(clocks.clock() - clock_begin <= limit)); };
     try {
@@ -49,6 +51,7 @@ Outcome attempt_run(const Trajectory& trajectory, const Recipe& recipe, double l
     }
     out.report = sim.report();
     out.work = dynamics.work();
+    out.wrong = judged && subject.audit->result().is_wrong();
     State end = sim.state();
     out.dense = out.failure.empty() && sim.integrator().dense(sim.state().t, end);
   } catch (const Error& error) {

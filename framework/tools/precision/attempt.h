@@ -26,6 +26,7 @@ struct Outcome {
   bool unsuited = false;     ///< the method cannot run this mechanism: it made no step
   bool given_up = false;     ///< it exceeded the limit
   bool interrupted = false;  ///< by the user
+  bool wrong = false;        ///< by the subject's audit, of an observed run
   bool dense = false;        ///< outputs do not change its steps
 };
 

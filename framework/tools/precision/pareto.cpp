@@ -17,7 +17,7 @@ double cost(const WorkPrecisionRun& run, CostKind kind) {
 }
 
 bool counts(const WorkPrecision& result, const WorkPrecisionRun& run, ErrorKind kind) {
-  if (!run.done() || !std::isfinite(run.error.of(kind))) return false;
+  if (!run.done() || run.wrong || !std::isfinite(run.error.of(kind))) return false;
   const double limit = kLuck * std::max(run.error.of(kind), result.agreement.of(kind));
   return std::none_of(result.runs.begin(), result.runs.end(), [&](const WorkPrecisionRun& other) {
     const bool finer = same_way(other, run) && other.setting < run.setting;

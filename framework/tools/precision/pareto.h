@@ -12,7 +12,7 @@ namespace lockstep {
 enum class CostKind { cpu, evaluations };
 LOCKSTEP_API double cost(const WorkPrecisionRun&, CostKind);
 
-/// Not accurate by chance: the run is complete, and no finer run of its combination failed or has more than twice its
+/// Not wrong, nor accurate by chance: the run is complete, and no finer run of its combination failed or has more than twice its
 /// error. Differences below the agreement of the references are ignored, and so are runs that ran out of time.
 LOCKSTEP_API bool counts(const WorkPrecision&, const WorkPrecisionRun&, ErrorKind = ErrorKind::position);
 

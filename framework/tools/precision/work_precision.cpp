@@ -190,21 +190,34 @@ class Benchmark {
       return;
     }
     c.given_up.reset();
-    c.over = repeats(run);
-    if (c.over) return;
+    if (Combination* same = repeated_by(run)) return merge(c, *same);
     keep(run);
     advance(c, run, spent);
   }
 
-  // Whether it is the same computation as an earlier run, under another name.
-  bool repeats(const WorkPrecisionRun& run) const {
-    return run.done() && std::ranges::any_of(result_.runs, [&](const WorkPrecisionRun& other) {
-             return other.done() && other.setting == run.setting && other.error == run.error &&
-                    other.evaluations == run.evaluations && other.steps == run.steps && !same_way(other, run) &&
-                    other.solver == run.solver && other.stabilization == run.stabilization &&
-                    (other.formulation == run.formulation || other.formulation == Formulation::automatic) &&
-                    integrator_type(other.integrator) == integrator_type(run.integrator);
-           });
+  // The combination that made the same computation under another name; null: none did.
+  Combination* repeated_by(const WorkPrecisionRun& run) {
+    const auto same = std::ranges::find_if(result_.runs, [&](const WorkPrecisionRun& other) {
+      return run.done() && other.done() && other.setting == run.setting && other.error == run.error &&
+             other.evaluations == run.evaluations && other.steps == run.steps && !same_way(other, run) &&
+             other.solver == run.solver && other.stabilization == run.stabilization &&
+             (other.formulation == run.formulation || other.formulation == Formulation::automatic) &&
+             integrator_type(other.integrator) == integrator_type(run.integrator);
+    });
+    if (same == result_.runs.end()) return nullptr;
+    return &*std::ranges::find_if(combinations_, [&](const Combination& c) { return is_of(*same, c); });
+  }
+
+  // Ends the one with the longer name; the other has the runs of both.
+  void merge(Combination& c, Combination& other) {
+    c.over = true;
+    if (std::ranges::any_of(result_.runs, [&](const WorkPrecisionRun& run) { return run.done() && is_of(run, c); }))
+      return;  // they are not the same at other settings
+    std::erase_if(result_.runs, [&](const WorkPrecisionRun& run) { return is_of(run, c); });
+    if (c.formulation != other.formulation || c.method->name.size() >= other.method->name.size()) return;
+    for (WorkPrecisionRun& run : result_.runs)
+      if (is_of(run, other)) run.integrator = c.method->name;
+    std::swap(c, other), std::swap(c.method, other.method);
   }
 
   void keep(const WorkPrecisionRun& run) {
@@ -223,6 +236,7 @@ class Benchmark {
     Outcome out = attempt_run(trajectory_, recipe, limit, clocks_);
     note(out, run, out.cpu);
     if (!run.done()) return out;
+    run.wrong = out.wrong;
     run.error = difference(out.history, reference_, length_);
     if (!std::isfinite(run.error.position)) run.failure = "the result is not finite";
     // Dense output between long steps can cost more than the steps: then the time is taken without outputs.
@@ -262,7 +276,7 @@ class Benchmark {
     if (c.n_stuck >= (c.best < kSettled ? 2 : 4)) c.over = true;
     if (hopeless(run)) c.over = true;
     if (options_.target <= 0) return;
-    const bool meets = run.error.of(options_.target_kind) <= options_.target;
+    const bool meets = !run.wrong && run.error.of(options_.target_kind) <= options_.target;
     if (meets && c.met) c.over = true;
     if (meets) cheapest_met_ = std::min(cheapest_met_, run.cpu);
     if (c.last_cpu > (c.base_form ? kTooDear : 1) * cheapest_met_) c.over = true;
@@ -292,9 +306,10 @@ class Benchmark {
     std::vector<WorkPrecisionRun> sorted;
     for (const Combination& c : combinations_)
       for (const WorkPrecisionRun& run : result_.runs)
-        if (same_way(run_of_first(c), run)) sorted.push_back(run);
+        if (is_of(run, c)) sorted.push_back(run);
     result_.runs = std::move(sorted);
   }
+  bool is_of(const WorkPrecisionRun& run, const Combination& c) const { return same_way(run_of_first(c), run); }
   WorkPrecisionRun run_of_first(Combination c) const {
     c.rung = 0;
     return run_of(c);

@@ -14,13 +14,16 @@
 
 namespace lockstep {
 
-/// A mechanism ready to start. `owner` keeps the system, the events and the observers alive.
+class EnergyAudit;
+
+/// A mechanism ready to start. `owner` keeps the system, the events, the observers and the audit alive.
 struct Subject {
   std::shared_ptr<void> owner;
   System* system = nullptr;
   State start;  ///< assembled
   std::vector<Event> events{};
   std::vector<Observer*> observers{};  ///< those that the events' conditions need
+  EnergyAudit* audit = nullptr;        ///< its verdict is that of the run; null: no run is wrong
 };
 
 /// The motion that is measured: `length` seconds from the start, which every call of `make` returns anew, compared at
@@ -67,6 +70,7 @@ struct WorkPrecisionRun {
   long evaluations = 0, factors = 0, steps = 0, rejected = 0;
   std::string failure{};                       ///< the reason of a missing result; "" if there is one
   bool given_up = false, interrupted = false;  ///< its time was used up; the user interrupted it
+  bool wrong = false;                          ///< complete, but wrong by Audit::is_wrong()
   bool done() const { return failure.empty(); }
 };
 

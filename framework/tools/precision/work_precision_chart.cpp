@@ -110,29 +110,36 @@ std::string shortened(std::string text, std::size_t most) {
   return text.substr(0, text.rfind(' ', most)) + " ...";
 }
 
-// The reasons of failed runs, and the runs that were left out, one line per curve.
+// The reasons of failed runs, and the runs that were left out, one line for all curves with the same words.
 std::vector<std::string> remarks_of(const WorkPrecision& result, const Curves& curves) {
   std::vector<std::string> lines{fmt::format(
       "reference: {}; difference from {}: {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N", result.reference, result.second,
       result.agreement.position, result.agreement.velocity, result.agreement.energy, result.agreement.reaction)};
+  std::vector<std::pair<std::string, std::string>> notes;  // the curves, and the rest of their line
+  const auto add = [&](const std::string& label, const std::string& words) {
+    const auto same = std::ranges::find(notes, words, &std::pair<std::string, std::string>::second);
+    if (same == notes.end())
+      notes.emplace_back(label, words);
+    else
+      same->first += ", " + label;
+  };
   for (const auto& [label, wanted] : curves) {
     for (const WorkPrecisionRun& run : result.open) {
       if (!wanted(run)) continue;
       const auto stopped = std::ranges::find_if(result.runs, [&](const WorkPrecisionRun& r) {
         return r.given_up && same_way(r, run) && r.setting == run.setting;
       });
-      lines.push_back(stopped != result.runs.end()
-                          ? label + " at " + setting_words(run) + ": " + stopped->failure
-                          : label + " not tried from " + setting_words(run) + " on: time budget used up");
+      add(label, stopped != result.runs.end() ? " at " + setting_words(run) + ": " + stopped->failure
+                                              : " not tried from " + setting_words(run) + " on: time budget used up");
     }
     std::vector<const WorkPrecisionRun*> failed;
     for (const WorkPrecisionRun& run : result.runs)
       if (wanted(run) && !run.done() && !run.given_up) failed.push_back(&run);
     if (failed.empty()) continue;
     const std::string to = failed.size() == 1 ? "" : " to " + setting_words(*failed.back());
-    lines.push_back(
-        fmt::format("× {} failed at {}{}: {}", label, setting_words(*failed.front()), to, failed.back()->failure));
+    add("× " + label, fmt::format(" failed at {}{}: {}", setting_words(*failed.front()), to, failed.back()->failure));
   }
+  for (const auto& [labels, words] : notes) lines.push_back(labels + words);
   for (const std::string& line : unsuited_lines(result)) lines.push_back("left out: " + line);
   if (lines.size() > kMostRemarks) {
     const std::size_t n = lines.size() - kMostRemarks + 1;
@@ -169,6 +176,8 @@ std::optional<GridPanel> panel_of(const WorkPrecision& result, const std::string
   GridPanel panel{title, cost_label(by), {}};
   panel.series.push_back(front_of(result, kind, by));
   for (const auto& [label, wanted] : curves) panel.series.push_back(curve_of(result, label, kind, by, wanted));
+  if (std::all_of(panel.series.begin() + 1, panel.series.end(), [](const Series& s) { return s.x.empty(); }))
+    return std::nullopt;
   const Range y = extent(panel.series, false);
   // This error is zero or round-off: no joints, no energy.
   if (!(y.second > 2 * kLeast) || !(result.size.of(kind) > kNegligible)) return std::nullopt;
@@ -204,9 +213,7 @@ GridSpec chart_of(const WorkPrecision& result, const std::string& title, std::ve
 }  // namespace
 
 std::string value_of(const WorkPrecisionRun& run, ChartBy by) {
-  const bool none = run.stabilization == Stabilization::Kind::none;
-  const std::string all[] = {run.integrator, to_string(run.formulation),
-                             none ? "no stabilisation" : to_string(run.stabilization), run.solver};
+  const std::string all[] = {run.integrator, to_string(run.formulation), to_string(run.stabilization), run.solver};
   return all[static_cast<std::size_t>(by)];
 }
 
@@ -229,7 +236,7 @@ GridSpec integrators_chart(const WorkPrecision& result, const std::string& title
     if (const std::string way = way_of(*run); front.find(way) == std::string::npos) front += "; " + way;
   return chart_of(
       result, title,
-      {fmt::format("curves: formulation {}, {}, solver {}", value_of(base, ChartBy::formulation),
+      {fmt::format("curves: formulation {}, stabilisation {}, solver {}", value_of(base, ChartBy::formulation),
                    value_of(base, ChartBy::stabilization), base.solver),
        shortened("Pareto front of all combinations: " + (front.empty() ? "none" : front.substr(2)), kMostLetters)},
       {{"", curves}}, kErrorKinds, by);

@@ -61,9 +61,10 @@ std::string runs_text(const WorkPrecision& result) {
                                                       r.error.energy, r.error.reaction)
                                         : ",,,";
     const bool on_front = std::find(front.begin(), front.end(), &r) != front.end();
-    text += fmt::format("{},{},{},{},{},{},{:.6g},{},{},{},{},{},{},{}\n", r.integrator, to_string(r.formulation),
-                        to_string(r.stabilization), r.solver, setting, errors, r.cpu, r.evaluations, r.factors, r.steps,
-                        r.rejected, counts(result, r) ? 1 : 0, on_front ? 1 : 0, csv_cell(r.failure));
+    text +=
+        fmt::format("{},{},{},{},{},{},{:.6g},{},{},{},{},{},{},{}\n", r.integrator, to_string(r.formulation),
+                    to_string(r.stabilization), r.solver, setting, errors, r.cpu, r.evaluations, r.factors, r.steps,
+                    r.rejected, counts(result, r) ? 1 : 0, on_front ? 1 : 0, csv_cell(r.wrong ? "wrong" : r.failure));
   }
   return text;
 }
