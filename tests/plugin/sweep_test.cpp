@@ -132,6 +132,19 @@ TEST_CASE("two shards together are the whole sweep", "[runner][sweep]") {
   CHECK(std::stod(rows[2][6]) == *std::max_element(history["phi"].begin(), history["phi"].end()));
 }
 
+TEST_CASE("a sweep prints its results, in the units of --vary", "[runner][sweep]") {
+  const std::string rod = "sweep '" + kRod + "' --until 0.5 --record units.csv ";
+  const Called few = call(rod + "--vary length='500 mm:600 mm:3'");
+  INFO(few.text);
+  CHECK(contains(few.text, "\n  results    length"));
+  CHECK(contains(few.text, "\n             550 mm "));
+  CHECK(lines_of("units.csv")[2].starts_with("2,0.55,"));
+  const Called many = call(rod + "--vary length='500 mm:600 mm:21'");
+  INFO(many.text);
+  CHECK(contains(many.text, " (length = 500 mm)"));
+  CHECK(contains(many.text, "   (all 7: in the table)\n"));
+}
+
 TEST_CASE("a sweep writes a file with a separate name next to other files", "[runner][sweep]") {
   for (const char* name : {"rod_pendulum_sweep", "rod_pendulum_sweep_7of9"})
     fs::remove(kRunnerFolder + "/" + name + ".csv");

@@ -41,6 +41,7 @@ TEST_CASE("a range meets both ends and lies evenly between", "[unit][scene]") {
   CHECK(numbers(read("bodies.bob.particle=1:5:5")) == std::vector<double>{1, 2, 3, 4, 5});
   CHECK(numbers(read("gravity.1 = 0.1 : 0.5 : 5")) == std::vector<double>{0.1, 0.2, 0.3, 0.4, 0.5});
   CHECK(numbers(read("gravity.1=-1e308:1e308:3")) == std::vector<double>{-1e308, 0, 1e308});
+  CHECK(numbers(read("bodies.bob.position.0=50 mm:90 mm:9"))[1] == 0.055);  // no digits of rounding
   CHECK(numbers(read("gravity.1=5:1:2")) == std::vector<double>{5, 1});
   CHECK(numbers(read("bodies.bob.particle=1:1e3:4:log")) == std::vector<double>{1, 10, 100, 1000});
   CHECK(numbers(read("bodies.bob.position.0=1mm:0.1m:3:log")) == std::vector<double>{0.001, 0.01, 0.1});

@@ -86,7 +86,7 @@ ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, co
   const std::string full = full_path(path, scene);
   try {
     return find_place(root, full, registry);
-  } catch (const ModelError&) {
+  } catch (const ModelError& error) {
     root = before;  // without the empty keys on the way to nowhere
     if (path.find('.') != std::string::npos && may_be_in_parts(full, scene)) {
       Value expanded = scene.root;
@@ -96,10 +96,16 @@ ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, co
     }
     std::vector<std::string> names;
     for (const SceneParameter& p : scene.parameters) names.push_back(p.name);
-    const std::string near = path.find('.') == std::string::npos ? text::closest_name(path, names) : "";
+    const bool is_name = path.find('.') == std::string::npos;
+    const std::string near = is_name ? text::closest_name(path, names) : "";
     if (near == path)
       throw ModelError("\"" + path + "\" is a vector; name a component (" + path +
                        ".x), or set all by a formula: " + "--set " + path + "=\"=[1, 2, 3]\"");
+    const bool has_hint = std::string_view(error.what()).find("did you mean") != std::string_view::npos;
+    if (is_name && near.empty() && !names.empty() && !has_hint && scene.root.find(path) == nullptr) {
+      names.emplace_back("or a path such as bodies.NAME.mass");
+      throw ModelError("\"" + path + "\" is not a parameter of the scene" + text::suggestion("", names));
+    }
     if (near.empty()) throw;
     throw ModelError("\"" + path + "\" is not a parameter of the scene; did you mean \"" + near + "\"?");
   }
@@ -173,7 +179,7 @@ Value value_now(const std::string& place, Value& root, const Scene& scene, const
   return *find_place(expanded, place.substr(kSet.size()), registry).value;
 }
 
-// a:b:n, or a:b:n:log. Both ends are met exactly.
+// a:b:n, or a:b:n:log, without the last digits of rounding. Both ends are met exactly.
 std::vector<Value> read_range(Reader& reader, const std::vector<std::string>& parts, const std::string& path) {
   const bool log = parts.size() == 4 && parts[3] == "log";
   if (parts.size() != 3 && !log)
@@ -195,10 +201,9 @@ std::vector<Value> read_range(Reader& reader, const std::vector<std::string>& pa
   std::vector<Value> values;
   const double m = n - 1;
   for (int k = 0; k < n; ++k) {
-    const double mixed =
-        log ? *number_in<double>(fmt::format("{:.6g}", std::exp(((m - k) * std::log(a) + k * std::log(b)) / m)))
-            : (a * (m - k) + b * k) / m;  // closer to round numbers than a + k (b - a) / m
-    values.emplace_back(std::isfinite(mixed) ? mixed : a * ((m - k) / m) + b * (k / m));
+    double x = log ? std::exp(((m - k) * std::log(a) + k * std::log(b)) / m) : (a * (m - k) + b * k) / m;
+    if (!std::isfinite(x)) x = a * ((m - k) / m) + b * (k / m);
+    values.emplace_back(*number_in<double>(fmt::format("{:.{}g}", x, log ? 6 : 15)));
   }
   values.front() = Value(a), values.back() = Value(b);
   return values;
@@ -235,7 +240,7 @@ void set_value(Value& root, const std::string& text, const Scene& scene, const R
   if (place.path.starts_with("requires")) throw ModelError("\"" + path + "\" cannot be set; give plugins by --plugin");
   const Value* parameter = parameter_at(place.path, scene);
   Value& old = value_at(root, place.path, registry);
-  Value v = read_word(word);
+  Value v = place.key.form == Form::text ? Value(word) : read_word(word);
   if (parameter != nullptr && !word.starts_with('='))
     v = with_unit(Reader(place, old, parameter, path).read(word), symbol_of(*parameter));
   replace(old, std::move(v));
@@ -257,10 +262,12 @@ Variable read_variable(const std::string& text, const Scene& scene, const Regist
   if (equals == std::string::npos || v.path.empty())
     throw ModelError("\"" + text + "\": expected NAME=a:b:n or NAME=v1,v2,..., as in bodies.rod.mass=1:5:9");
   refuse_columns(v.path);
+  const bool says_joints = v.path.starts_with("joints.");
   rename_old_keys(v.path);
   Value root = written_root(scene);
   ScenePlace place = place_of(root, v.path, scene, registry);
-  v.place = place.path, v.near = place.near;
+  v.place = place.path, v.near = shown_path(place.near);
+  if (says_joints) v.path = shown_path(v.path);
   if (v.place.starts_with("points.") || v.place.starts_with(kSet + "points."))
     place.key.form = Form::number, place.key.unit = Unit::length;
   const Value* parameter = parameter_at(v.place, scene);
@@ -325,7 +332,7 @@ std::vector<std::string> left_behind(const Variable& v, const Scene& scene, cons
     if (number.path == v.place || number.path.starts_with("run.")) continue;
     const std::optional<double> other = in_metres(*number.value);
     if (other && std::abs(*other - *own) <= 1e-12 * std::abs(*own) && is_length(number.path))
-      same.push_back(number.path);
+      same.push_back(shown_path(number.path));
   }
   return same;
 }

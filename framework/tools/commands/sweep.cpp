@@ -22,6 +22,7 @@
 #include "framework/tools/commands/run_queue.h"
 #include "framework/tools/commands/sweep_plan.h"
 #include "framework/tools/commands/sweep_rest.h"
+#include "framework/tools/commands/sweep_results.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
@@ -100,6 +101,7 @@ class Sweep {
       : plan_(plan),
         n_runs_(plan.grid.n_runs(plan.shard)),
         rows_(rows),
+        results_(plan),
         mark_(plan.arguments, plan.loaded, rows),
         kept_(begin_rows()),
         interrupt_(interrupt),
@@ -139,10 +141,12 @@ class Sweep {
       tell("note: further failures are listed in the table only\n");
     for (const auto& [code, of] : tally_.found)
       if (!plan_.arguments.has("--quiet"))
-        tell(fmt::format("warning: {}{}\n", of.first.text(),
+        tell(fmt::format("warning: {}: {}{}\n", code, of.first.text(),
                          of.second > 1 ? fmt::format(" (in {} runs)", of.second) : ""));
   }
   long n_runs() const { return n_runs_; }
+  /// Lines of text; none if some runs were made before.
+  std::string results() const { return kept_.n > 0 ? "" : results_.text(); }
   /// Of the runs, for the report; null without one.
   const report::Histories* motions() const { return motions_ ? &*motions_ : nullptr; }
 
@@ -249,6 +253,7 @@ class Sweep {
     const long n = number(done.k);
     rows_.append(sweep_row(n, plan_.variables, plan_.grid.at(n), plan_.columns, done.run));
     rows_.write();
+    results_.add(n, done.run);
     if (plan_.arguments.has("--json")) tally_.runs.push_back(row(n, done.run));
     if (done.in_lanes) ++tally_.in_lanes;
     if (!done.run.failed && done.run.energy.empty()) ++tally_.unchecked;
@@ -301,6 +306,7 @@ class Sweep {
   const SweepPlan& plan_;
   const long n_runs_;
   GrowingFile& rows_;
+  SweepResults results_;
   const SweepMark mark_;
   const KeptRows kept_;
   const Interrupt& interrupt_;
@@ -407,7 +413,7 @@ Result sweep_scene(const Arguments& args) {
   if (!report.empty())
     write_report(plan, tally, table, interrupted ? unfinished_report(report) : report, sweep.motions(), tally.notes);
   Result result(plan.loaded, sweep_fields(), tally);
-  result.brief = summary(tally) + text_of(*result.schema, result.data);
+  result.brief = summary(tally) + text_of(*result.schema, result.data) + sweep.results();
   result.files = {table};
   if (!report.empty()) result.files.push_back(interrupted ? unfinished_report(report) : report);
   if (interrupted)

@@ -5,6 +5,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -12,6 +13,8 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/run_outputs.h"
+#include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/units.h"
 #include "framework/tools/sweep/sweep_lanes.h"
 
 namespace lockstep {
@@ -92,6 +95,27 @@ Scene VariedScene::scene(long run) const {
   Scene s = vary_scene(loaded.scene, variables, grid.at(run), loaded.registry);
   override_settings(s.run, arguments, loaded.registry);
   return s;
+}
+
+std::string VariedScene::values_text(long run) const {
+  std::string all;
+  const std::vector<std::string> given = arguments.all("--vary");
+  for (std::size_t k = 0; k < variables.size(); ++k) {
+    const Value& value = variables[k].values[grid.at(run)[k]];
+    std::string unit = variables[k].unit;
+    double size = 1, x = 0;
+    for (const std::string& word :
+         words_at(given[k].find(':') < given[k].size() ? ':' : ',', given[k].substr(given[k].find('=') + 1))) {
+      const char* end = std::from_chars(word.data(), word.data() + word.size(), x).ptr;
+      const std::string written(text::trimmed(std::string_view(end, word.data() + word.size())));
+      const Measured one = in_si(1, written);
+      if (end != word.data() && !written.empty() && one.problem.empty()) unit = written, size = one.value;
+    }
+    all += (k == 0 ? "" : ", ") + variables[k].path + " = " +
+           (value.number() != nullptr ? fmt::format("{:.6g}", *value.number() / size) : plain_text(value)) +
+           (unit.empty() ? "" : " " + unit);
+  }
+  return all;
 }
 
 std::string SweepPlan::runs_text(const std::vector<long>& runs) const {

@@ -20,6 +20,8 @@ struct VariedScene {
 
   /// The scene of a run of the grid, from 1, with the settings of the command line.
   Scene scene(long run) const;
+  /// Its values in the units of --vary: "crank = 55 mm, ratio = 0.4".
+  std::string values_text(long run) const;
 };
 /// Reads the scene and --vary. Throws UsageError, also if a setting that varies is given by an option, too.
 VariedScene read_varied(const Arguments&);

@@ -5,7 +5,6 @@
 
 #include <lockstep/batch.h>
 #include <lockstep/error.h>
-#include "framework/description/scene/run_outputs.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/tools/precision/work_precision.h"
 #include "framework/tools/rank/doubts.h"

@@ -64,22 +64,21 @@ class Points {
     return i >= 0 ? i : (this.numeric[Math.min(n, this.numeric.length - 1)] ?? -1);
   }
 
-  // This column, or where only rounding tells its numbers apart the next of final values that does vary; beside zero
-  // rounding is taken for less than NOTHING.
+  // This column; of the results of a sweep, the least or greatest values, whichever vary more, of the first that varies.
   varying(i) {
     const { columns } = this.table;
-    const goes = (k) => {
+    const spread = (k) => {
       const numbers = columns[k]?.numbers ?? [];
       const [low, high] = extentOf(numbers, numbers.keys());
-      return varies(low, high) && high - low > NOTHING;
+      return varies(low, high) && high - low > NOTHING ? high - low : 0;
     };
-    if (goes(i)) return i;
-    return this.numeric.find((k) => k > i && columns[k].title.includes(' final') && goes(k)) ?? i;
+    const results = this.numeric.filter((k) => k >= i && columns[k + 1]?.title.includes(' min'));
+    return results.map((k) => (spread(k + 1) < spread(k + 2) ? k + 2 : k + 1)).find(spread) ?? i;
   }
 
   addChoices() {
     const ways = this.words.map((c, k) => [`by ${c.title}`, k]);
-    ways.push([this.groups.length > 1 ? 'by all texts' : 'one', -1]);
+    ways.push([this.groups.length > 1 ? 'by all texts' : 'none', -1]);
     for (const key of ['x', 'y', 'color']) {
       const select = $(`points-${key}`);
       if (key === 'color') for (const [name, k] of ways) select.add(new Option(name.slice(0, 80), `by ${k}`));
