@@ -127,6 +127,10 @@ TEST_CASE("modes of a scene at an instant to which it is run", "[runner][modes]"
   CHECK(mode["eigenvalue"][0].get<double>() == Approx(-5).epsilon(1e-9));
   CHECK(mode["eigenvalue"][1].get<double>() == Approx(std::sqrt(75.0)).epsilon(1e-9));
   CHECK(mode["damping"].get<double>() == Approx(0.5).epsilon(1e-9));
+  const Called slow = call("modes '" + scene + "' --equilibrium --set forces.spring.damping=100");
+  INFO(slow.text);
+  CHECK(row_of(slow.text, "1").starts_with("1 decay 2.08712 overdamped 'mass' moves "));  // 25 - sqrt(525)
+  CHECK(contains(slow.text, "decay rate [1/s]"));
 }
 
 TEST_CASE("linearize: a motor, a push and a drive of a pendulum", "[runner][linear]") {

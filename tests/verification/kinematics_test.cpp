@@ -278,7 +278,18 @@ TEST_CASE("explain: a joint with its constraints, its law, and its redundancy", 
   CHECK(a.laws.front().second.front() == 0);
   REQUIRE(a.dependencies.size() == 1);
   CHECK(a.dependencies.front().too_many == 3);
-  for (const RowAccount& r : a.rows) CHECK(std::abs(r.value) <= 1e-10);
+  LinkWrench sum;  // axes of S
+  for (const RowAccount& r : a.rows) {
+    CHECK(std::abs(r.value) <= 1e-10);
+    sum.force += r.on_p.force, sum.moment += r.on_p.moment;
+  }
+  REQUIRE(a.axes.size() == 3);
+  for (int k = 0; k < 3; ++k) {
+    CHECK(std::abs(sum.force[k] - a.axes[k].dot(a.joint.force + a.drives.force)) <= 1e-9);
+    CHECK(std::abs(sum.moment[k] - a.axes[k].dot(a.joint.moment + a.drives.moment)) <= 1e-9);
+  }
+  CHECK(a.rows.back().is_drive);
+  CHECK(std::abs(a.rows.back().on_p.moment[2] + a.rows.back().multiplier / 2) <= 1e-9);
 }
 
 TEST_CASE("branches: a driven four-bar has two, and they are where circles meet", "[verification][branches]") {

@@ -443,6 +443,21 @@ TEST_CASE("statics: a wheel that nothing holds makes no two equilibria of anothe
   CHECK(found.all[2].report.stability.kind == Kind::unstable);
 }
 
+// A small node on a long spring rests on both sides of the line of its ends.
+TEST_CASE("statics: starts are scattered as far as springs reach", "[verification][statics]") {
+  const std::string text = R"({"lockstep": 1,
+    "bodies": [{"name": "node", "sphere": {"mass": 1, "radius": 0.02}, "position": [0, 0.1, 0]}],
+    "links": [{"name": "G", "type": "prismatic", "p": "node", "s": "ground", "at": [0, 0.1, 0], "axis": [0, 1, 0]}],
+    "forces": [{"name": "k", "type": "spring_damper", "p": "node", "s": "ground", "at_p": [0, 0.1, 0],
+                "at_s": [0.5, 0, 0], "stiffness": 10000, "free_length": 0.509902}]})";
+  Mechanism m = build_mechanism(scene_from_text(text, "snap.json"), builtin_registry());
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>());
+  double lowest = 0;
+  for (const Equilibrium& e : find_equilibria(dynamics, m.system.start(), {.starts = 40}).all)
+    lowest = std::min(lowest, body_pose(m.system.body("node"), e.state).x[1]);
+  CHECK(lowest == Approx(-0.1).epsilon(1e-4));
+}
+
 // The damper takes up what the spring gives: k (l - l0) = d v at v = 1 m/s of the marker.
 TEST_CASE("statics: a note names a marker that a law moves under a damper", "[verification][statics]") {
   const std::string text = R"({"lockstep": 1,

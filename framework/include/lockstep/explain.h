@@ -54,8 +54,9 @@ struct RowAccount {
   RowKind kind;           ///< its quantity
   double value = 0,       ///< C: m, a component of the error quaternion, or of a function
       rate = 0,           ///< Jh v + Ct
-      multiplier = 0;     ///< N, twice N m, or of a function
+      multiplier = 0;     ///< of a translation minus the force, of a rotation minus twice the moment
   bool is_drive = false;  ///< whether it belongs to a drive
+  LinkWrench on_p;        ///< its load on p's body about P, axes of S
 };
 
 /// The account of a joint at a state.
@@ -66,6 +67,7 @@ struct LinkAccount {
       on_s;                              ///< body of S in its first pair
   bool in_force = true;                  ///< whether it is active; without constraints otherwise
   bool merged = false;                   ///< whether its bodies were welded into one, so that it has no constraints
+  std::vector<Vec3> axes;                ///< x, y and z of S, world; empty without markers
   std::vector<RowAccount> rows;          ///< its constraints, if it is active
   std::vector<std::string> left_out;     ///< names of constraints that were left out (System::leave_out)
   LinkWrench joint,                      ///< on p's body about P, without drives
@@ -103,7 +105,7 @@ struct ForceEffect {
   std::vector<Contribution> on;  ///< its load on each body: `what` is the body's name, of welded ones "a + b"
   std::vector<LawAccount> laws;  ///< its laws, and those of its markers
   double potential = 0,          ///< J
-      dissipation = 0,           ///< W
+      dissipation = 0,           ///< by dampers and friction, W
       supply = 0;                ///< by laws and motors, W
 };
 

@@ -36,7 +36,7 @@ struct Mode {
   double omega() const { return value.imag(); }               ///< circular frequency, rad/s, of the damped motion
   double frequency() const { return value.imag() / kTwoPi; }  ///< the same, Hz
   /// -Re l/|l|: 0 undamped, 1 and more no oscillation, negative growing.
-  double damping() const { return value == 0.0 ? 0.0 : -value.real() / std::abs(value); }
+  double damping() const { return value == 0.0 ? 0.0 : (0.0 - value.real()) / std::abs(value); }
   /// Whether growth or decay is within round-off.
   bool is_marginal() const { return std::abs(value.real()) <= bound; }
 };

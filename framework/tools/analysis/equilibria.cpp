@@ -81,10 +81,15 @@ EquilibriaReport find_equilibria(Dynamics& dynamics, const State& start, const E
   take(std::move(own));
   report.starts = 1;
   Scatter random(options.seed);
+  double reach = system.length();  // that of bodies; springs may be longer
+  for (const auto& force : system.forces())
+    for (const Marker* p : force->markers())
+      for (const Marker* s : force->markers())
+        reach = std::max(reach, ((p->body->home * p->local).x - (s->body->home * s->local).x).norm());
   for (int k = 0; k < options.starts; ++k, ++report.starts) {
     Equilibrium next{first, {}, 1};
     next.state.v.setZero();
-    scatter(system, 2 * system.length(), random, next.state);
+    scatter(system, 2 * reach, random, next.state);
     try {
       if (!fit(dynamics, next.state)) throw SolveError("off its constraints");
       // Newton's method alone goes to unstable ones too; every other start goes downhill.

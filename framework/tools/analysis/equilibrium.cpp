@@ -297,8 +297,9 @@ class EquilibriumSearch {
                     report_.iterations, report_.relaxation_steps, now_.unbalanced);
     const std::string moving = motion_words(system_, now_.e->inputs(), now_.a);
     const std::string friction = beyond_friction();
+    const std::string next = options_.nearest ? "search further without --nearest" : "start nearer to the equilibrium";
     throw SolveError("statics: no equilibrium: under the forces " +
-                     (words.empty() ? moving + "; start nearer to the equilibrium, or hold that motion by a spring"
+                     (words.empty() ? moving + "; " + next + ", or hold that motion by a spring"
                                     : words + "; hold it by a joint, a drive or a spring") +
                      ". " + (friction.empty() ? "" : "At first, " + friction + ". ") + did);
   }
@@ -388,12 +389,8 @@ class EquilibriumSearch {
           move > report_.largest_move)
         report_.largest_move = move, report_.moved_most = system_.body_of_slot(k).name;
     if (const std::string words = beyond_friction(); !words.empty()) note("", words);
-    for (const Force* force : now_.e->reacting())
-      if (!report_.by_friction)
-        note("force '" + force->name() + "'",
-             fmt::format("{} '{}' exerts no friction at rest, as its law is smooth; with real friction, positions near "
-                         "this one are at rest too",
-                         force->type(), force->name()));
+    if (options_.friction && !report_.by_friction && !now_.e->reacting().empty())
+      note("", "this equilibrium is without friction; with friction, positions near it are at rest too");
     for (const Marker& marker : system_.markers())
       if (moves_under_force(marker))
         note("marker '" + marker.name + "'",

@@ -12,6 +12,7 @@
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/analysis/forces_at_rest.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
+#include "framework/tools/record/channel_entry.h"
 
 namespace lockstep {
 namespace {
@@ -111,8 +112,6 @@ LinkAccount account_of(Dynamics& dynamics, const State& state, const Lock& link)
   const System& system = dynamics.system();
   LinkAccount out;
   out.name = link.name(), out.type = std::string(link.type());
-  if (!link.pairs().empty())
-    out.on_p = link.pairs().front().first->body->name, out.on_s = link.pairs().front().second->body->name;
   out.merged = system.merged(link);
   for (Dependency& d : mobility(dynamics, state).dependencies)
     if (d.too_many > 0 &&
@@ -122,6 +121,17 @@ LinkAccount account_of(Dynamics& dynamics, const State& state, const Lock& link)
   for (int k = 0; k < link.row_count(); ++k)
     if ((system.left_out(link) >> k & 1U) != 0) out.left_out.push_back(link.row_name(k));
   const Solution& v = dynamics.solution_at(state);
+  const auto load = [&](const VecX& lambda, int part) {
+    const Reactions of(v.rows, {lambda.data(), static_cast<std::size_t>(lambda.size())});
+    return link.pairs().empty() ? LinkWrench()
+                                : of.on_body_of(MarkerFrame(*link.pairs().front().first), link, v.in, part);
+  };
+  Mat3 S = Mat3::Identity();
+  if (!link.pairs().empty()) {
+    const auto [p, s] = link.pairs().front();
+    out.on_p = p->body->name, out.on_s = s->body->name, S = in_world(MarkerFrame(*s), v.in).A;
+    out.axes = {S.col(0), S.col(1), S.col(2)};
+  }
   const int entry = out.merged ? -1 : v.rows.entry_of_link[link.number()];
   out.in_force = entry >= 0 || (!out.merged && !out.left_out.empty() && state.modes[link.number()]);
   if (entry < 0) return out;
@@ -130,13 +140,14 @@ LinkAccount account_of(Dynamics& dynamics, const State& state, const Lock& link)
   v.evaluation.residuals(C, Cd);
   for (int k = 0; k < e.m; ++k) {
     const LinkRow& row = link.row(e.own[k]);
-    out.rows.push_back(
-        {row.name, row.kind, C[e.first_row + k], Cd[e.first_row + k], v.lambda[e.first_row + k], row.drive >= 0});
+    const int at = e.first_row + k;
+    VecX alone = VecX::Zero(v.lambda.size());
+    alone[at] = v.lambda[at];
+    const LinkWrench w = load(alone, row.drive < 0 ? Reactions::kJoint : row.drive);
+    out.rows.push_back({row.name, row.kind, C[at], Cd[at], v.lambda[at], row.drive >= 0, {}});
+    out.rows.back().on_p = {S.transpose() * w.force, S.transpose() * w.moment};
   }
-  if (link.pairs().empty()) return out;
-  const MarkerFrame at(*link.pairs().front().first);
-  out.joint = Reactions(v).on_body_of(at, link, v.in, Reactions::kJoint);
-  out.drives = Reactions(v).on_body_of(at, link, v.in, Reactions::kDrives);
+  out.joint = load(v.lambda, Reactions::kJoint), out.drives = load(v.lambda, Reactions::kDrives);
   return out;
 }
 
@@ -183,10 +194,8 @@ ForceEffect account_of(Dynamics& dynamics, const State& state, const Force& forc
   if (!out.acts) return out;
   const Reactions reactions(v);
   const VecX all = wrench_of(system, v.in, force, &reactions);
-  named(force, v.in.t, [&] {
-    out.potential = force.potential(v.in);
-    out.dissipation = force.dissipation(v.in), out.supply = force.supply(v.in);
-  });
+  out.dissipation = channels::loss(force, v);
+  named(force, v.in.t, [&] { out.potential = force.potential(v.in), out.supply = force.supply(v.in); });
   for (const int slot : force.slots()) {
     out.on.push_back(
         {bodies_of(system.slot(slot)), all.segment<3>(6 * slot), v.in.slot(slot).A * all.segment<3>(6 * slot + 3)});

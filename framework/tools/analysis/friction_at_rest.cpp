@@ -9,7 +9,6 @@
 
 #include "framework/dynamics/evaluate/row_space.h"
 #include "framework/foundation/math/limits.h"
-#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 namespace {

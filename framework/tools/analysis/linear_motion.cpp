@@ -243,13 +243,19 @@ void refuse_own_states(const System& system) {
                        "' has integrated states, which linearisation does not support; leave it out");
 }
 
-// Friction depends on the reactions, which the linear equations keep constant: right only if it is zero.
-void refuse_acting_friction(Dynamics& dynamics, const State& state, const MechanismMatrices& at) {
+// Friction depends on the reactions, which the linear equations keep constant: right only if it is zero. It then damps,
+// by the slope of its law, which is noted.
+void judge_friction(Dynamics& dynamics, const State& state, LinearMotion& at) {
   const System& system = dynamics.system();
   const Solution& solution = dynamics.evaluate(state);
   const Reactions reactions(solution);
+  std::vector<std::string> damping;
   for (const auto& force : system.forces()) {
     if (force->reacting() == nullptr || !force->acts(solution.in)) continue;
+    const std::vector<Grip> grips =
+        named(*force, state.t, [&] { return force->reacting()->grips(solution.in, reactions); });
+    if (std::ranges::any_of(grips, [](const Grip& grip) { return grip.most > 0; }))
+      damping.push_back("'" + force->name() + "'");
     const VecX one = wrench_of(system, solution.in, *force, &reactions) - wrench_of(system, solution.in, *force);
     for (int k = 0; k < system.n_slots(); ++k)
       if (const double a = one.segment<3>(6 * k).norm() / system.slot(k).mass; a > kSlight * load_of(at, k))
@@ -257,6 +263,10 @@ void refuse_acting_friction(Dynamics& dynamics, const State& state, const Mechan
                          system.body_of_slot(k).name +
                          "'), which linearisation does not support; use a state without sliding, or leave it out");
   }
+  if (!damping.empty())
+    at.notes.push_back({&finding::friction_damps, "",
+                        "friction of " + text::join(damping) + " at rest acts as a damper (mu N/smoothing_speed)",
+                        "set its mu to 0 for modes without friction"});
 }
 
 std::vector<Finding> notes_on(const System& system, const State& state) {
@@ -272,11 +282,8 @@ std::vector<Finding> notes_on(const System& system, const State& state) {
       note("joint '" + link->name() + "'", ": the speed of its drive is held");
     if (link->n_own_memory() > 0) note("joint '" + link->name() + "'", ": its memory is held");
   }
-  for (const auto& force : system.forces()) {
+  for (const auto& force : system.forces())
     if (force->n_own_memory() > 0) note("force '" + force->name() + "'", ": its memory is held");
-    if (force->reacting() != nullptr)
-      note("force '" + force->name() + "'", ": friction at rest, with the reactions of this state");
-  }
   return notes;
 }
 
@@ -326,13 +333,13 @@ LinearMotion linear_motion(Dynamics& dynamics, const State& given, const LinearM
   refuse_own_states(system);
   LinearMotion out;
   static_cast<MechanismMatrices&>(out) = matrices_at(dynamics, state);
-  refuse_acting_friction(dynamics, state, out);
+  out.notes = notes_on(system, state);
+  judge_friction(dynamics, state, out);
   const std::vector<SlotMotion> slots = motions_of(state, Unknowns(system).to_slots(out.a));
   const std::string why = settle_axes(dynamics, state, slots, options, out);
   if (!why.empty() && !options.frozen)
     throw ModelError("the state at t = " + text::brief(state.t) + " s is neither an equilibrium nor a steady motion: " +
                      why + "; use an equilibrium (find_equilibrium), or frozen coefficients");
-  out.notes = notes_on(system, state);
   if (!why.empty())
     out.notes.insert(out.notes.begin(), {&finding::analysis_note, "", "frozen coefficients of one state: " + why});
   turn_axes(system, state, slots, out);

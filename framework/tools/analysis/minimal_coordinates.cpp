@@ -6,7 +6,6 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/row_space.h"
-#include "framework/tools/analysis/mechanism_matrices.h"
 
 namespace lockstep {
 

@@ -23,9 +23,9 @@ struct Assembled {
 
 const Fields<Assembled>& assemble_fields() {
   using Report = AssemblyReport;
-  static const Fields<Report> kReport{{"before", "m", "violation before", &Report::before},
+  static const Fields<Report> kReport{{"before", "m", "position error before", &Report::before},
                                       {"after", "m", "  after", &Report::after},
-                                      {"before_v", "m/s", "of velocities before", &Report::before_v},
+                                      {"before_v", "m/s", "velocity error before", &Report::before_v},
                                       {"after_v", "m/s", "  after", &Report::after_v},
                                       {"iterations", "", "iterations", &Report::iterations},
                                       {"largest_move", "m", "largest move", &Report::largest_move},

@@ -55,18 +55,27 @@ const Fields<BodyBalance>& balance_fields() {
   return kFields;
 }
 
-// Of value, rate and multiplier.
+// Of value and rate.
 std::string units_of(const RowAccount& r) {
-  return r.kind == RowKind::translation ? "m, m/s, N" : r.kind == RowKind::rotation ? "1, 1/s, N m" : "";
+  return r.kind == RowKind::translation ? "m, m/s" : r.kind == RowKind::rotation ? "1, 1/s" : "";
+}
+
+std::string axes_text(const Json& axes) {
+  std::string text;
+  for (std::size_t k = 0; k < axes.size(); ++k)
+    text += std::string(k == 0 ? "" : ", ") + "xyz"[k] + " = " + vector_text(axes[k]);
+  return text;
 }
 
 const Fields<LinkAccount>& link_fields() {
   using Account = LinkAccount;
   static const Fields<RowAccount> kRow{{"row", "", "constraint", &RowAccount::name},
-                                       {"kind", "", "kind", [](const RowAccount& r) { return word_of(r.kind); }},
+                                       {"kind", "", "", [](const RowAccount& r) { return word_of(r.kind); }},
+                                       {"force", "N", "force", [](const RowAccount& r) { return r.on_p.force; }},
+                                       {"moment", "N m", "moment", [](const RowAccount& r) { return r.on_p.moment; }},
                                        {"value", "", "value", &RowAccount::value},
                                        {"rate", "", "rate", &RowAccount::rate},
-                                       {"multiplier", "", "multiplier", &RowAccount::multiplier},
+                                       {"multiplier", "", "", &RowAccount::multiplier},
                                        {"units", "", "units", units_of},
                                        {"drive", "", "driven", &RowAccount::is_drive}};
   static const Fields<Account> kFields{
@@ -76,7 +85,8 @@ const Fields<LinkAccount>& link_fields() {
       {"s", "", "S on", &Account::on_s},
       {"in_force", "", "active", &Account::in_force},
       {"merged", "", "merged: its bodies move as one", &Account::merged},
-      {"rows", "constraints", &Account::rows, kRow},
+      {"axes", "", "axes of S, world", &Account::axes, axes_text},
+      {"rows", "constraints, with their loads on P's body about P in axes of S", &Account::rows, kRow},
       {"left_out", "", "dropped as redundant", &Account::left_out},
       {"force_on_p", "N", "force on P's body, world", [](const Account& a) { return a.joint.force; }},
       {"moment_on_p", "N m", "  moment about P", [](const Account& a) { return a.joint.moment; }},
@@ -161,8 +171,9 @@ Command explain_command() {
           join({scene_options(),
                 {{"thing", "THING", "a body, joint or force by its name; default: every body"}, kJson, kAt}}),
           explain,
-          "Forces and moments are in world axes. A missing value (-) is a reaction that is unbounded near a singular "
-          "configuration. The multiplier of a rotation is minus twice the torque about its axis.\n\n"
+          "Forces and moments are in world axes, those of single constraints in axes of S. A missing value (-) is a "
+          "reaction that is unbounded near a singular "
+          "configuration.\n\n"
           "Example:\n  lockstep explain samples/scenes/four_bar.json coupler --at 0.1",
           {&account_fields().body.schema(), &account_fields().link.schema(), &account_fields().force.schema(),
            &account_fields().bodies.schema()}};

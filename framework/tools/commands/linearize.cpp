@@ -11,6 +11,7 @@
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
+#include "framework/tools/program/run_words.h"
 
 namespace lockstep {
 namespace {
@@ -40,11 +41,11 @@ struct Linearized {
 };
 
 std::string small_matrix(const Json& A) {
-  constexpr std::size_t kMost = 12;
+  const std::size_t most = kResultsWidth / 7;
   const std::size_t columns = A.empty() ? 0 : A[0].size();
   if (columns == 0) return "";
   std::string text = fmt::format("{} x {}", A.size(), columns);
-  if (A.size() > kMost || columns > kMost) return text;
+  if (A.size() > most || columns > most) return text;
   for (const Json& row : A) {
     text += "\n ";
     for (const Json& x : row)

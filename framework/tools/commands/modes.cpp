@@ -34,7 +34,7 @@ int count_of(const Arguments& args) {
 // "undamped", "unstable", ...
 std::string stability_of(const Mode& m) {
   if (m.kind == Mode::Kind::rigid) return "no restoring force";
-  if (m.is_marginal()) return "undamped";
+  if (m.is_marginal()) return m.kind == Mode::Kind::oscillation ? "undamped" : "zero within its error";
   if (m.value.real() > 0) return "UNSTABLE";
   return m.kind == Mode::Kind::decay ? "overdamped" : "damped";
 }
@@ -72,7 +72,7 @@ std::vector<std::string> shape_words(const Mode& mode, double length) {
   std::ranges::stable_sort(parts, std::greater{}, &Part::size);
   std::vector<std::string> out;
   for (std::size_t k = 0; k < std::min(parts.size(), kMost); ++k) out.push_back(parts[k].words);
-  if (parts.size() > kMost) out.push_back(fmt::format("and {} more", parts.size() - kMost));
+  if (parts.size() > kMost) out.push_back(fmt::format("{} more", parts.size() - kMost));
   return out;
 }
 
@@ -110,16 +110,20 @@ const Fields<FoundModes>& modes_fields() {
     Mode mode;
     double length;  // of the mechanism
   };
-  static const Fields<Shown> kMode{{"mode", "", "mode", &Shown::number},
-                                   {"kind", "", "kind", [](const Shown& m) { return word(m.mode.kind); }},
-                                   {"frequency", "Hz", "frequency", [](const Shown& m) { return m.mode.frequency(); }},
-                                   {"omega", "rad/s", "omega", [](const Shown& m) { return m.mode.omega(); }},
-                                   {"damping", "", "damping", [](const Shown& m) { return m.mode.damping(); }},
-                                   {"eigenvalue", "1/s", "", [](const Shown& m) { return m.mode.value; }},
-                                   {"bound", "1/s", "", [](const Shown& m) { return m.mode.bound; }},
-                                   {"stability", "", "stability", [](const Shown& m) { return stability_of(m.mode); }},
-                                   {"moves", "", "shape", [](const Shown& m) { return shape_words(m.mode, m.length); }},
-                                   {"shape", "", [](const Shown& m) { return m.mode.shape; }, kShape}};
+  static const Fields<Shown> kMode{
+      {"mode", "", "mode", &Shown::number},
+      {"kind", "", "kind", [](const Shown& m) { return word(m.mode.kind); }},
+      {"frequency", "Hz", "frequency [Hz]", [](const Shown& m) { return m.mode.frequency(); }, unless_zero},
+      {"omega", "rad/s", "omega [rad/s]", [](const Shown& m) { return m.mode.omega(); }, unless_zero},
+      {"damping", "", "damping", [](const Shown& m) { return m.mode.damping(); },
+       [](const Json& d) { return std::abs(d.get<double>()) < 1 ? number_text(d) : ""; }},
+      {"decay_rate", "1/s", "decay rate",
+       [](const Shown& m) { return m.mode.is_marginal() ? 0 : -m.mode.value.real(); }},
+      {"eigenvalue", "1/s", "", [](const Shown& m) { return m.mode.value; }},
+      {"bound", "1/s", "", [](const Shown& m) { return m.mode.bound; }},
+      {"stability", "", "stability", [](const Shown& m) { return stability_of(m.mode); }},
+      {"moves", "", "shape", [](const Shown& m) { return shape_words(m.mode, m.length); }},
+      {"shape", "", [](const Shown& m) { return m.mode.shape; }, kShape}};
   static const Fields<Modes> kModes{{"freedoms", "", "remaining degrees of freedom", &Modes::freedoms},
                                     {"zeros", "", "zero eigenvalues", &Modes::zeros},
                                     {"zero_bound", "1/s", "  zero below", &Modes::zero_bound},

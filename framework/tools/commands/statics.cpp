@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The command statics: the equilibrium of a scene under its loads.
 #include <spdlog/fmt/fmt.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include <lockstep/analysis.h>
@@ -12,6 +12,7 @@
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/foundation/support/lines.h"
 #include "framework/tools/analysis/wild_starts.h"
 #include "framework/tools/commands/pose_columns.h"
@@ -140,14 +141,21 @@ AtRest found_of(Resting& r, bool tells = true) {
   return found;
 }
 
+/// Of --all and --vary.
+void note_friction(const System& system) {
+  if (std::ranges::any_of(system.forces(), [](const auto& force) { return force->reacting() != nullptr; }))
+    CommandFindings::add({&finding::analysis_note, "",
+                          "static friction is not considered: with it, positions near these are at rest too"});
+}
+
 std::string frequency_text(const Json& stiffness) {
   const double omega = stiffness.is_number() ? std::sqrt(std::max(stiffness.get<double>(), 0.0)) : 0;
-  return omega > 0 ? fmt::format("{:.4g} Hz ({:.4g} rad/s), undamped", omega / (2 * std::numbers::pi), omega) : "";
+  return omega > 0 ? fmt::format("{:.4g} Hz ({:.4g} rad/s), without damping", omega / kTwoPi, omega) : "";
 }
 
 double growth_time(double stiffness) { return stiffness < 0 ? 1 / std::sqrt(-stiffness) : NAN; }
 std::string growth_text(const Json& time) {
-  return time.is_number() ? fmt::format("by a factor e in {:.3g} s", time.get<double>()) : "";
+  return time.is_number() ? fmt::format("time constant {:.3g} s", time.get<double>()) : "";
 }
 
 const Fields<EquilibriumReport>& report_fields() {
@@ -214,7 +222,9 @@ const Fields<AllAtRest>& all_fields() {
   static const Fields<AtRest> kEach = fields_at_rest("starts that lead here");
   static const Fields<AllAtRest> kFields{
       {"starts", "", "starts", &AllAtRest::starts,
-       [](const Json& n) { return fmt::format("{} random ones, and the given one", n.get<int>() - 1); }},
+       [](const Json& n) {
+         return fmt::format("{} random ones, and the given one; there may be more equilibria", n.get<int>() - 1);
+       }},
       {"failed", "", "  failed", &AllAtRest::failed},
       {"equilibria", "equilibrium", &AllAtRest::all, kEach}};
   return kFields;
@@ -231,8 +241,8 @@ const Fields<Varied>& varied_fields() {
   return kFields;
 }
 
-/// An equilibrium as numbers: what was found, poses and reactions, what is recorded.
-std::vector<PoseNumber> numbers_of(Resting& r) {
+/// An equilibrium as numbers: what was found, poses and reactions (not if `brief`), what is recorded.
+std::vector<PoseNumber> numbers_of(Resting& r, bool brief = false) {
   const Stability& s = r.report.stability;
   const double stable = s.kind == Stability::Kind::stable || s.kind == Stability::Kind::gripped ? 1
                         : s.kind == Stability::Kind::neutral                                    ? 0
@@ -242,9 +252,11 @@ std::vector<PoseNumber> numbers_of(Resting& r) {
                               {"softest", "1/s^2", s.softest},
                               {"unbalanced", "", r.report.unbalanced},
                               {"move", "m", r.report.largest_move}};
-  for (PoseNumber& n : pose_numbers(r.m.system, r.state, r.values()))
-    n.value = r.without_rounding(n.value, n.unit), all.push_back(std::move(n));
-  for (PoseNumber& n : r.quantities()) all.push_back(std::move(n));
+  std::vector<PoseNumber> recorded = r.quantities();
+  if (!brief || recorded.empty())
+    for (PoseNumber& n : pose_numbers(r.m.system, r.state, r.values()))
+      n.value = r.without_rounding(n.value, n.unit), all.push_back(std::move(n));
+  for (PoseNumber& n : recorded) all.push_back(std::move(n));
   return all;
 }
 
@@ -302,10 +314,10 @@ Result vary(const Arguments& args) {
     try {
       auto now = std::make_unique<Resting>(scenes.scene(run), scenes.loaded.registry);
       now->find(args, before ? &before->state : nullptr, false);
-      const std::vector<PoseNumber> numbers = numbers_of(*now);
+      const std::vector<PoseNumber> numbers = numbers_of(*now, record.empty() && isatty(STDOUT_FILENO) != 0);
       const std::string status = before ? branch_status(args, *before, *now) : "ok";
       if (width == 0) {
-        found_of(*now);
+        found_of(*now), note_friction(now->m.system);
         add_titles(lines[0], numbers), lines[0].emplace_back("status"), width = lines[0].size();
       }
       if (status != "ok") tell(fmt::format("warning: {}: {}\n", setting, status));
@@ -324,7 +336,10 @@ Result vary(const Arguments& args) {
   Result result;
   if (varied.found > 0) {
     file.commit();
-    if (!record.empty()) result = {scenes.loaded, varied_fields(), varied}, result.files = {record};
+    if (!record.empty())
+      result = {scenes.loaded, varied_fields(), varied}, result.files = {record};
+    else
+      tell(text_of(CommandFindings::added()));
   }
   result.code = varied.failed > 0 ? kExitFailure : kExitOk;
   return result;
@@ -335,7 +350,7 @@ Result find_all(const Arguments& args) {
   const int starts = whole_number("--all", args["--all"], kMostStarts);
   const Loaded loaded = load(args);
   Resting first(loaded.scene, loaded.registry);
-  first.begin(args);
+  first.begin(args), note_friction(first.m.system);
   EquilibriaReport report = find_equilibria(first.dynamics, first.state, {.starts = starts});
   AllAtRest found{report.starts, report.failed, {}};
   for (Equilibrium& e : report.all) {
@@ -379,7 +394,7 @@ Command statics_command() {
              Option{"--all", "N", "find all equilibria, unstable ones too, from N random starts"}.without("--nearest"),
              Option{"--vary", "NAME=...",
                     "NAME=a:b:n, NAME=a:b:n:log or NAME=v1,v2,...: follow the equilibrium over a parameter, one CSV "
-                    "row each; may be repeated"}
+                    "row each, without poses and reactions on a terminal; may be repeated"}
                  .repeated(),
              {"--record", "FILE.csv", "write poses, reactions, loads of forces and recorded quantities as CSV"}}}),
       find_rest,
@@ -388,7 +403,8 @@ Command statics_command() {
       "Each value of --vary begins at the equilibrium of the value before. With several --vary each line of the grid\n"
       "begins at the start of the scene. A row with the status `another branch` does not lead back to the row before.\n"
       "Columns of the CSV: `stable` is 1, 0 if neutral, -1 if unstable. `softest` is the square of the lowest natural\n"
-      "frequency. `unbalanced` is the remaining force relative to the largest. `move` is the longest way of a body.\n\n"
+      "frequency. `unbalanced` is the remaining force relative to the largest. `move` is the longest way of a body.\n"
+      "`stable` and --all do not consider friction.\n\n"
       "Example:\n  lockstep statics samples/scenes/double_pendulum.json",
       {&rest_fields().schema(), &all_fields().schema(), &varied_fields().schema()}};
 }
