@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/integrators.h>
 
-#include <cmath>
 #include <string>
 
 #include <lockstep/error.h>

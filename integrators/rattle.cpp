@@ -6,7 +6,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -28,13 +27,16 @@ struct RattleScheme {
 namespace {
 
 const double suzuki = 1 / (4 - std::cbrt(4.0));
-const RattleScheme kSchemes[] = {
-    {"rattle2", "symplectic, order 2, fixed step: energy over long runs, no dampers", 2, 1, {1, 0, 0, 0, 0}},
-    {"rattle4",
-     "symplectic, order 4, fixed step: energy over long runs, no dampers",
-     4,
-     5,
-     {suzuki, suzuki, 1 - 4 * suzuki, suzuki, suzuki}}};
+const RattleScheme kSchemes[] = {{"rattle2",
+                                  "symplectic, order 2, fixed step: energy over long runs, no dampers or friction",
+                                  2,
+                                  1,
+                                  {1, 0, 0, 0, 0}},
+                                 {"rattle4",
+                                  "symplectic, order 4, fixed step: energy over long runs, no dampers or friction",
+                                  4,
+                                  5,
+                                  {suzuki, suzuki, 1 - 4 * suzuki, suzuki, suzuki}}};
 constexpr int kRounds = 50;  // of the multipliers; a handful is usual
 
 const RattleScheme& scheme_of(int order) { return kSchemes[order == 4 ? 1 : 0]; }

@@ -13,7 +13,7 @@ constexpr EmbeddedScheme kScheme{"rk4", {4, 4, 4, 3, kA[0], kB, kC}};
 
 }  // namespace
 
-TypeInfo Rk4::type_info() { return {"rk4", "Runge-Kutta of order 4, fixed step: teaching and comparison", {}}; }
+TypeInfo Rk4::type_info() { return {"rk4", "Runge-Kutta of order 4, fixed step: teaching, comparison, real time", {}}; }
 
 Rk4::Rk4() : EmbeddedRungeKutta(kScheme, {.fixed = true}) {}
 

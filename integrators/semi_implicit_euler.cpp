@@ -5,8 +5,7 @@
 namespace lockstep {
 
 TypeInfo SemiImplicitEuler::type_info() {
-  return {
-      "semi_implicit_euler", "velocities first, then positions; order 1, fixed step: games, real time, comparison", {}};
+  return {"semi_implicit_euler", "velocities first, then positions; order 1, fixed step: teaching and comparison", {}};
 }
 
 IntegratorInfo SemiImplicitEuler::info() const { return {"semi_implicit_euler", 1, false, false, 1, true}; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "motionlaws/spline_curve.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <lockstep/error.h>
@@ -18,13 +19,36 @@ struct Wanted {
   std::string unit;  // "mm"; empty: SI
 };
 
+// The unit, other than SI, in which the name of a column seems to end, "time_ms" or "time (ms)"; "" if none. Values are no
+// times, and "in" is seldom a unit.
+std::string unit_in_name(std::string_view name, bool is_time) {
+  name = text::trimmed(name, " )");
+  const std::string end(name.substr(std::min(name.find_last_of("_ (") + 1, name.size())));
+  if (end.size() == name.size() || end == "in") return {};
+  const Measured one = in_si(1, end);
+  const bool of_time = read_quantity("1 " + end, Unit::time).problem.empty();
+  return one.problem.empty() && one.value != 1 && of_time == is_time ? end : "";
+}
+
 // `bare`: gets the name of a column without a unit.
-Wanted wanted_of(const CsvReader& lines, const std::string& name, std::vector<std::string>& bare) {
+Wanted wanted_of(const CsvReader& lines, const std::string& path, const std::string& name, bool is_time,
+                 std::vector<std::string>& bare) {
   const std::size_t k = lines.find(name);
-  const std::string& unit = lines.columns()[k].unit;
+  const std::string &unit = lines.columns()[k].unit, &shown = lines.columns()[k].name;
+  if (const std::string own = unit.empty() ? unit_in_name(shown, is_time) : ""; !own.empty()) {
+    report_finding({&finding::units_ignored, "",
+                    path + ": column '" + shown + "' is read in SI, although its name ends in \"" + own + "\"",
+                    "write the unit in brackets: \"" +
+                        std::string(text::trimmed(shown.substr(0, shown.find_last_of("_ (")), " _")) + " [" + own +
+                        "]\""});
+    return {k, {}};
+  }
   if (unit.empty()) bare.push_back(name);
   if (unit.empty() || unit == "-") return {k, {}};
   const Measured one = in_si(1, unit);
+  const auto high = std::ranges::find_if(unit, [](unsigned char c) { return c >= 0x80; });
+  if (!one.problem.empty() && high != unit.end() && static_cast<unsigned char>(*high) < 0xC2)  // no character begins so
+    lines.refuse("the header is not UTF-8; save the file as UTF-8");
   if (!one.problem.empty()) lines.refuse("column '" + lines.columns()[k].name + "': " + one.problem);
   return {k, one.value == 1 ? "" : unit};
 }
@@ -60,12 +84,12 @@ Columns columns_of(const std::vector<std::vector<double>>& rows, std::size_t n_y
 Columns read_columns(const std::string& path, const std::string& t_column, const std::vector<std::string>& y_columns) {
   CsvReader lines(path);
   std::vector<std::string> bare;
-  std::vector<Wanted> wanted{wanted_of(lines, t_column, bare)};
-  for (const std::string& name : y_columns) wanted.push_back(wanted_of(lines, name, bare));
+  std::vector<Wanted> wanted{wanted_of(lines, path, t_column, true, bare)};
+  for (const std::string& name : y_columns) wanted.push_back(wanted_of(lines, path, name, false, bare));
   if (!bare.empty())
     report_finding({&finding::units_assumed, "",
                     path + ": the first line has no unit for " + text::join(bare) + ", so SI is assumed",
-                    "write units in brackets, as in \"time [ms],torque [N mm]\""});
+                    std::string("write units in brackets, as in \"time [ms]") + lines.separator() + "torque [N mm]\""});
 
   std::vector<std::vector<double>> rows;
   for (std::vector<std::string> cells; lines.next(cells);) {

@@ -44,7 +44,7 @@ void add_path(LawTypes& types) {
     i.keys.push_back({key, Form::vector3, Unit::speed, Value::List{0, 0, 0}, "velocity at a clamped end"});
   for (const char* key : {"start_acceleration", "end_acceleration"})
     i.keys.push_back(
-        {key, Form::vector3, Unit::acceleration, Value::List{0, 0, 0}, "acceleration at a clamped end of degree 5"});
+        {key, Form::vector3, Unit::acceleration, Value::List{0, 0, 0}, "acceleration at a clamped end, degree 5"});
   types.translation_laws.add(std::move(i), [](const Params& p) {
     const SplineSettings k = spline_settings(p);
     check_end_keys(p, k, {"start_velocity", "end_velocity"}, {"start_acceleration", "end_acceleration"});

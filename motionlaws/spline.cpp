@@ -34,9 +34,10 @@ void add_spline(LawTypes& types) {
   TypeInfo i{"spline", "spline through points [t, y] or two columns of a CSV file",
              spline_keys("[[t, y], ...], times increasing; this or file", {{"y", "values"}})};
   for (const char* key : {"start_rate", "end_rate"})
-    i.keys.push_back(value_key(key, Form::number, 0, "yd at a clamped end", LawQuantity::rate));
+    i.keys.push_back(value_key(key, Form::number, 0, "rate of y at a clamped end", LawQuantity::rate));
   for (const char* key : {"start_acceleration", "end_acceleration"})
-    i.keys.push_back(value_key(key, Form::number, 0, "ydd at a clamped end of degree 5", LawQuantity::acceleration));
+    i.keys.push_back(value_key(key, Form::number, 0, "second derivative of y at a clamped end, degree 5",
+                               LawQuantity::acceleration));
   types.laws.add(std::move(i), [](const Params& p) {
     const SplineSettings k = spline_settings(p);
     check_end_keys(p, k, {"start_rate", "end_rate"}, {"start_acceleration", "end_acceleration"});

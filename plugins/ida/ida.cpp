@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <limits>
 
 #include <lockstep/author/plugin.h>
 #include <lockstep/author/stepping.h>

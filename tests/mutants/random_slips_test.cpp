@@ -349,7 +349,9 @@ TEST_CASE("linear equations have a note on friction, and on no other force", "[m
                "friction": {"mu": 0.3}}],
     "forces": [{"name": "push", "type": "applied_force", "p": "b", "at": [0, 0, 0], "force": [0, 1, 0]}])~"));
   const std::vector<std::string> notes = texts_of(linear_motion(run.dynamics(), run.state()).notes);
-  CHECK(notes == std::vector<std::string>{"force 'rail.friction': friction at rest, with the reactions of this state"});
+  CHECK(notes ==
+        std::vector<std::string>{"friction of 'rail.friction' at rest acts as a damper (mu N/smoothing_speed); "
+                                 "set its mu to 0 for modes without friction"});
 }
 
 }  // namespace random_slips_test

@@ -323,7 +323,7 @@ TEST_CASE("the tables of the pages name classes and members that exist", "[pages
   struct Names {
     const char *page, *head, *before, *after;
   };
-  for (const Names& n : {Names{"framework/docs/hosts.md", "| type |", "class LOCKSTEP_API ", " "},
+  for (const Names& n : {Names{"framework/docs/hosts_reference.md", "| type |", "class LOCKSTEP_API ", " "},
                          Names{"framework/docs/forces.md", "| facet |", "class LOCKSTEP_API ", " "},
                          Names{"framework/docs/forces.md", "| question |", "virtual double ", "("},
                          Names{"framework/docs/joints.md", "| member |", " ", ""}})

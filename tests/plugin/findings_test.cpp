@@ -36,6 +36,13 @@ std::string spring(const std::string& members) {
 const std::string kBare =
     kArm + R"("links": [{)" + kHinge + R"(, "drive": {"axis": "rz", "law": {"type": "spline", "file": "bare.csv"}}}])";
 
+// Driven by a table whose columns are named after their units.
+const std::string kNamed = kArm + R"("links": [{)" + kHinge +
+                           R"~(, "drive": {"axis": "rz", "law": {"type": "spline", "file": "named.csv",
+                              "t_column": "time_ms", "y_column": "angle (deg)"}}}])~";
+
+const char* const kNamedTable = "time_ms,angle (deg)\n0,0\n2,1\n";
+
 /// A command whose JSON has the finding.
 struct Provoked {
   const char* code;
@@ -92,6 +99,7 @@ std::vector<Provoked> all() {
        R"("bodies": [{"name": "a", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0.3, 0, 0]}}],
           "links": [{"name": "A", "type": "revolute", "p": "a", "s": "ground", "at": [0.3, 0, 0]}])" +
            until + R"("record": ["a.x"]})"},
+      {"units-ignored", kRun, kNamed + until + R"("record": ["arm.x"]})"},
       {"units-assumed", kRun, kBare + until + R"("record": ["arm.x"]})"},
       {"start-speed-lost", kRun,
        R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}, "velocity": [5, 0, 0]}],
@@ -115,6 +123,10 @@ std::vector<Provoked> all() {
        kArm + R"("links": [{)" + kHinge +
            R"(, "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1}}, "stops": [{"axis": "rz", "high": 0.5}]}])" +
            until + R"("record": ["A.rz"]})"},
+      {"friction-damps", "modes @ --json",
+       R"("gravity": [0, -9.81, 0], "bodies": [{"name": "block", "mass": 2, "inertia": [1, 1, 1]}],
+          "links": [{"name": "rail", "type": "prismatic", "p": "block", "s": "ground", "at": [0, 0, 0], "axis": "x",
+                     "friction": {"mu": 0.1}}])"},
       {"event-missed", kRun,
        kFalling + R"(, "events": [{"name": "late", "at": 7, "stop": true}])" + until + R"("record": ["arm.x"]})"},
       {"energy-suspect", "run @ --plugin '" + kModules + "/naughty.so' --record found.csv --no-picture --json",
@@ -168,6 +180,7 @@ std::set<std::string> codes_in(const Json& result) {
 TEST_CASE("every kind of finding is provoked, and JSON has it", "[runner][findings]") {
   scene_file("part", kFalling);
   std::ofstream(kRunnerFolder + "/bare.csv") << "t,y\n0,0\n1,1\n";
+  std::ofstream(kRunnerFolder + "/named.csv") << kNamedTable;
   // Of formulas, and of a run whose JSON --certify excludes.
   std::set<std::string_view> provoked{"switches-unresolved", "not-certified"};
   for (const Provoked& each : all()) {
@@ -205,6 +218,19 @@ TEST_CASE("a table without units is noted once, with the header to write", "[run
                  "bare.csv: the first line has no unit for y, so SI is assumed; write units in "
                  "brackets, as in \"time [ms],torque [N mm]\""));
   CHECK(contains(notes("t,y"), "no unit for t and y"));
+}
+
+TEST_CASE("a unit in the name of a column is a doubt, and an error with --strict", "[runner][findings]") {
+  std::ofstream(kRunnerFolder + "/named.csv") << kNamedTable;
+  const std::string scene = scene_file("named_run", kNamed + R"(, "run": {"until": 1, "record": ["arm.x"]})");
+  const Called said = call("run '" + scene + "' --no-picture");
+  INFO(said.text);
+  CHECK(said.exit == 0);
+  CHECK(contains(said.text,
+                 "named.csv: column 'time_ms' is read in SI, although its name ends in \"ms\"; write the unit in "
+                 "brackets: \"time [ms]\""));
+  CHECK(contains(said.text, "\"angle [deg]\""));
+  CHECK(call("run '" + scene + "' --no-picture --strict").exit == 11);
 }
 
 // Steps of half a second, in which the arm turns by more than two radians.

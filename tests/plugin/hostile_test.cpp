@@ -13,6 +13,7 @@
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include "tests/support/catch.h"
+#include "tests/support/messages.h"
 #include "tests/support/paths.h"
 #include "tests/support/plugin_files.h"
 #include "tests/support/program.h"
@@ -193,6 +194,9 @@ TEST_CASE("a plugin that registers badly leaves nothing behind", "[plugin][hosti
   CHECK(rude("nested") == "plugin 'rude': cam.csv cannot be read: line 3 has no number");
   Registry with_probe = builtin_registry();
   load_plugin(with_probe, kProbe);
+  CHECK(message_of<PluginError>([&] {
+          load_plugin(with_probe, kProbe);
+        }).ends_with("plugin 'probe' is already loaded into this registry; load it once"));
   CHECK(rude("as probe", with_probe) ==
         "plugin 'rude': law 'probe_law' (plugin rude) is already registered (plugin probe); choose another name");
 }

@@ -108,7 +108,7 @@ TEST_CASE("a drive into a dead centre is reported with its joints and its time",
                  "error: drive A.rz has reached a limit position (dead centre) at t = 0.1476 s"));  // asin(0.8)/2 pi
   CHECK(contains(run.text, "saved: 15 rows"));
   check_mistake({"kinematics " + sample("slider_crank") + " --set 'rod=120 mm' --record dead.csv",
-                 5,
+                 6,
                  {"error: drive A.rz has reached a limit position (dead centre) at t = 0.1476 s",
                   "hint: end the motion before it, or change the lengths or the axis of guide", "saved: 15 rows in"}});
   // Equal reasons of a sweep are one, and a status is one line.
@@ -120,6 +120,21 @@ TEST_CASE("a drive into a dead centre is reported with its joints and its time",
   const std::string rows{std::istreambuf_iterator<char>(table), {}};
   CHECK(std::ranges::count(rows, '\n') == 4);
   CHECK(contains(rows, "failed: drive A.rz has reached a limit position (dead centre)"));
+}
+
+TEST_CASE("a drive into a stop is reported, also into one that bounces and into that of another joint", "[runner]") {
+  nlohmann::json scene = nlohmann::json::parse(std::ifstream(kFourBar));
+  for (const auto& [joint, stop] : {std::pair<int, nlohmann::json>{0, {{"high", "30 deg"}, {"restitution", 0.5}}},
+                                    std::pair<int, nlohmann::json>{3, {{"low", "-5 deg"}, {"high", "5 deg"}}}}) {
+    nlohmann::json stopped = scene;
+    stopped["joints"][joint]["stops"] = nlohmann::json::array({stop});
+    stopped["joints"][joint]["stops"][0]["axis"] = "rz";
+    std::ofstream(kRunnerFolder + "/stopped.json") << stopped;
+    check_mistake({"run stopped.json --no-picture",
+                   5,
+                   {"error: drive A.rz runs into stop ", joint == 0 ? "A.stop_rz_high at t = " : "D.stop_rz_",
+                    "hint: end the motion before the stop"}});
+  }
 }
 
 TEST_CASE("a locked mechanism that is driven is reported, with the axis that locks it", "[runner]") {
@@ -144,6 +159,23 @@ TEST_CASE("a start outside a stop and a step that is too long are reported as su
   check_mistake({"run " + sample("mass_spring_damper") + " --integrator rk4 --step 0.05",
                  7,
                  {"error: the step of 0.05 s is too long", "hint: take a step below"}});
+}
+
+TEST_CASE("an error of a scene names the bare numbers of the command line", "[runner]") {
+  check_mistake({"check " + sample("slider_crank") + " --set bodies.crank.rod.mass=-1",
+                 3,
+                 {"slider_crank.json:", "  with bodies.crank.rod.mass=-1 from the command line, in SI units"}});
+}
+
+TEST_CASE("a law that ends is reported first, and the short steps behind it", "[runner]") {
+  const std::string ends = scene_file("ends", kArm + "\"joints\": [{" + kHinge + R"~(, "drive": {"axis": "rz",
+    "law": {"type": "formula", "y": "=sqrt(0.5 - t)"}}}], "run": {"until": 1})~");
+  const Called run = call("run '" + ends + "' --no-picture --record ends.csv");
+  INFO(run.text);
+  CHECK(run.exit == 6);
+  CHECK(contains(run.text, "error: t = 0.5"));
+  CHECK(contains(run.text, "joint 'A' (revolute) computed a number that is not finite: the law of drive rz"));
+  CHECK(contains(run.text, "(dopri5: the step shrank to "));
 }
 
 TEST_CASE("words of other programs are understood as hints", "[runner]") {

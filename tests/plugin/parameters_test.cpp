@@ -67,7 +67,7 @@ TEST_CASE("a length that varies while it stands elsewhere is warned about", "[ru
                             {"name": "B", "type": "revolute", "p": "b", "s": "a", "at": [0.3, 0, 0]}],
                   "gravity": [0, -9.81, 0], "run": {"until": 0.01, "output": 0.01, "record": ["b.x"]})");
   check_words(call("sweep " + scene + " --vary bodies.a.rod.to.0=0.3,0.4 --record twice.csv").text,
-              {"the length at bodies.a.rod.to.0 is also given at bodies.b.rod.from.0 and links.B.at.0, "
+              {"the length at bodies.a.rod.to.0 is also given at bodies.b.rod.from.0 and joints.B.at.0, "
                "which do not vary with it",
                "make it a parameter and write \"=name\" in these places"});
   CHECK_FALSE(

@@ -243,7 +243,8 @@ TEST_CASE("check lists the channels, describe explains a key", "[runner]") {
   CHECK(first_of("body 'crank'") < first_of("the whole mechanism"));
   CHECK(row_of(call("check '" + kFourBar + "' --channels").text, "crank.vx") ==
         "crank.vx m/s body 'crank' velocity of the origin, world, x");
-  CHECK(contains(call("describe link").text, "see `lockstep describe drive`"));
+  for (const char* name : {"link", "joint"})
+    CHECK(contains(call("describe " + std::string(name)).text, "see `lockstep describe drive`"));
   CHECK(contains(call("describe revolute").text, "see `lockstep describe drive`"));
   CHECK(contains(call("describe run").text, "list of channel names"));
   CHECK(contains(call("describe event").text, "list of texts"));

@@ -246,7 +246,7 @@ TEST_CASE("a start in a singular configuration is reported with its branches", "
   CHECK(contains(rest.text, "the start is a singular configuration: 2 instantaneous degrees of freedom, 2 branches: "));
   CHECK(contains(rest.text, "It is at rest"));
   const Called check = call("check '" + flat_parallelogram("flat_rest.json", "") + "' --json");
-  CHECK(contains(check.text, "warning: the start is a singular configuration"));
+  CHECK(contains(check.text, "warning: singular-start: the start is a singular configuration"));
   const Json j = Json::parse(check.text.substr(check.text.find("{\n")))["singular_position"];
   CHECK(j["in"] == true);
   CHECK(j["branches"].size() == 2);
@@ -305,7 +305,8 @@ TEST_CASE("an assembled start that is far from the one given ends with its own c
   CHECK(far.exit == 11);
   CHECK(contains(far.text, "start-far: the assembled start is 0.5 m from the given one"));
   CHECK_FALSE(contains(far.text, "lockstep assemble"));
-  check_refused(call(apart), 11, {"violation before      1 m", "largest move          0.5 m", "  of                  a"});
+  check_refused(call(apart), 11,
+                {"position error before  1 m", "largest move           0.5 m", "  of                   a"});
   CHECK(call(apart + " --within 2").exit == 0);
 }
 

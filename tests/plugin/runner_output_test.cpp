@@ -260,11 +260,11 @@ TEST_CASE("describe reports a scene's parameters: value, place, dependent values
                  "another value: --set A.x=..., --set A=\"=[1, 2, 3]\", a range: --vary A.x=..."));
   const std::string of_D = call("describe D --scene '" + kFourBar + "'").text;  // a formula: it has no parts
   CHECK(contains(of_D, "another value: --set D=\"=[1, 2, 3]\"\n"));
-  CHECK(contains(of_D, "parameters.BD, bodies.rocker.rod.from and links.D.at"));
+  CHECK(contains(of_D, "parameters.BD, bodies.rocker.rod.from and joints.D.at"));
   CHECK(contains(crank.text, "another value: --set crank=..., a range: --vary crank=..."));
   for (const char* setting : {"--set A.x=0.001", "--set A=\"=[0.001, 0, 0]\"", "--set D=\"=[0.28, 0.001, 0]\""})
     CHECK(call("check '" + kFourBar + "' " + setting).exit == 0);
-  CHECK(D["read_by"] == json({"parameters.BD", "bodies.rocker.rod.from", "links.D.at"}));
+  CHECK(D["read_by"] == json({"parameters.BD", "bodies.rocker.rod.from", "joints.D.at"}));
   CHECK(json::parse(call("describe --scene '" + kFourBar + "' --json").text)["parameters"].size() == 11);
   const Called wrong = call("describe crnk --scene '" + kFourBar + "'");
   CHECK(wrong.exit == 2);

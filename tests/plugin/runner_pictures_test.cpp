@@ -49,7 +49,7 @@ TEST_CASE("headers of columns are plain on request", "[runner]") {
   CHECK(header("scene.csv") == header("plain.csv"));
   CHECK(call(run + "--record scene.csv --set run.headers=plain --headers units").exit == 0);
   CHECK(header("scene.csv") == header("units.csv"));
-  check_refused(call(run + "--headers bare"), 2, {"--headers: bare not in {units,plain}"});
+  check_refused(call(run + "--headers bare"), 2, {"--headers: unknown \"bare\"; known: units, plain"});
   CHECK(call("sweep '" + kFourBar +
              "' --vary crank='90 mm,100 mm' --until 0.02 --quiet --record plain_sweep.csv --headers plain")
             .exit == 0);

@@ -57,7 +57,10 @@ void write(const std::string& name, const std::string& text) {
 
 TEST_CASE("impossible options are rejected with the option, the value and the right form", "[runner]") {
   write("requires.json", R"({"lockstep": 1, "requires": ["bump"], "bodies": [{"name": "a", "particle": 1}]})");
+  write("follower.json", R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1}],
+    "joints": [{"name": "ride", "type": "cam_follower", "p": "a", "s": "ground"}]})");
   check_refusals({
+      {"check follower.json", 3, {"unknown type", "plugin cam_follower brings this joint: add --plugin cam_follower"}},
       {"describe", 2, {"describe: a name is missing, as in `lockstep describe revolute`"}},
       {"describe revolut", 2, {"describe: unknown name \"revolut\"", "did you mean \"revolute\""}},
       {"describe bump", 2, {"describe: unknown name \"bump\"; plugin bump brings this law: add --plugin bump"}},
@@ -208,8 +211,12 @@ TEST_CASE("plugins reject impossible numbers by key, value and limit", "[runner]
   write("no_lobe.json", cam(R"("base": 1, "lift": 1, "lobes": 0)"));
   check_refusals({
       {"check flat_bump.json", 3, {"drive.law.width: is 0 s", "above zero"}},
-      {"check no_cam.json", 3, {"joint 'C', base: is 0 m", "a radius above zero"}},
-      {"check no_lobe.json", 3, {"joint 'C', lobes: is 0", "a cam has at least one"}},
+      {"check no_cam.json",
+       3,
+       {"joint 'C' (cam_follower of plugin cam_follower), base: is 0 m", "a radius above zero"}},
+      {"check no_lobe.json",
+       3,
+       {"joint 'C' (cam_follower of plugin cam_follower), lobes: is 0", "a cam has at least one"}},
   });
 }
 

@@ -34,7 +34,7 @@ TEST_CASE("run writes the columns and reports the moved bodies", "[runner]") {
   const Called full = call("run '" + kFourBar + "' --record bar.csv --verbose");
   INFO(full.text);
   for (const char* word : {"results    theta  0.3 ... 7.3 rad", "energy ok", "positions unchanged",
-                           "start      velocities set to fit joints and drives (off by 1.8 m/s)"})
+                           "start      velocities set to fit joints and drives (the given ones were off by 1.8 m/s)"})
     CHECK(contains(full.text, word));
   CHECK_FALSE(value_of(full.text, "work of drives").empty());
   const Called table_of_all = call("run '" + kFourBar + "' --record bar.csv --summary --verbose");
@@ -116,10 +116,11 @@ TEST_CASE("wrong words are a usage error", "[runner]") {
            {"fly", "unknown command \"fly\"; known: run, "},
            {"run", "scene is required"},
            {run + "--fast", "unknown option \"--fast\"; known: "},
+           {run + "--dt 1e-3", "unknown option \"--dt\"; did you mean \"--step\"?"},
            {run + "--step 0", "--step: the value is 0; it must be greater than 0 and finite"},
            {run + "--step x", "--step: \"x\" is not a time; write it as in --step 0.001"},
            {run + "--integrator rk5", "--integrator: unknown name \"rk5\"; did you mean \"rk4\"?"},
-           {"list wheels", "wheels not in {joints,links,"},
+           {"list wheels", "kind: unknown \"wheels\"; known: joints, links,"},
            {"describe revolut", "describe: unknown name \"revolut\"; did you mean \"revolute\"?"}}) {
     INFO(words);
     check_refused(call(words), 2, {"error: ", said});
@@ -207,7 +208,7 @@ TEST_CASE("a run whose energy is not conserved ends with its own status", "[runn
   CHECK(contains(r.text, "--tolerance"));
   const Called quiet = call("run '" + scene + "' --quiet");
   CHECK(quiet.exit == 9);
-  CHECK(quiet.text.starts_with("error: energy balance off by "));
+  CHECK(quiet.text.starts_with("error: the energy balance is off by "));
   const std::string wide = scene_file("wide", kArm + R"("gravity": [0,-9.81,0], "links": [{)" + kHinge + R"(}],
     "run": {"integrator": "dopri5", "tolerance": 10, "until": 20, "output": 0.1, "energy_limit": 100})");
   CHECK(call("run '" + wide + "'").exit == 0);

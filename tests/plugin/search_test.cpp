@@ -170,7 +170,7 @@ TEST_CASE("plugins list reports the state of every file", "[plugin][search][runn
   fs::create_symlink("/etc/passwd", one + "/passwords.so");
   const std::string path = "LOCKSTEP_PLUGIN_PATH='" + one + ":" + two + ":/nowhere'";
 
-  const Called brief = call("plugins list", path);
+  const Called brief = call("plugins", path);
   INFO(brief.text);
   CHECK(brief.exit == 0);
   CHECK(std::count(brief.text.begin(), brief.text.end(), '\n') >= 8);  // six here, and the built plugins

@@ -79,6 +79,12 @@ TEST_CASE("a label is put behind the place, once", "[unit][errors]") {
   error.attribute(kOurs, kOurs.label());
   CHECK(std::string(error.what()) == "a.json:2:3: force 'F' (wind of plugin weather): law.slope: is of no use");
   CHECK(error.thing.name == "F");
+  SceneError named("a.json:2:3: force 'F': is of no use", "a.json", 2, 3);
+  named.attribute(kPlugins, kPlugins.label());
+  CHECK(std::string(named.what()) == "a.json:2:3: force 'F' (wind of plugin weather): is of no use");
+  SceneError made("a.json:2:3: force 'F', speed: is 0", "a.json", 2, 3);
+  made.attribute({.kind = "force", .type = "wind", .origin = "weather"}, "force 'wind' (plugin weather)");
+  CHECK(std::string(made.what()) == "a.json:2:3: force 'F' (wind of plugin weather), speed: is 0");
 }
 
 TEST_CASE("an exception that is no Error becomes UserCodeError with its object, its time and the original",

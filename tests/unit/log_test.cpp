@@ -61,7 +61,7 @@ TEST_CASE("warnings of a run are logged and are in its report", "[unit][support]
   StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 0.01});
   Heard heard;
   run.add_finding({&finding_kind("event-at-zero"), "event 'late'", "event 'late' never comes"});
-  CHECK(heard.has("lockstep/warning: event 'late' never comes"));
+  CHECK(heard.has("lockstep/warning: event-at-zero: event 'late' never comes"));
   REQUIRE(run.report().findings.size() == 1);
   CHECK(run.report().findings.front().text() == "event 'late' never comes");
   run.run_until(0.05);

@@ -59,9 +59,9 @@ TEST_CASE("scene: renamed keys are read by their old names, with a warning", "[u
     CHECK(r->turn == Approx(0.5));
     CHECK(r->restitution == 0.5);
   }
-  check_words(old.said,
-              {"warning: ball.json:4:1: \"slide\" is now called \"translation\"", "ball.json:3:1: \"spin\"",
-               "\"rotation\"", "ball.json:6:1:", "\"one_sided\" is now called \"unilateral\"", "next release"});
+  check_words(old.said, {"warning: renamed-key: ball.json:4:1: \"slide\" is now called \"translation\"",
+                         "ball.json:3:1: \"spin\"", "\"rotation\"",
+                         "ball.json:6:1:", "\"one_sided\" is now called \"unilateral\"", "next release"});
 }
 
 TEST_CASE("scene: the old value of nearly_redundant is read as the new one, with a warning", "[unit][scene]") {

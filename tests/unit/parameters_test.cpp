@@ -188,7 +188,7 @@ TEST_CASE("parameters are set and varied by name", "[unit][scene]") {
   REQUIRE(v.values.size() == 3);
   const Scene third = vary_scene(scene, {v}, {2}, builtin());
   CHECK(*third.parameters[1].value.text() == "0.4 m");
-  CHECK(setting_text({v}, {1}) == "crank = 0.15000000000000002 m");
+  CHECK(setting_text({v}, {1}) == "crank = 0.15 m");
   check_words(message_of<ModelError>([&] { read_variable("crank=1 s,2 s", scene, builtin()); }), {"m is expected"});
   check_words(message_of<ModelError>([&] { read_variable("crank=1 m,2 s", scene, builtin()); }), {"m is expected"});
 }
@@ -201,11 +201,20 @@ TEST_CASE("a length that is written again elsewhere is named when it varies", "[
   const auto left = [&](const char* text) {
     return left_behind(read_variable(text, scene, builtin()), scene, builtin());
   };
-  CHECK(left("bodies.crank.rod.to.0=0.1,0.2") == std::vector<std::string>{"bodies.rod.rod.from.0", "links.B.at.0"});
+  CHECK(left("bodies.crank.rod.to.0=0.1,0.2") == std::vector<std::string>{"bodies.rod.rod.from.0", "joints.B.at.0"});
   CHECK(left("bodies.crank.rod.mass=1,2").empty());    // no length
   CHECK(left("bodies.rod.rod.to.0=1,2").empty());      // stands once
   CHECK(left("bodies.crank.rod.from.0=1,2").empty());  // zero says nothing
   CHECK(left_behind(read_variable("crank=1,2", scene_of(kScene), builtin()), scene_of(kScene), builtin()).empty());
+}
+
+TEST_CASE("an unknown name that varies is answered by the parameters, a joint by its path", "[unit][scene]") {
+  const Scene scene = scene_of(kScene);
+  const auto said = [&](const char* text) {
+    return message_of<ModelError>([&] { read_variable(text, scene, builtin()); });
+  };
+  check_words(said("Q=1,2"), {"\"Q\" is not a parameter of the scene; known: ", "crank"});
+  check_words(said("joints.Q.at.0=1,2"), {"\"joints\" has no \"Q\""});
 }
 
 TEST_CASE("laws by formula read the scene's parameters in SI", "[unit][scene]") {

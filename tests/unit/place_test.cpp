@@ -4,6 +4,7 @@
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include "framework/description/scene/json.h"
+#include "framework/description/scene/reading.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
@@ -74,14 +75,18 @@ TEST_CASE("a wrong path is rejected with the nearest right one", "[unit][scene]"
   check_words(find.refusal("bodies.rod.rod.mas"),
               {"\"bodies.rod.rod\" has no \"mas\"", "did you mean \"bodies.rod.rod.mass\"?"});
   check_words(find.refusal("boddies.rodd.rod.mass"), {"the scene has no \"boddies\"", "\"bodies.rod.rod.mass\"?"});
-  check_words(find.refusal("links.A.drive.slope"),
-              {"\"links.A.drive\" has no \"slope\"", "\"links.A.drive.law.slope\"?"});
+  for (const char* joints : {"links", "joints"}) {
+    std::string path = std::string(joints) + ".A.drive.slope";
+    rename_old_keys(path);
+    check_words(find.refusal(path), {"\"joints.A.drive\" has no \"slope\"", "\"joints.A.drive.law.slope\"?"});
+  }
+  CHECK_FALSE(says(find.refusal("links.A.zz"), {"did you mean"}));  // no number of another name
   check_words(find.refusal("gravity.3"), {"\"gravity\" has no \"3\"", "\"gravity."});
   check_words(find.refusal("gravity.w"), {"\"gravity\" has no \"w\""});
   check_words(find.refusal("gravity.1.2"), {"\"gravity.1\" is a single value without parts", "\"gravity.1\"?"});
   check_words(find.refusal("run.tolerence"), {"did you mean \"run.tolerance\"?"});
   check_words(find.refusal(""), {"the scene has no \"\""});
-  check_words(find.refusal("links"), {"\"links\" has several values", "known: A, L"});
+  check_words(find.refusal("links"), {"\"joints\" has several values", "known: A, L"});
   check_words(find.refusal("gravity"), {"has several values"});
   check_words(find.refusal("bodies.bob.omega_body"), {"is not in the scene and has several values"});
   check_words(find.refusal("bodies..mass"), {"\"bodies\" has no \"\""});

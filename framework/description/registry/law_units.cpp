@@ -52,8 +52,6 @@ void check_formula(const Value& formula, const Value* constants, const LawDimens
                            : std::vector<expression::Constant>{};
   try {
     expression::check_dimensions(*formula.text(), {{"t", t}}, known, value);
-  } catch (const SceneError&) {
-    throw;
   } catch (const ModelError& error) {
     refuse(formula.where, context, error.what());
   }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/author/registry.h>
 
-#include <algorithm>
-
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/registry/law_units.h"
@@ -140,8 +138,10 @@ template <class Product, class... Args>
 void Shelf<Product, Args...>::merge(const Shelf& other) {
   for (const auto& [name, entry] : other.entries_)
     if (const Entry* taken = find(name))
-      throw PluginError(kind_ + " '" + name + "'" + origin_words(entry.origin) + " is already registered" +
-                        origin_words(taken->origin) + "; choose another name");
+      throw PluginError(!entry.origin.empty() && entry.origin == taken->origin
+                            ? "it is already loaded into this registry; load it once"
+                            : kind_ + " '" + name + "'" + origin_words(entry.origin) + " is already registered" +
+                                  origin_words(taken->origin) + "; choose another name");
   auto merged = entries_;
   merged.insert(other.entries_.begin(), other.entries_.end());
   entries_.swap(merged);

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <boost/dll/shared_library.hpp>
-#include <cstdlib>
 #include <filesystem>
 
 #include <lockstep/error.h>

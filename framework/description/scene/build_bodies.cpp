@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bodies and markers of a scene.
-#include <algorithm>
 
 #include <lockstep/body.h>
 #include <lockstep/text.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The attachments of joints and forces; joints with their drives, laws and start speeds.
-#include <algorithm>
 
 #include <lockstep/author/lock.h>
 #include <lockstep/text.h>

@@ -110,7 +110,7 @@ class Walk {
     if (member == members.end()) {
       const bool last = i + 1 == steps_.size();
       inserted_unknown_ = kind.key.name.empty() && last && before_plugins_ && has_unknown_type(*here_, registry_);
-      if (!inserted_unknown_ && (kind.key.name.empty() || kind.key.required())) return false;
+      if (!inserted_unknown_ && (kind.key.name.empty() || (kind.key.required() && !last))) return false;
       Value fresh = by_default(kind, last);
       fresh.where = here_->where;
       members.push_back({name, std::move(fresh), here_->where});
@@ -162,13 +162,15 @@ class Walk {
 
   Miss miss(std::size_t i) const {
     Miss m{i, {}, ""};
-    const std::string owner = path_.empty() ? "the scene" : "\"" + path_ + "\"";
+    const std::string owner = path_.empty() ? "the scene" : "\"" + shown_path(path_) + "\"";
     if (const Value::List* items = here_->list())
       for (std::size_t k = 0; k < items->size(); ++k) m.candidates.push_back(step_to((*items)[k], k));
     if (const Value::Object* members = here_->object()) {
-      for (const Value::Member& member : *members) m.candidates.push_back(member.key);
+      for (const Value::Member& member : *members)
+        m.candidates.push_back(member.key == "links" ? "joints" : member.key);
       for (const Key& key : kind_.keys)
-        if (here_->find(key.name) == nullptr) m.candidates.push_back(key.name);
+        if (here_->find(key.name) == nullptr && std::ranges::find(m.candidates, key.name) == m.candidates.end())
+          m.candidates.push_back(key.name);
     }
     const bool plain = here_->list() == nullptr && here_->object() == nullptr;
     if (i == steps_.size())
@@ -203,8 +205,10 @@ class Walk {
 };
 
 std::string closest_number(const Value& root, const std::string& path) {
+  const auto ends_in_index = [](const std::string& p) { return !p.empty() && p.back() >= '0' && p.back() <= '9'; };
   std::vector<std::string> paths;
-  for (NumberAt& number : numbers_in(root)) paths.push_back(std::move(number.path));
+  for (NumberAt& number : numbers_in(root))
+    if (ends_in_index(path) || !ends_in_index(number.path)) paths.push_back(std::move(number.path));
   return text::closest_name(path, paths);
 }
 
@@ -218,12 +222,16 @@ std::string nearest(const Value& root, const std::string& path, const Registry& 
     if (miss->step == steps.size()) break;
     const std::string closest = text::closest_name(steps[miss->step], miss->candidates);
     if (closest.empty() || closest == steps[miss->step]) break;
-    steps[miss->step] = closest;
+    steps[miss->step] = closest == "joints" ? "links" : closest;
   }
   return closest_number(root, path);
 }
 
 }  // namespace
+
+std::string shown_path(const std::string& path) {
+  return path == "links" || path.starts_with("links.") ? "joints" + path.substr(5) : path;
+}
 
 void for_each_leaf(const Value& v, const LeafVisit& visit, const std::string& path, const std::string& key) {
   const bool in_list = v.list() != nullptr;
@@ -253,8 +261,9 @@ ScenePlace find_place(Value& root, const std::string& path, const Registry& regi
     return place;
   }
   const std::string near = nearest(root, path, registry);
-  throw ModelError("\"" + path + "\": " + miss->problem +
-                   (near.empty() ? text::suggestion("", miss->candidates) : "; did you mean \"" + near + "\"?"));
+  throw ModelError(
+      "\"" + shown_path(path) + "\": " + miss->problem +
+      (near.empty() ? text::suggestion("", miss->candidates) : "; did you mean \"" + shown_path(near) + "\"?"));
 }
 
 }  // namespace lockstep

@@ -25,6 +25,9 @@ struct ScenePlace {
 /// valid path if there is no such value, or if it is not a plain one.
 LOCKSTEP_API ScenePlace find_place(Value& root, const std::string& path, const Registry&, bool before_plugins = false);
 
+/// As users write it: "joints.A" for "links.A".
+LOCKSTEP_API std::string shown_path(const std::string& path);
+
 /// Calls visit(path, key, value) for all plain values of a scene, with paths as in ScenePlace, and their innermost keys.
 using LeafVisit = std::function<void(const std::string& path, const std::string& key, const Value&)>;
 LOCKSTEP_API void for_each_leaf(const Value&, const LeafVisit&, const std::string& path = "",

@@ -43,7 +43,7 @@ void read_root(Scene&);
 void rename_old_keys(Value& root);
 
 /// The same for the third step of a path such as links.A.one_sided.restitution.
-void rename_old_keys(std::string& path);
+LOCKSTEP_API void rename_old_keys(std::string& path);
 
 /// The settings of a scene, with defaults for what it leaves out (or null). Throws SceneError.
 LOCKSTEP_API RunSettings read_run(const Value&);

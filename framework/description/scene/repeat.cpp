@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/scene/parts.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <lockstep/error.h>

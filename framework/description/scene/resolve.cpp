@@ -2,7 +2,6 @@
 #include "framework/description/scene/resolve.h"
 
 #include <algorithm>
-#include <cctype>
 #include <optional>
 #include <set>
 #include <string>

@@ -2,7 +2,6 @@
 // Splits an object whose key "type" names an entry of a shelf into the keys of its kind and those of its type.
 #pragma once
 
-#include <algorithm>
 #include <string>
 
 #include <lockstep/author/registry.h>

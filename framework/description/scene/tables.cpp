@@ -81,7 +81,7 @@ omega_world | vector3; angular speed | | angular velocity at the start, world ax
 assembled | choice; approximate; exact; free | "approximate" | change of the start pose by assembly: as small as possible, none, or free
 start_weight | number | 1 | weight of the start pose in assembly, relative to other bodies
 visual | object; visual | | appearance in reports
-## part | | a part of a compound body
+## part | | an object of "compound": a part of a body
 < matter
 position | vector3; length | [0, 0, 0] | origin of the part's frame, body frame
 orientation | orientation | [1, 0, 0, 0] | orientation of the part's frame, body frame
@@ -93,7 +93,7 @@ color | text | | "#rrggbb"; default: the next colour of a palette
 opacity | number | 1 | from 0 (transparent) to 1 (opaque)
 own_shape | boolean | true | true: the shape that defines the mass is also drawn
 shapes | list of objects; visual_shape | | further shapes and meshes, without mass
-## visual_shape | | a shape or mesh for drawing, without mass
+## visual_shape | | an object of "shapes": a shape or mesh for drawing, without mass
 rod | object; rod | | a rod between two points, body frame
 box | object; box | | a box, centred at the origin of its frame
 cylinder | object; cylinder | | a cylinder, centred at the origin of its frame, along z
@@ -119,7 +119,7 @@ at_p | vector3; length | | position of the new marker P at the start, world
 at_s | vector3; length | | position of the new marker S at the start, world
 axis | axis | | z axis of the new markers at the start, world; their x axis is as close as possible to x of the world, or to y if z is along x
 orientation | orientation | | orientation of the new markers at the start, world
-## link | links | a joint, a coupling or another constraint between bodies
+## link | links | an object of "joints": a joint, a coupling or another constraint between bodies
 name | text | ! | name, unique in the scene
 type | text | ! | type, see `lockstep list joints`
 < attachment
@@ -133,7 +133,7 @@ start | object; start | | initial conditions of the free coordinates
 unilateral | object; unilateral | | one-sided: the single constraint can push but not pull, C >= 0 instead of C = 0
 stops | list of objects; travel | | limits of the free coordinates; each is a one-sided joint named "A.stop_rz_low", ...
 friction | object; friction | | friction caused by the joint's own reaction; a force named "A.friction"
-## pair | | two markers whose relative motion is coupled
+## pair | | an object of "pairs": two markers whose relative motion is coupled
 < attachment
 ## force | forces | an applied force or torque; it does not constrain motion
 name | text | ! | name, unique in the scene
@@ -180,7 +180,7 @@ rx ry rz | number; angle | | about % of S
 restitution | number | 0 | ratio of the speed after an impact to the speed before, from 0 to 1
 rest_speed | number; quantity | 0.001 | an impact with a lower rebound speed ends at rest, m/s or rad/s
 side | choice; above; below | "above" | free side of the constraint: C >= 0 (above), or C <= 0 (below) as for a rope
-## travel | | limits of one coordinate of a joint
+## travel | | an object of "stops": limits of one coordinate of a joint
 axis | choice; x; y; z; rx; ry; rz | ! | coordinate of P relative to S
 low | number; quantity | | lower limit, m or rad
 high | number; quantity | | upper limit, m or rad
@@ -196,19 +196,19 @@ activate | list of texts | | joints and forces to activate
 deactivate | list of texts | | joints and forces to deactivate
 stop | boolean | false | true: the run ends at the event
 once | boolean | true | true: the event occurs only the first time that the condition is met
-## condition | | a channel that crosses a value
+## condition | | "when" of an event: a channel that crosses a value
 channel | text | ! | name of a channel, such as "slider.x"
 crosses | number; quantity | 0 | value of the channel at the event
 direction | choice; any; rising; falling | "any" | direction of the crossing
 ## run | | numerical method and output
 integrator | name or object; integrators | | a name of `lockstep list integrators`, or {"type": name, and its keys}; default "dopri5"
 step | number; time | | fixed step, or the largest step of an adaptive integrator
-tolerance | number | 1e-06 | relative tolerance of adaptive integrators; the absolute tolerance is a hundredth of it, m
+tolerance | number | 1e-06 | relative tolerance of adaptive integrators; the absolute tolerance is a hundredth of it, m or rad
 until | number; time | | end of the run; 0: the start alone, one row
 output | number; time | | interval of the recorded times; default: every step
 times | numbers; time | | recorded times, rising; instead of "output"
-energy_limit | number | 0.001 | limit of the energy error, relative to the energy exchanged; beyond it the run is in error
-violation_limit | number; length | | limit of the constraint violation; beyond it the run is in error; default: 0.001 of the mechanism's size
+energy_limit | number | 0.001 | limit of the energy error, relative to the energy exchanged; beyond it the result is wrong (exit code 9)
+violation_limit | number; length | | limit of the constraint violation; beyond it the result is wrong (exit code 9); default: 0.001 of the mechanism's size
 max_steps | integer | | limit of the number of steps; the run then ends with an error
 formulation | choice; omega; quaternion; joint; auto | "auto" | unknowns: joint coordinates, 6 velocities per body (omega), or 7 coordinates per body (quaternion); auto: joint coordinates if they cost less and no solver is named, else omega
 stabilization | choice, or object; stabilization; project; baumgarte; none | | correction of the constraint violation (drift); default "project"

@@ -26,7 +26,9 @@ constexpr Word kForms[] = {
      R"_(a direction: "x", "y" or "z", one of these with a minus sign, or a vector of any length except zero
   "z"    "-y"    [1, 1, 0])_"},
     {"orientation",
-     R"_(an orientation of one frame in another, in one of five forms; a quaternion has its scalar first and length 1
+     R"_(an orientation of one frame in another, in one of five forms; a quaternion has its scalar first and length 1.
+Each of three angles rotates about an axis already rotated by the ones before. The sequence is three of x, y, z, or
+a name: cardan (xyz), euler (zxz), hpb (zxy).
   [1, 0, 0, 0]
   {"axis": "z", "angle": "30 deg"}
   {"angles": ["10 deg", "20 deg", "30 deg"], "sequence": "zxz"}

@@ -19,19 +19,20 @@ void check_vector(const char* where, const VecX& x, Eigen::Index n) {
                      std::to_string(n) + " are needed; resize it (6 per rigid group, 1 per constraint)");
 }
 
-// visit(row, Jh v + Ct) for every row; velocity(slot): its linear and angular velocity.
-template <class Velocity, class Visit>
-void for_each_rate(const RowTable& rows, Velocity&& velocity, Visit&& visit) {
+// Cd = Jh v + Ct of every row; velocity(slot): its linear and angular velocity.
+template <class Velocity>
+void put_rates(const RowTable& rows, Velocity&& velocity, VecX& Cd) {
+  Cd.resize(rows.n_rows);
   for (const RowEntry& e : rows.entries) {
     const RowView block = rows.block(e);
     for (int k = 0; k < e.m; ++k) {
       double cd = block.Ct(k);
       for (int i = 0; i < e.slots.n; ++i) {
         const auto r = block.J(i, k);
-        const auto& [v, w] = velocity(e.slots[i]);
+        const auto [v, w] = velocity(e.slots[i]);
         cd += r[0] * v[0] + r[1] * v[1] + r[2] * v[2] + r[3] * w[0] + r[4] * w[1] + r[5] * w[2];
       }
-      visit(e.first_row + k, cd);
+      Cd[e.first_row + k] = cd;
     }
   }
 }
@@ -82,34 +83,22 @@ void Evaluation::rows_at(const State& state) {
 void Evaluation::check() const { check_finite(system_, inputs(), rows_, f_); }
 
 void Evaluation::residuals(VecX& C, VecX& Cd) const {
-  C.resize(rows_.n_rows), Cd.resize(rows_.n_rows);
+  C.resize(rows_.n_rows);
   for (const RowEntry& e : rows_.entries) {
     const RowView block = rows_.block(e);
     for (int k = 0; k < e.m; ++k) C[e.first_row + k] = block.C(k);
   }
-  struct Velocity {
-    const Vec3 &v, &w;
+  const auto velocity = [&](int slot) {
+    const Motion& O = inputs().slot(slot);
+    return std::pair{O.v.data(), O.w.data()};
   };
-  for_each_rate(
-      rows_,
-      [&](int slot) {
-        return Velocity{inputs().slot(slot).v, inputs().slot(slot).w};
-      },
-      [&](int row, double cd) { Cd[row] = cd; });
+  put_rates(rows_, velocity, Cd);
 }
 
 void Evaluation::velocity_residual(const VecX& v, VecX& Cd) const {
   check_vector("Evaluation::velocity_residual", v, f_.size());
-  Cd.resize(rows_.n_rows);
-  struct Velocity {
-    const double *v, *w;
-  };
-  for_each_rate(
-      rows_,
-      [&](int slot) {
-        return Velocity{v.data() + 6 * slot, v.data() + 6 * slot + 3};
-      },
-      [&](int row, double cd) { Cd[row] = cd; });
+  put_rates(
+      rows_, [&](int slot) { return std::pair(v.data() + 6 * slot, v.data() + 6 * slot + 3); }, Cd);
 }
 
 double Evaluation::norm(const VecX& c) const {

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <array>
-#include <complex>
 #include <vector>
 
 #include <lockstep/author/solver.h>

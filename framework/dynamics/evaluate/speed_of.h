@@ -26,17 +26,10 @@ inline double speed_of(std::span<const Motion> motions, double L) {
   return std::sqrt(w2);
 }
 
-/// Of the body that rotates fastest, rad/s; the same velocities.
-inline double fastest_turn(const VecX& v) {
-  double w2 = 0;
-  for (Eigen::Index i = 3; i < v.size(); i += 6) w2 = std::max(w2, v.segment<3>(i).squaredNorm());
-  return std::sqrt(w2);
-}
-/// The same by the motions of the slots.
-inline double fastest_turn(std::span<const Motion> motions) {
-  double w2 = 0;
-  for (const Motion& O : motions) w2 = std::max(w2, O.w.squaredNorm());
-  return std::sqrt(w2);
+/// Of the body that rotates fastest, rad/s; by either. Velocities do not count against an infinite length.
+template <class Velocities>
+double fastest_turn(const Velocities& of) {
+  return speed_of(of, HUGE_VAL);
 }
 
 }  // namespace lockstep

@@ -119,7 +119,7 @@ bool AdaptiveStepper::land(Dynamics& dynamics, double h, StepReport& report) {
 ProjectReport AdaptiveStepper::project_end(Dynamics& dynamics, State& y) { return lockstep::project_end(dynamics, y); }
 
 std::string AdaptiveStepper::advice() const {
-  return "use another method (--integrator), a larger tolerance, or find a singular configuration (lockstep check)";
+  return "use another method (--integrator) or tolerance, or find a singular configuration (lockstep check)";
 }
 
 void AdaptiveStepper::newton_failed(double h, const char* advice) const {

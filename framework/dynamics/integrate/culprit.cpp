@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <vector>
 
 #include <lockstep/author/stepping.h>
@@ -79,8 +78,8 @@ std::string in_words(Dynamics& dynamics, const State& state, const Given& from, 
   const VecX &was = from[kind][which], &is = to[kind][which];
   if (kind == 0) return words_of(dynamics, state, *dynamics.system().forces()[which], was, is, after);
   return fmt::format(
-      "{} changes most: {} within {:.2g} s; check its laws, and whether its markers reach a place where its direction "
-      "is undefined",
+      "{} changes most: {} within {:.2g} s; check its laws, the branches of its function, and whether its direction is "
+      "undefined here",
       passes::row_name(dynamics.system(), dynamics.gather(state).rows(), static_cast<int>(which)),
       kind == 1 ? fmt::format("its direction by {:.2g} %", 100 * most)
                 : fmt::format("the acceleration that it prescribes from {:.4g} to {:.4g}", was[0], is[0]),
@@ -108,7 +107,7 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after) {
     dynamics.normalize(then);
     return in_words(dynamics, state, from, given_at(dynamics, then), after);
   } catch (const Error& error) {
-    return fmt::format("within {:.2g} s after that: {}", after, error.what());
+    return error.what();
   }
 }
 

@@ -223,7 +223,7 @@ LOCKSTEP_API std::string AssemblyReport::text() const {
   if (largest_move > start_limit()) text += fmt::format("; moved '{}' by {:.3g} m", moved_most, largest_move);
   if (largest_turn > start_limit()) text += fmt::format("; rotated '{}' by {:.3g} rad", turned_most, largest_turn);
   if (before_v > start_limit())
-    text += fmt::format("; velocities set to fit joints and drives (off by {:.2g} m/s)", before_v);
+    text += fmt::format("; velocities set to fit joints and drives (the given ones were off by {:.2g} m/s)", before_v);
   if (!is_moved()) text += "; positions unchanged";
   if (std::abs(kinetic_after - kinetic_before) > kLittle * std::max(kinetic_before, kinetic_after))
     text += fmt::format("; kinetic energy {:.3g} J, now {:.3g} J", kinetic_before, kinetic_after);

@@ -67,7 +67,7 @@ double Clock::step_towards(double t, const Target& target, double largest) const
     throw StepError(
         fmt::format(
             "{}: the step shrank to {:.3g} s at t = {:.9g} s, which is round-off of a run of {:.3g} s; use another "
-            "method (--integrator), a larger tolerance, or find a singular configuration (lockstep check)",
+            "method (--integrator) or tolerance, or find a singular configuration (lockstep check)",
             info_.name, h, t, span()),
         t);
   return step_within(left, h, same_instant(t));

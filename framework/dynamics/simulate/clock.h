@@ -3,7 +3,6 @@
 #pragma once
 
 #include <limits>
-#include <string>
 #include <vector>
 
 #include <lockstep/step_loop.h>

@@ -8,7 +8,6 @@
 #include <functional>
 #include <limits>
 #include <numeric>
-#include <span>
 
 #include <lockstep/author/relative.h>
 #include <lockstep/error.h>
@@ -189,7 +188,17 @@ void make_consistent(Dynamics& dynamics, State& state, const std::string& cause,
   dynamics.accept(state);
 }
 
-PositionJump::PositionJump(Dynamics& dynamics, const State& state) : before_(dynamics.gather_rows(state)) {}
+// The coordinates that active drives prescribe, in the order of the joints.
+static std::vector<double> prescribed(const System& system, const State& state) {
+  std::vector<double> all;
+  for (const auto& link : system.links())
+    if (const Jointed* joint = link->jointed(); joint != nullptr && state.modes[link->number()])
+      for (const Drive& drive : joint->imposed().drives) all.push_back(drive.speed ? 0 : drive.law->at(state.t).y);
+  return all;
+}
+
+PositionJump::PositionJump(Dynamics& dynamics, const State& state)
+    : before_(dynamics.gather_rows(state)), prescribed_(prescribed(dynamics.system(), state)) {}
 
 bool PositionJump::changes_rows(Dynamics& dynamics, const State& state) const {
   return Residuals(dynamics.gather_rows(state)) != before_;
@@ -200,10 +209,24 @@ std::string PositionJump::refusal(Dynamics& dynamics, const State& state, double
   const VecX C = Residuals(at).C - before_.C;
   const double jump = at.norm(C);
   if (jump <= limit) return "";
-  return fmt::format(
-      "a law jumps in position at t = {:.9g} s by {:.3g} m (limit {:.3g} m), worst: {}; use a continuous law (ramp, "
-      "cycloid, spline)",
-      state.t, jump, limit, worst_rows(at, row_sizes(at, C)));
+  Eigen::Index worst = 0;
+  row_sizes(at, C).maxCoeff(&worst);
+  const System& system = dynamics.system();
+  std::string who = "a law of " + thing_of_row(system, at.rows(), static_cast<int>(worst)).words(),
+              far = fmt::format("{:.3g} m", jump);
+  const std::vector<double> now = prescribed(system, state);
+  std::size_t k = 0;
+  double most = limit;
+  for (const auto& link : system.links())
+    if (const Jointed* joint = link->jointed(); joint != nullptr && state.modes[link->number()])
+      for (int d = 0; d < static_cast<int>(joint->imposed().drives.size()); ++d, ++k)
+        if (const double by = std::abs(now[k] - prescribed_[k]); by > most) {
+          const Quantity of = link->driven()->drive(d);
+          most = by, who = fmt::format("drive {} of joint '{}'", of.name, link->name());
+          far = fmt::format("{:.4g} {}", by, of.unit);
+        }
+  return fmt::format("{} jumps in position at t = {:.9g} s by {}; use a continuous law (ramp, cycloid, spline)", who,
+                     state.t, far);
 }
 
 }  // namespace lockstep

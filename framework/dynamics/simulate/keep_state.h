@@ -2,8 +2,6 @@
 // A copy of a state that survives where memory ends.
 #pragma once
 
-#include <utility>
-
 #include <lockstep/state.h>
 
 namespace lockstep {

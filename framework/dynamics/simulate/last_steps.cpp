@@ -34,8 +34,7 @@ void LastSteps::check(const RunSoFar& run) const {
     return fmt::format("the last {} steps are {:.2g} s long on average, so the rest of the run would take {:.2g} steps",
                        n(), step, left / step);
   };
-  const char* const longer =
-      run.adaptive ? "use a larger tolerance or another integrator" : "use a larger step (--step)";
+  const char* const longer = run.adaptive ? "use another tolerance or integrator" : "use a larger step (--step)";
   if (run.max_steps > 0 && run.steps >= run.max_steps && run.t < run.end)
     throw StepError(fmt::format("{}: the run has used its {} steps at t = {:.9g} s{}; allow more (max_steps), or {}",
                                 run.method, run.steps, run.t, is_finite && n() > 0 ? "; " + rest() : "", longer),

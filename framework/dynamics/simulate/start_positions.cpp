@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>

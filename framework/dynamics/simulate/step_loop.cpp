@@ -13,7 +13,6 @@
 #include "framework/dynamics/simulate/keep_state.h"
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
-#include "framework/dynamics/simulate/step_rules.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
 
@@ -266,7 +265,9 @@ void StepLoop::make_step(double limit, double largest) {
       return ask();
     } catch (const StepError& error) {
       const double tolerance = p.clock.adaptive() ? options_.tolerance.relative : HUGE_VAL;
-      throw StepError(error.what() + p.why_steps_end(dynamics_, state_, tolerance), state_.t);
+      const std::string said = error.what(), why = p.why_steps_end(dynamics_, state_, tolerance);
+      if (!why.starts_with("; t = ")) throw StepError(said + why, state_.t);
+      throw StepError(why.substr(2) + " (" + said.substr(0, said.find("; ")) + ")", state_.t);  // its error first
     }
   };
   explained([&] { p.clock.check(state_.t, report_.steps); });

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <new>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/speed_of.h"
@@ -131,15 +130,11 @@ void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double
   if (!std::isfinite(h)) return;
   const Uncounted uncounted(dynamics);
   for (double k = std::floor(t0 / h) + 1; k * h < t1; ++k) {
-    try {
-      if (!(k * h > t0)) continue;
+    if (!(k * h > t0)) continue;
+    succeeds([&] {
       const Sample sample(dynamics, interval.at(k * h), interval.report());
       to.between(sample);
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (...) {
-      continue;
-    }
+    });
   }
 }
 
@@ -203,12 +198,12 @@ void StepLoop::warn_of_turns() {
 
 void StepLoop::warn_of_drift(double largest_before) {
   const double limit = options_.limits.of(system().length()).violation, now = report_.largest_violation;
-  if (now <= limit || !(largest_before <= limit)) return;
+  if (now <= limit || !(largest_before <= limit) || !parts_->change.refusal.empty()) return;
   add_finding({&finding::violated_in_run, "",
                fmt::format("{}: the constraint violation is {:.2g} m after the step to t = {:.9g} s (limit {:.2g} m), "
                            "so the result is wrong",
                            method_->info().name, now, state_.t, limit),
-               "project after each step (stabilization project, Dynamics::project)", now, limit, "m", state_.t});
+               "project after each step (stabilization project)", now, limit, "m", state_.t});
 }
 
 void StepLoop::add_finding(Finding f) {

@@ -5,7 +5,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cstddef>
-#include <exception>
 #include <string>
 #include <utility>
 #include <vector>

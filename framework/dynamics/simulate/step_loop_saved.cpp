@@ -100,7 +100,7 @@ std::string difference(const std::string& saved, const std::string& now) {
 }  // namespace
 
 void StepLoop::save(Snapshot& out) {
-  if (!begun_) throw ModelError("a run that has not started cannot be saved; call run_until() or step() first");
+  if (!begun_) throw ModelError("a run that has not started cannot be saved; call run_until() first");
   if (parts_->due.what != Due::nothing)
     throw ModelError(
         "the run cannot be saved: its last step is not completed, because of an error or a call inside it; continue "

@@ -48,7 +48,7 @@ struct Passes {
             T *W_b = A + s[b].U, *Z_b = W_b + n * kJ;
             exchange_rows(W_b, n, kJ, order);
             solve_lower<kJ, true>(A + pivot.D, W_b, n);
-            solve_upper_transposed<kJ>(A + pivot.D, Z_b, n);
+            solve_lower<kJ, false, true>(A + pivot.D, Z_b, n);  // R^T
             for (int a = 0; a <= b; ++a, ++target) {
               const int n_a = s[a].width;
               const T* W_a = A + s[a].U;
@@ -127,17 +127,16 @@ LOCKSTEP_FLAT_CLONES bool factor_symmetric(const BlockPlan& plan, double* A, dou
   }
   return true;
 }
-LOCKSTEP_FLAT_CLONES bool factor_real(const BlockPlan& plan, double* A, unsigned char* order) {
+LOCKSTEP_FLAT_CLONES bool factor(const BlockPlan& plan, double* A, unsigned char* order) {
   return Passes<double>{plan, A}.factor(order);
 }
-LOCKSTEP_FLAT_CLONES bool factor_complex(const BlockPlan& plan, Complex* A, unsigned char* order) {
+LOCKSTEP_FLAT_CLONES bool factor(const BlockPlan& plan, Complex* A, unsigned char* order) {
   return Passes<Complex>{plan, A}.factor(order);
 }
-LOCKSTEP_FLAT_CLONES void solve_real(const BlockPlan& plan, const double* A, const unsigned char* order, double* b) {
+LOCKSTEP_FLAT_CLONES void solve(const BlockPlan& plan, const double* A, const unsigned char* order, double* b) {
   Passes<const double>{plan, A}.solve(order, b);
 }
-LOCKSTEP_FLAT_CLONES void solve_complex(const BlockPlan& plan, const Complex* A, const unsigned char* order,
-                                        Complex* b) {
+LOCKSTEP_FLAT_CLONES void solve(const BlockPlan& plan, const Complex* A, const unsigned char* order, Complex* b) {
   Passes<const Complex>{plan, A}.solve(order, b);
 }
 
@@ -152,17 +151,11 @@ bool BlockFactor<T>::factor_symmetric(const BlockPlan& plan, double* pivots) {
 }
 template <class T>
 bool BlockFactor<T>::factor(const BlockPlan& plan) {
-  if constexpr (std::is_same_v<T, double>)
-    return block_detail::factor_real(plan, A_.data(), order_.data());
-  else
-    return block_detail::factor_complex(plan, A_.data(), order_.data());
+  return block_detail::factor(plan, A_.data(), order_.data());
 }
 template <class T>
 void BlockFactor<T>::solve(const BlockPlan& plan, T* b) const {
-  if constexpr (std::is_same_v<T, double>)
-    block_detail::solve_real(plan, A_.data(), order_.data(), b);
-  else
-    block_detail::solve_complex(plan, A_.data(), order_.data(), b);
+  block_detail::solve(plan, A_.data(), order_.data(), b);
 }
 
 template class BlockFactor<double>;

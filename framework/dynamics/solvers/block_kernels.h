@@ -38,30 +38,17 @@ inline void subtract_product(T* C, const T* X, const T* Y, int n_k, int n_i) {
 
 // Triangles share one block D of n x n, row-major; a diagonal that is not all ones is stored as reciprocals.
 
-/// X <- L^-1 X, X: n x kJ; kUnit: the diagonal of L is 1.
-template <int kJ, bool kUnit, class T>
+/// X <- L^-1 X, X: n x kJ; kUnit: the diagonal of L is 1; kTransposed: the upper triangle of D is L^T.
+template <int kJ, bool kUnit, bool kTransposed = false, class T>
 inline void solve_lower(const T* D, T* X, int n) {
   for (int i = 0; i < n; ++i) {
     T row[kJ];
     for (int j = 0; j < kJ; ++j) row[j] = X[i * kJ + j];
     for (int k = 0; k < i; ++k) {
-      const T d = D[i * n + k];
+      const T d = D[kTransposed ? k * n + i : i * n + k];
       for (int j = 0; j < kJ; ++j) row[j] -= times(d, X[k * kJ + j]);
     }
     for (int j = 0; j < kJ; ++j) X[i * kJ + j] = kUnit ? row[j] : times(D[i * n + i], row[j]);
-  }
-}
-/// X <- R^-T X, R the upper triangle.
-template <int kJ, class T>
-inline void solve_upper_transposed(const T* D, T* X, int n) {
-  for (int i = 0; i < n; ++i) {
-    T row[kJ];
-    for (int j = 0; j < kJ; ++j) row[j] = X[i * kJ + j];
-    for (int k = 0; k < i; ++k) {
-      const T d = D[k * n + i];
-      for (int j = 0; j < kJ; ++j) row[j] -= times(d, X[k * kJ + j]);
-    }
-    for (int j = 0; j < kJ; ++j) X[i * kJ + j] = times(D[i * n + i], row[j]);
   }
 }
 

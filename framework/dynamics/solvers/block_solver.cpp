@@ -2,7 +2,6 @@
 #include <lockstep/solvers.h>
 
 #include <algorithm>
-#include <limits>
 
 #include <lockstep/author/params.h>
 #include <lockstep/error.h>

@@ -6,7 +6,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <lockstep/author/params.h>
 #include <lockstep/error.h>

@@ -35,7 +35,6 @@
 // compiled for the instruction set of the pass that calls it (schur_passes.cpp).
 #pragma once
 
-#include <algorithm>
 #include <cstring>
 
 #include "framework/dynamics/solvers/schur_plan.h"

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <set>
-#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/solvers.h>
 
-#include <spdlog/fmt/fmt.h>
-
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
-#include <limits>
 
 #include <lockstep/author/params.h>
 #include <lockstep/error.h>

@@ -2,7 +2,6 @@
 #include "framework/dynamics/tree/closure_fronts.h"
 
 #include <algorithm>
-#include <functional>
 #include <span>
 
 #include "framework/dynamics/solvers/graph.h"

@@ -2,7 +2,6 @@
 // ClosureRows: the rows of links that are not in the tree, without their use in the recursion.
 #pragma once
 
-#include <array>
 #include <span>
 #include <vector>
 

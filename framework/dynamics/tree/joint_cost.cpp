@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include <lockstep/author/passes.h>
 #include "framework/dynamics/solvers/schur_plan.h"
 

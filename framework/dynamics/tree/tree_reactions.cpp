@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/tree/tree_reactions.h"
 
-#include <algorithm>
 #include <array>
 
 namespace lockstep {

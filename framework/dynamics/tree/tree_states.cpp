@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <vector>
 
 #include <lockstep/author/lock.h>
 #include "framework/dynamics/tree/joint_tree.h"

@@ -2,8 +2,6 @@
 // Sparse matrices whose rows and columns are scaled.
 #pragma once
 
-#include <utility>
-
 #include <Eigen/SparseCore>
 
 #include <lockstep/math.h>

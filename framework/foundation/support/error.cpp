@@ -42,7 +42,15 @@ void Error::attribute(const Thing& whose, const std::string& label) {
   if (labelled_ || label.empty()) return;
   labelled_ = true;
   const std::string place = place_words(*this);
-  sentence_.insert(sentence_.starts_with(place) ? place.size() : 0, label + ": ");
+  const std::size_t at = sentence_.starts_with(place) ? place.size() : 0;
+  const std::string words = whose.words(), one = whose.kind + " '";
+  if (!whose.name.empty() && label.ends_with(whose.label()) &&
+      sentence_.compare(at, words.size() + 1, words + ":") == 0)
+    sentence_.replace(at, words.size(), label);
+  else if (whose.name.empty() && !whose.type.empty() && sentence_.compare(at, one.size(), one) == 0)  // what is made
+    sentence_.insert(sentence_.find('\'', at + one.size()) + 1, " (" + whose.type + of_plugin(whose.origin) + ")");
+  else
+    sentence_.insert(at, label + ": ");
   if (const auto* outer = dynamic_cast<const std::nested_exception*>(this); outer != nullptr && outer->nested_ptr())
     sentence_ += ": " + thrown_words(outer->nested_ptr());
 }

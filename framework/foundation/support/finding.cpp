@@ -24,11 +24,11 @@ std::span<const FindingKind* const> finding_kinds() {
   constexpr auto all = [](auto&... kind) { return std::array{&kind...}; };
   static constexpr auto kinds =
       all(energy_not_conserved, constraints_drifted, tolerance_not_reached, singular_passed, reactions_uncertain,
-          not_certified, start_far, renamed_key, implausible, not_included, held_turn, quaternion_length,
+          not_certified, units_ignored, start_far, renamed_key, implausible, not_included, held_turn, quaternion_length,
           negative_stiffness, outputs_beyond_end, setting_unused, length_repeated, switches_unresolved, turns_uncertain,
           start_moved, start_speed_lost, start_missed, singular_start, no_freedom, violated_in_run, long_turn,
-          long_steps, event_at_zero, stop_passed, energy_not_judged, energy_suspect, event_missed, stiff,
-          reactions_not_unique, nearly_redundant, units_assumed, analysis_note);
+          long_steps, event_at_zero, stop_passed, friction_damps, energy_not_judged, energy_suspect, event_missed,
+          stiff, reactions_not_unique, nearly_redundant, units_assumed, analysis_note);
   return kinds;
 }
 
@@ -53,10 +53,7 @@ void report_finding(const Finding& f) {
     scope->found.push_back(f);
     if (!scope->hands_on_) return;
   }
-  if (f.severity() == Severity::note)
-    log_info(f.text());
-  else
-    log_warning(f.text());
+  (f.severity() == Severity::note ? log_info : log_warning)(std::string(f.code()) + ": " + f.text());
 }
 
 FindingScope::FindingScope(bool hands_on) : hands_on_(hands_on), outer_(innermost) { innermost = this; }

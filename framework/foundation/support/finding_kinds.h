@@ -11,7 +11,7 @@ inline constexpr FindingKind energy_not_conserved{
     "energy-not-conserved", Severity::wrong,
     "The energy balance does not close. Steps are too coarse, a singular configuration was passed, or the potential, "
     "dissipation or supply of a force does not fit its load.",
-    "Reduce the tolerance or the step. Check custom forces with check_force()."};
+    "Reduce the tolerance (--tolerance) or the step (--step). Test custom forces by check_force() in C++."};
 inline constexpr FindingKind constraints_drifted{
     "constraints-drifted", Severity::wrong,
     "The constraint violation exceeds the limit; without projection it accumulates.",
@@ -34,6 +34,11 @@ inline constexpr FindingKind not_certified{
     "not-certified", Severity::doubt,
     "A second run with a tighter tolerance or another method does not agree in any digit of a recorded column.",
     "Reduce the tolerance; for chaotic motion, record quantities that do not depend on the initial conditions."};
+inline constexpr FindingKind units_ignored{
+    "units-ignored", Severity::doubt,
+    "The name of a column of a CSV file ends in a unit without brackets, such as "
+    "time_ms, so its numbers are read in SI.",
+    "Write the unit in brackets: \"time [ms]\"."};
 inline constexpr FindingKind start_far{"start-far", Severity::doubt,
                                        "The assembled start is farther from the given poses than --within allows.",
                                        "Give poses that fit the joints; `lockstep assemble` prints them."};
@@ -66,10 +71,10 @@ inline constexpr FindingKind setting_unused{"setting-unused", Severity::warning,
 inline constexpr FindingKind length_repeated{"length-repeated", Severity::warning,
                                              "A changed length is also given in other places, which do not change.",
                                              "Make it one parameter, or refer to a named point."};
-inline constexpr FindingKind switches_unresolved{
-    "switches-unresolved", Severity::warning,
-    "Comparisons of a formula are equal over an interval, so their switching times are undefined.",
-    "Write the formula with fewer comparisons, min and max."};
+inline constexpr FindingKind switches_unresolved{"switches-unresolved", Severity::warning,
+                                                 "The sides of a comparison in a formula differ only by round-off over "
+                                                 "an interval, so its switching times are undefined.",
+                                                 "Write the formula with fewer comparisons, min and max."};
 inline constexpr FindingKind turns_uncertain{"turns-uncertain", Severity::warning,
                                              "The angle of a channel changed faster than its rate: it passed a point "
                                              "at which it is undefined, or steps are too long.",
@@ -114,6 +119,11 @@ inline constexpr FindingKind stop_passed{
     "stop-passed", Severity::warning,
     "A prescribed motion passes a stop or another one-sided joint, which kinematics and inverse dynamics do not test.",
     "End the motion before it, or move the stop."};
+inline constexpr FindingKind friction_damps{
+    "friction-damps", Severity::warning,
+    "In linear equations, joint friction at rest acts as a damper: the slope of its smoothed law, mu "
+    "N/smoothing_speed.",
+    "Set \"mu\" to 0 for modes without friction, or choose the smoothing_speed that gives the intended damping."};
 
 // -- facts
 inline constexpr FindingKind energy_not_judged{"energy-not-judged", Severity::note,
@@ -128,7 +138,7 @@ inline constexpr FindingKind event_missed{"event-missed", Severity::note, "An ev
                                           "Extend the run, or use a value that is reached."};
 inline constexpr FindingKind stiff{"stiff", Severity::note,
                                    "The model is stiff: strongly damped fast motion, not accuracy, limited the steps.",
-                                   "Use an implicit method: radau5 or generalized_alpha."};
+                                   "An implicit method may be cheaper, such as radau5: compare by `lockstep advise`."};
 inline constexpr FindingKind reactions_not_unique{
     "reactions-not-unique", Severity::note,
     "Constraints are redundant, so individual reactions are not unique: the solver chooses how they share a load.",

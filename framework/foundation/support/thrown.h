@@ -3,6 +3,7 @@
 #pragma once
 
 #include <exception>
+#include <new>
 #include <string>
 #include <typeinfo>
 
@@ -26,6 +27,19 @@ std::exception_ptr thrown_by(Act&& act) {
     return nullptr;
   } catch (...) {
     return std::current_exception();
+  }
+}
+
+/// Runs an action; false if it throws. What it throws is dropped, except that memory is short, which is passed on.
+template <class Act>
+bool succeeds(Act&& act) {
+  try {
+    act();
+    return true;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (...) {
+    return false;
   }
 }
 

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <type_traits>
 
 #include <Eigen/Core>
 

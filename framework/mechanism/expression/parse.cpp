@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
-#include <optional>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <utility>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>

@@ -2,7 +2,6 @@
 #include <lockstep/forces.h>
 
 #include <lockstep/author/params.h>
-#include <lockstep/text.h>
 #include "framework/mechanism/forces/effort.h"
 
 namespace lockstep {
@@ -16,9 +15,8 @@ Applied::Applied(std::string name, Marker& p, Marker* s, Effort effort, AppliedV
     require(length > 0, "direction", "is [0, 0, 0]; a law acts along a direction, give one");
     vector_.direction /= length;
   }
-  const char* const unit = effort_ == Effort::torque ? "N m" : "N";
-  add_law(vector_.law, "law", unit);
-  for (std::size_t k = 0; k < 3; ++k) add_law(vector_.laws[k], std::string("laws_") + "xyz"[k], unit);
+  add_law(vector_.law, "law", unit(effort_));
+  for (std::size_t k = 0; k < 3; ++k) add_law(vector_.laws[k], std::string("laws_") + "xyz"[k], unit(effort_));
 }
 Applied::~Applied() = default;
 
@@ -113,9 +111,13 @@ AppliedVector read(Effort effort, const Params& params) {
   return r;
 }
 
-AppliedVector vector_of(AppliedForce::Options o) {
-  return {o.force, std::move(o.law), o.direction, std::move(o.laws), o.axes};
+// Of an AppliedForce or an AppliedTorque.
+template <class Options>
+AppliedVector vector_of(Options o) {
+  auto& [value, law, direction, laws, axes] = o;
+  return {value, std::move(law), direction, std::move(laws), axes};
 }
+
 }  // namespace
 
 AppliedForce::AppliedForce(std::string name, Marker& p, Options options)
@@ -136,12 +138,6 @@ std::unique_ptr<Force> AppliedForce::make(const Attachment& attachment, const Pa
   if (!has_s(attachment)) return std::make_unique<AppliedForce>(attachment.name, p_of(attachment, k), o);
   return std::make_unique<AppliedForce>(attachment.name, p_of(attachment, k), s_of(attachment, k), o);
 }
-
-namespace {
-AppliedVector vector_of(AppliedTorque::Options o) {
-  return {o.torque, std::move(o.law), o.direction, std::move(o.laws), o.axes};
-}
-}  // namespace
 
 AppliedTorque::AppliedTorque(std::string name, Marker& p, Options options)
     : Applied(std::move(name), p, nullptr, Effort::torque, vector_of(std::move(options))) {}

@@ -19,13 +19,15 @@ const TypeInfo& CoordinateForce::info() {
       "function_force",
       "force or torque by a formula of one coordinate q of P relative to S, its rate qd and time t",
       {{"force", Form::text, Unit::none, kOptional,
-        "on P along an axis of S, N: \"=-800*q - 20*qd + 5*sin(t)\", q in m, all numbers in SI or all with units"},
-       {"torque", Form::text, Unit::none, kOptional, "or on P about an axis of S, N m; q in rad, revolutions counted"},
+        "force on P along an axis of S, N: \"=-800*q - 20*qd + 5*sin(t)\", q in m, all numbers in SI or all with "
+        "units"},
+       {"torque", Form::text, Unit::none, kOptional,
+        "or torque on P about an axis of S, N m; q in rad, revolutions counted"},
        {"coordinate",
         Form::choice,
         Unit::none,
         kOptional,
-        "of P relative to S; default: z for a force, rz for a torque",
+        "coordinate q of P relative to S; default: z for a force, rz for a torque",
         {"x", "y", "z", "rx", "ry", "rz"}},
        expression::constants_key()}};
   return info;
@@ -49,8 +51,6 @@ std::unique_ptr<Force> CoordinateForce::make(const Attachment& attachment, const
                                   {"qd", dimension_of(torque ? Unit::angular_speed : Unit::speed)},
                                   {"t", dimension_of(Unit::time)}},
                                  constants, dimension_of(torque ? Unit::torque : Unit::force));
-  } catch (const SceneError&) {
-    throw;
   } catch (const ModelError& error) {
     k.refuse(key, error.what());
   }

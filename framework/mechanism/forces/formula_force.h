@@ -2,8 +2,6 @@
 // The force 'function_force': a formula of one coordinate of P seen from S, its rate and the time, written in a scene.
 #pragma once
 
-#include <algorithm>
-
 #include <lockstep/author/force.h>
 #include <lockstep/author/formula.h>
 #include <lockstep/author/params.h>

@@ -89,7 +89,7 @@ const TypeInfo& JointFriction::info() {
        {"preload", Form::number, Unit::force, 0, "normal (radial) force that always acts"},
        {"viscous", Form::number, Unit::damping, 0, "viscous friction of sliding"},
        {"viscous_turn", Form::number, Unit::torsion_damping, 0, "viscous friction of rotation"},
-       {"load_smoothing", Form::number, Unit::force, 1e-6, "load e below which its magnitude is smoothed"}}};
+       {"load_smoothing", Form::number, Unit::force, 1e-6, "load below which its magnitude is smoothed"}}};
   return info;
 }
 

@@ -50,7 +50,7 @@ const TypeInfo& ForceMotor::info() {
   static const TypeInfo info{
       "force_motor",
       "force by a law along z of S on P's body at P, the opposite on S's body at the same point",
-      {{"force", Form::law, Unit::force, kRequired, "law of the force on p's body along z of s, against time"}}};
+      {{"force", Form::law, Unit::force, kRequired, "force on p's body along z of s, a law of time"}}};
   return info;
 }
 
@@ -66,7 +66,7 @@ const TypeInfo& TorqueMotor::info() {
   static const TypeInfo info{
       "torque_motor",
       "torque by a law about z of S on P's body, the opposite on S's body",
-      {{"torque", Form::law, Unit::torque, kRequired, "law of the torque on p's body about z of s, against time"}}};
+      {{"torque", Form::law, Unit::torque, kRequired, "torque on p's body about z of s, a law of time"}}};
   return info;
 }
 

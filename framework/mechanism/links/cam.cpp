@@ -111,7 +111,7 @@ void FaceOnCam::accept_step(std::span<double> z, PhiCoords y) const {
 namespace {
 
 Key radius_key() {
-  Key key{"radius", Form::law, Unit::length, kRequired, "of the cam, m, as a function of its angle from 0 to 2 pi rad"};
+  Key key{"radius", Form::law, Unit::length, kRequired, "radius of the cam over its angle, from 0 to 2 pi rad"};
   key.of_time = false;
   return key;
 }

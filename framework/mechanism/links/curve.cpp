@@ -84,7 +84,7 @@ void CurvePoint::initialise(const std::string& link, const LockCoords<Time>& y) 
   }
   if (!std::isfinite(s))
     throw ModelError(who + "no point of its path near s = " + text::brief(near_) +
-                     " is nearest to P at the start; set \"near\" to an s near which P begins");
+                     " is nearest to P at the start; set \"near\" to a value of s near the start of P");
 }
 
 void CurvePoint::reset(std::span<double> z, const LockCoords<Time>& y) const {
@@ -104,11 +104,12 @@ void CurvePoint::accept_step(std::span<double> z, const LockCoords<Time>& y) con
 namespace {
 
 Key path_key() {
-  Key key{"path", Form::translation_law, Unit::length, kRequired, "c(s), m, S axes: a translation law whose time is s"};
+  Key key{"path", Form::translation_law, Unit::length, kRequired,
+          "the curve c(s), S axes: a translation law with s in place of time"};
   key.of_time = false;
   return key;
 }
-Key near_key() { return {"near", Form::number, Unit::none, 0, "an s near which P begins"}; }
+Key near_key() { return {"near", Form::number, Unit::none, 0, "a value of s near the start of P"}; }
 
 }  // namespace
 
@@ -147,7 +148,8 @@ double PathFollower::quantity(int k, const Inputs& in) const {
 }
 
 TypeInfo PathFollower::info() {
-  Key turning{"turning", Form::rotation_law, Unit::angle, kRequired, "q(s), S axes: a rotation law whose time is s"};
+  Key turning{"turning", Form::rotation_law, Unit::angle, kRequired,
+              "the axes q(s), S axes: a rotation law with s in place of time"};
   turning.of_time = false;
   return {"path_follower",
           "P follows a path c(s) with axes q(s), both fixed to S; degrees of freedom left: motion along it",

@@ -67,6 +67,14 @@ class FormulaLink final : public PhiLock<Phi> {
   }
 };
 
+// Whether one of them reads one of the variables from one on, before another.
+bool read_any(std::span<const FormulaFunction> formulas, int from, int to) {
+  for (int k = from; k < to; ++k)
+    for (const FormulaFunction& f : formulas)
+      if (f.reads(k)) return true;
+  return false;
+}
+
 template <int n, Reads reads, bool counts>
 std::unique_ptr<Lock> link_of(const Attachment& a, Mask mask, const std::vector<FormulaFunction>& formulas) {
   FormulaRows<n, reads, counts> phi;
@@ -76,14 +84,8 @@ std::unique_ptr<Lock> link_of(const Attachment& a, Mask mask, const std::vector<
 
 template <int n>
 std::unique_ptr<Lock> link_of(const Attachment& a, Mask mask, const std::vector<FormulaFunction>& formulas) {
-  const auto read = [&](int from, int to) {
-    for (int k = from; k < to; ++k)
-      for (const FormulaFunction& f : formulas)
-        if (f.reads(k)) return true;
-    return false;
-  };
-  if (read(kTurn, kTurn + 1)) return link_of<n, Reads::both, true>(a, mask, formulas);
-  if (read(kRotation, kTurn)) return link_of<n, Reads::both, false>(a, mask, formulas);
+  if (read_any(formulas, kTurn, kTurn + 1)) return link_of<n, Reads::both, true>(a, mask, formulas);
+  if (read_any(formulas, kRotation, kTurn)) return link_of<n, Reads::both, false>(a, mask, formulas);
   return link_of<n, Reads::translation, false>(a, mask, formulas);
 }
 
@@ -104,16 +106,10 @@ FormulaFunction read_formula(const Value& v, const std::string& place,
   try {
     f = FormulaFunction(read_text(v, place), kVariables, constants);
     expression::check_dimensions(f.text(), measured_variables(), constants, std::nullopt);
-  } catch (const SceneError&) {
-    throw;
   } catch (const ModelError& error) {
     refuse(v.where, place, error.what());
   }
-  if (f.is_constant() || (f.reads(kTime) && [&] {
-        for (int k = 0; k <= kTurn; ++k)
-          if (k != kTime && f.reads(k)) return false;
-        return true;
-      }()))
+  if (!read_any({&f, 1}, 0, kTime) && !read_any({&f, 1}, kRotation, kTurn + 1))
     refuse(v.where, place, "it uses no coordinate, so it constrains nothing; known: x, y, z, e0, e1, e2, e3, rz");
   return f;
 }
@@ -125,7 +121,7 @@ TypeInfo FormulaJoint::info() {
           "a joint by formulas of the pose of P relative to S: each is held at zero",
           {{"phi", Form::any, Unit::none, kRequired,
             "a formula, or a list of up to 3, of x, y, z (m), e0 ... e3 (quaternion), rz (rad, counted) and t"},
-           {"mask", Form::text, Unit::none, "", "constraints of a lock held as well: words of x y z e1 e2 e3"},
+           {"mask", Form::text, Unit::none, "", "further constraints, as of a lock: words of x y z e1 e2 e3"},
            expression::constants_key()}};
 }
 
@@ -141,17 +137,11 @@ std::unique_ptr<Lock> FormulaJoint::make(const Attachment& attachment, const Par
       formulas.push_back(read_formula((*phi.list())[i], item(place, i), constants));
   const std::string words = p.text("mask");
   const Mask mask = words.empty() ? Mask::none : mask_from(words);
-  switch (formulas.size()) {
-    case 1:
-      return link_of<1>(attachment, mask, formulas);
-    case 2:
-      return link_of<2>(attachment, mask, formulas);
-    case 3:
-      return link_of<3>(attachment, mask, formulas);
-    default:
-      p.refuse("phi",
-               "it has " + std::to_string(formulas.size()) + " formulas; give 1, 2 or 3, and another joint for more");
-  }
+  if (formulas.size() == 1) return link_of<1>(attachment, mask, formulas);
+  if (formulas.size() == 2) return link_of<2>(attachment, mask, formulas);
+  if (formulas.size() == 3) return link_of<3>(attachment, mask, formulas);
+  p.refuse("phi",
+           "it has " + std::to_string(formulas.size()) + " formulas; give 1, 2 or 3, and another joint for more");
 }
 
 }  // namespace lockstep

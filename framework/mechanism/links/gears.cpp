@@ -23,7 +23,7 @@ Gear::Mesh mesh_of(const std::string& word) {
 
 Gear::Gear(const CoupledPairs& pairs, double ratio, Mesh mesh)
     : FunctionCoupling(
-          pairs, rows_of(TurnsOfTwo(1.0, (mesh == Mesh::internal ? -1.0 : 1.0) * positive(pairs, "ratio", ratio)))) {}
+          pairs, rows_of(TurnsOfTwo({1.0, (mesh == Mesh::internal ? -1.0 : 1.0) * positive(pairs, "ratio", ratio)}))) {}
 
 TypeInfo Gear::info() {
   return {"gear",
@@ -57,14 +57,15 @@ std::unique_ptr<Lock> Gear::make(const Attachment& attachment, const Params& p) 
 }
 
 Belt::Belt(const CoupledPairs& pairs, Options o)
-    : FunctionCoupling(pairs, rows_of(TurnsOfTwo(positive(pairs, "radius_1", o.radius1),
-                                                 (o.crossed ? 1.0 : -1.0) * positive(pairs, "radius_2", o.radius2)))) {}
+    : FunctionCoupling(pairs,
+                       rows_of(TurnsOfTwo({positive(pairs, "radius_1", o.radius1),
+                                           (o.crossed ? 1.0 : -1.0) * positive(pairs, "radius_2", o.radius2)}))) {}
 
 TypeInfo Belt::info() {
   return {"belt",
           "two pulleys in joints on a common carrier, each rotating about its own z; no slip",
-          {{"radius_1", Form::number, Unit::length, kRequired, "of pulley 1"},
-           {"radius_2", Form::number, Unit::length, kRequired, "of pulley 2"},
+          {{"radius_1", Form::number, Unit::length, kRequired, "radius of pulley 1"},
+           {"radius_2", Form::number, Unit::length, kRequired, "radius of pulley 2"},
            {"crossed", Form::boolean, Unit::none, false, "the pulleys rotate in opposite senses"}}};
 }
 
@@ -75,7 +76,7 @@ std::unique_ptr<Lock> Belt::make(const Attachment& attachment, const Params& p) 
 }
 
 Differential::Differential(const CoupledPairs& pairs, double ratio)
-    : FunctionCoupling(pairs, rows_of(TurnsOfThree(1.0, positive(pairs, "ratio", ratio), -(1.0 + ratio)))) {}
+    : FunctionCoupling(pairs, rows_of(TurnsOfThree({1.0, positive(pairs, "ratio", ratio), -(1.0 + ratio)}))) {}
 
 TypeInfo Differential::info() {
   return {"differential",

@@ -23,15 +23,16 @@ double checked_radius(const std::string& link, double radius) {
 
 RollingRack::RollingRack(std::string name, Marker& p, Marker& s, double radius)
     : FunctionLock(name, p, s, Mask::y | Mask::z | Mask::e1 | Mask::e2,
-                   rows_of(RollingPinion(checked_radius(name, radius)))) {}
+                   rows_of(RollingPinion({checked_radius(name, radius)}))) {}
 
 RackAndPinion::RackAndPinion(const CoupledPairs& pairs, double radius)
-    : FunctionCoupling(pairs, rows_of(PinionAndSlide(checked_radius(pairs.name, radius)))) {}
+    : FunctionCoupling(pairs, rows_of(PinionAndSlide({checked_radius(pairs.name, radius)}))) {}
 
 TypeInfo RackAndPinion::info() {
-  return {"rack_and_pinion",
-          "one pair: P, a pinion about z, rolls along x of S; two: pinion (rotates about z) and rack (moves along z)",
-          {{"radius", Form::number, Unit::length, kRequired, "of the pitch circle; negative reverses the sense"}}};
+  return {
+      "rack_and_pinion",
+      "one pair: P, a pinion about z, rolls along x of S; two: pinion (rotates about z) and rack (moves along z)",
+      {{"radius", Form::number, Unit::length, kRequired, "radius of the pitch circle; negative reverses the sense"}}};
 }
 
 std::unique_ptr<Lock> RackAndPinion::make(const Attachment& attachment, const Params& p) {

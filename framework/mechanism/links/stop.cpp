@@ -39,7 +39,7 @@ TypeInfo Stop::info() {
             Form::choice,
             Unit::none,
             kRequired,
-            "along an axis of S, or the rotation about its z, full revolutions counted",
+            "the coordinate: along an axis of S, or the rotation about its z, revolutions counted",
             {"x", "y", "z", "rz"}},
            {"low", Form::number, Unit::any, kOptional, "the coordinate stays above this, m or rad; or \"high\""},
            {"high", Form::number, Unit::any, kOptional, "the coordinate stays below this, m or rad; or \"low\""}}};

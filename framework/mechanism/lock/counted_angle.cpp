@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include <lockstep/author/relative.h>
 #include "framework/foundation/math/limits.h"

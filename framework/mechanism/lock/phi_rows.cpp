@@ -7,6 +7,7 @@
 
 #include <lockstep/author/relative.h>
 #include <lockstep/error.h>
+#include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/lock/pair_setup.h"
 #include "framework/mechanism/lock/stiffness.h"
 
@@ -160,25 +161,15 @@ void PhiRows::refuse_opposed(const std::string& link, const Coords& y) const {
 // What the spec leaves out is NaN, one after another: a function that is finite without it and not with it reads it.
 void PhiRows::refuse_unread(const std::string& link, Coords y) const {
   std::vector<double> memory(static_cast<std::size_t>(spec_.memory) + 1);
-  const auto works = [](auto&& call) {
-    try {
-      call();
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (...) {
-      return false;
-    }
-    return true;
-  };
   const auto finite = [&] {
     std::array<Time, kMaxRows> rows;
-    return works([&] { values(given(y), rows); }) &&
+    return succeeds([&] { values(given(y), rows); }) &&
            std::all_of(rows.begin(), rows.begin() + spec_.rows, [](const Time& row) { return std::isfinite(row.v); });
   };
   const auto refuse = [&](bool reads, const std::string& what) {
     if (reads) throw ModelError("joint '" + link + "': its function " + what);
   };
-  const bool starts = works([&] { hooks_->reset({memory.data(), memory.size() - 1}, given(y)); });
+  const bool starts = succeeds([&] { hooks_->reset({memory.data(), memory.size() - 1}, given(y)); });
   for (LockCoords<Time>& each : y) each.memory = memory.data();
   if (!starts || !finite()) return;  // not a matter of what is read
   const double none = std::numeric_limits<double>::quiet_NaN();

@@ -37,19 +37,12 @@ std::string law_fault(const std::string& what, const LawPtr<MotionLaw>& law, dou
 }
 
 std::string law_fault(const std::string& what, const LawPtr<TranslationLaw>& law, double t) {
-  return fault(what, law, t, [](const TranslationValue& l) {
-    VecX x(9);
-    x << l.x, l.v, l.a;
-    return x;
-  });
+  return fault(what, law, t, [](const TranslationValue& l) { return VecX((VecX(9) << l.x, l.v, l.a).finished()); });
 }
 
 std::string law_fault(const std::string& what, const LawPtr<RotationLaw>& law, double t) {
-  return fault(what, law, t, [](const RotationValue& l) {
-    VecX x(10);
-    x << l.q.coefficients(), l.w, l.a;
-    return x;
-  });
+  return fault(what, law, t,
+               [](const RotationValue& l) { return VecX((VecX(10) << l.q.coefficients(), l.w, l.a).finished()); });
 }
 
 std::string marker_fault(const Marker& m, double t) {

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include <lockstep/author/passes.h>
+#include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -43,16 +44,6 @@ template <class T>
   throw UserCodeError(whose.label() + " " + did, {.thing = whose, .problem = did});
 }
 
-// Runs user code; false if it throws. The first evaluation, which knows the time, will meet the same exception.
-bool runs(const std::function<void()>& act) {
-  try {
-    act();
-    return true;
-  } catch (...) {
-    return false;
-  }
-}
-
 // Marks the numbers of a block that a joint has to write; the others are padding and stay zero.
 std::vector<bool> wanted(const RowShape& shape) {
   std::vector<bool> needed(RowSpan::stride(shape), false);
@@ -82,7 +73,7 @@ std::string place_in(const RowShape& shape, const Lock& link, std::size_t at) {
 void check_links(Group links, const RowShape& shape, const Inputs& in, bool in_plane) {
   const std::size_t stride = RowSpan::stride(shape);
   Fenced rows(stride * links.size());
-  if (!runs([&] {
+  if (!succeeds([&] {
         const RowSpan out(rows.data(), shape);
         if (in_plane)
           links.front()->planar()->gather_plane(links, in, out);
@@ -113,22 +104,26 @@ void check_group(Group links, const RowShape& shape, const Inputs& in, bool in_p
     check_links(links.subspan(first, std::min(kAtOnce, links.size() - first)), shape, in, in_plane);
 }
 
-void check_numbers(const Lock& link, const char* what, int n, bool all,
+template <class T>
+void check_numbers(const T& thing, const char* what, int n, bool all,
                    const std::function<void(std::span<double>)>& act) {
   Fenced numbers(static_cast<std::size_t>(n));
   if (!all) std::fill(numbers.span().begin(), numbers.span().end(), 0.0);
-  if (!runs([&] { act(numbers.span()); })) return;
+  if (!succeeds([&] { act(numbers.span()); })) return;
   const std::string its = "its " + std::to_string(n) + " numbers";
-  if (!numbers.fence_intact()) refuse(link, "writes outside of " + its + " in " + what);
-  if (all && !numbers.written()) refuse(link, "leaves some of " + its + " unwritten in " + what);
+  if (!numbers.fence_intact()) refuse(thing, "writes outside of " + its + " in " + what);
+  if (all && !numbers.written()) refuse(thing, "leaves some of " + its + " unwritten in " + what);
 }
 
-// Must come first: System::start() hands them the state itself.
-void check_start(const Lock& link) {
+// These must come first: System::start() hands them the state itself.
+template <class T>
+void check_memory(const T& thing) {
+  if (const Remembering* own = thing.remembering())
+    check_numbers(thing, "start_memory()", own->n_memory(), true, [&](auto z) { own->start_memory(z); });
+}
+void check_states(const Lock& link) {
   if (const Stateful* own = link.stateful())
     check_numbers(link, "start_states()", own->n_states(), true, [&](auto s) { own->start_states(s); });
-  if (const Remembering* own = link.remembering())
-    check_numbers(link, "start_memory()", own->n_memory(), true, [&](auto z) { own->start_memory(z); });
 }
 
 void check_spans(const Lock& link, const Inputs& in) {
@@ -136,15 +131,6 @@ void check_spans(const Lock& link, const Inputs& in) {
     check_numbers(link, "state_rates()", n, true, [&](auto s) { link.stateful()->state_rates(in, s); });
   if (const int n = link.n_own_memory(); n > 0)
     check_numbers(link, "accept_step()", n, false, [&](auto z) { link.remembering()->accept_step(in, z); });
-}
-
-void check_start(const Force& force) {
-  const Remembering* const own = force.remembering();
-  if (own == nullptr) return;
-  const int n = own->n_memory();
-  Fenced memory(static_cast<std::size_t>(n));
-  if (runs([&] { own->start_memory(memory.span()); }) && (!memory.fence_intact() || !memory.written()))
-    refuse(force, "does not write exactly its " + std::to_string(n) + " numbers in start_memory()");
 }
 
 void check_force(const Force& force, const Inputs& in, int n_slots) {
@@ -156,7 +142,7 @@ void check_force(const Force& force, const Inputs& in, int n_slots) {
   at.motions = motions;
   VecX f = VecX::Zero(6 * (n_slots + kBeyond));
   WrenchSum sum(at.motions, f);
-  if (!runs([&] { force.apply(at, sum); })) return;
+  if (!succeeds([&] { force.apply(at, sum); })) return;
   if (!f.tail(6 * kBeyond).isZero(0))
     refuse(force, "acts on a slot that does not exist; take it from a marker (marker.body->slot), after setup");
 }
@@ -182,14 +168,14 @@ void check_writes(const System& system) {
   for (const auto& link : system.links())
     if (!system.merged(*link) && !ours(link->origin())) {
       check_slots(*link, system.n_slots());
-      check_start(*link);
+      check_states(*link), check_memory(*link);
     }
   for (const auto& force : system.forces())
-    if (!ours(force->origin())) check_start(*force);
+    if (!ours(force->origin())) check_memory(*force);
 
   State state;
   std::vector<Motion> motions;
-  if (!runs([&] { state = system.start(); })) return;
+  if (!succeeds([&] { state = system.start(); })) return;
   passes::motions(system, state, motions);
   const auto numbers = [](const VecX& x) {
     return std::span<const double>(x.data(), static_cast<std::size_t>(x.size()));

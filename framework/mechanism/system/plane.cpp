@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <new>
 #include <utility>
 
 #include <Eigen/SparseQR>
@@ -16,6 +15,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/math/limits.h"
+#include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/rows_at_start.h"
 
@@ -62,6 +62,12 @@ Refusal leaves(Plane plane, Thing thing, const std::string& what, const std::str
                      .advice = "set \"planar\" to \"off\"" + advice});
 }
 
+// Whether the normal is no principal axis of a slot's inertia: the centres of mass of its bodies may be outside the plane of
+// their common one.
+bool has_products(const Slot& s, Plane plane) {
+  return std::hypot(s.J(plane.n, plane.i()), s.J(plane.n, plane.j())) > kNegligible * s.J.trace();
+}
+
 // `length`: of the mechanism; a velocity of less than a rounding of it a second is none.
 Refusal check_body(const Body& b, const Slot& s, Plane plane, double length) {
   const Thing body{.kind = "body", .name = b.name};
@@ -72,17 +78,11 @@ Refusal check_body(const Body& b, const Slot& s, Plane plane, double length) {
                   ", or start in the plane");
   if (std::hypot(w[plane.i()], w[plane.j()]) > kNegligible * w.norm() + kRoundOff)
     return leaves(plane, body, "it starts rotating about an axis in the plane", ", or rotate it about the normal");
-  if (s.freedoms == Freedoms::particle || s.bodies.size() > 1) return {};
-  const double Ji = s.J(plane.n, plane.i()), Jj = s.J(plane.n, plane.j());
-  if (std::hypot(Ji, Jj) <= kNegligible * s.J.trace()) return {};
+  if (s.freedoms == Freedoms::particle || s.bodies.size() > 1 || !has_products(s, plane)) return {};
   return leaves(plane, body,
-                "the normal is not a principal axis of its inertia (products " + text::brief(Ji) + " and " +
-                    text::brief(Jj) + " kg m^2), so it would not stay in the plane without moments from its joints");
-}
-
-// Whether the centres of mass of a slot's bodies are outside the plane of their common one.
-bool has_products(const Slot& s, Plane plane) {
-  return std::hypot(s.J(plane.n, plane.i()), s.J(plane.n, plane.j())) > kNegligible * s.J.trace();
+                "the normal is not a principal axis of its inertia (products " + text::brief(s.J(plane.n, plane.i())) +
+                    " and " + text::brief(s.J(plane.n, plane.j())) +
+                    " kg m^2), so it would not stay in the plane without moments from its joints");
 }
 
 // The message about a type that does not declare that it stays in the plane, with the line to add unless it is built in.
@@ -286,12 +286,9 @@ bool moves_only_out(const System& system) {
 Plane settle_in_plane(System& system, const std::function<bool(Plane)>& starts_in) {
   for (int n = 2; n >= 0; --n) {
     system.set_planar(Plane{n}, true);
-    try {
-      if (!system.try_setup() && !moves_only_out(system) && (!starts_in || starts_in(Plane{n}))) return Plane{n};
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (...) {  // user code that throws during this check will report it in the run
-    }
+    bool fits = false;  // also where user code throws, which will report it in the run
+    succeeds([&] { fits = !system.try_setup() && !moves_only_out(system) && (!starts_in || starts_in(Plane{n})); });
+    if (fits) return Plane{n};
   }
   system.set_planar({});
   return {};

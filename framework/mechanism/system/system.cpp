@@ -82,18 +82,11 @@ std::string_view System::word_of(Kind kind) {
 }
 
 const std::string& System::name_of(const Named& n) const {
-  switch (static_cast<Kind>(n.kind)) {
-    case Kind::body:
-      return bodies_[n.number].name;
-    case Kind::marker:
-      return markers_[n.number].name;
-    case Kind::link:
-      return links_[n.number]->name();
-    case Kind::input:
-      return inputs_[n.number].name();
-    default:
-      return forces_[n.number]->name();
-  }
+  const Kind kind = static_cast<Kind>(n.kind);
+  if (kind == Kind::body) return bodies_[n.number].name;
+  if (kind == Kind::marker) return markers_[n.number].name;
+  if (kind == Kind::link) return links_[n.number]->name();
+  return kind == Kind::input ? inputs_[n.number].name() : forces_[n.number]->name();
 }
 
 // The new name of renamed things is not known here.

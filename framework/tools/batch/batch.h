@@ -8,13 +8,13 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <new>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <lockstep/dynamics.h>
 #include "framework/dynamics/integrate/body_error.h"
+#include "framework/foundation/support/thrown.h"
 #include "framework/tools/batch/tree_closures.h"
 
 namespace lockstep::lanes {
@@ -95,13 +95,7 @@ class LOCKSTEP_API Batch {
   // act(), which may be user code; what it throws makes the lane a lost one.
   template <class Act>
   void guarded(int lane, Act&& act) {
-    try {
-      act();
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (...) {
-      lost_[lane] = true;
-    }
+    if (!succeeds(act)) lost_[lane] = true;
   }
   // Sets the forces of all copies, which are scalar code and applied copy by copy; nothing where there are none.
   void fill_wrench(const double* y, const Numbers8& t);

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include <lockstep/error.h>
 #include <lockstep/solid.h>

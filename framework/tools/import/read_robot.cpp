@@ -138,13 +138,9 @@ class Reader {
   std::string color_of(const Tree& material) const {
     const auto rgba = material.get_optional<std::string>("color.<xmlattr>.rgba");
     if (!rgba) return "";
-    std::string text = "#";
     const std::array<double, 4> c = numbers<4>(*rgba, "material, rgba");
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto level = static_cast<unsigned>(std::lround(255 * std::clamp(c[k], 0.0, 1.0)));
-      for (const unsigned digit : {level / 16, level % 16}) text += "0123456789abcdef"[digit];
-    }
-    return text;
+    const auto level = [&](std::size_t k) { return std::lround(255 * std::clamp(c[k], 0.0, 1.0)); };
+    return fmt::format("#{:02x}{:02x}{:02x}", level(0), level(1), level(2));
   }
 
   void read_link(const Tree& tree) {

@@ -131,10 +131,19 @@ int print_usage_error(const CLI::App& app, const CLI::ParseError& error) {
 
   std::string text = error.what();
   const std::string name = word.substr(0, word.find('='));
+  if (const std::size_t at = text.find(" not in {"), colon = text.find(": "); at < text.size() && colon < at) {
+    const std::string given = text.substr(colon + 2, at - colon - 2), choices = text.substr(at + 9);
+    text = text.substr(0, colon) + ": unknown \"" + given + "\"" +
+           text::suggestion(given, lines_of(choices.substr(0, choices.size() - 1), ','));
+  }
+  std::vector<std::string> bare;  // for a synonym: "dt" means "step"
+  for (const std::string& option : options) bare.push_back(option.substr(2));
+  const std::string meant = name.starts_with("--") ? text::closest_name(name.substr(2), bare) : "";
   if (!called.empty() && std::ranges::find(options, name) != options.end())
     text = "option " + name + " must follow the command: lockstep " + verb.get_name() + " ... " + name;
   else if (word.rfind('-', 0) == 0)
-    text = "unknown option \"" + word + "\"" + text::suggestion(name, options);
+    text = "unknown option \"" + word + "\"" +
+           (meant.empty() ? text::suggestion(name, options) : "; did you mean \"--" + meant + "\"?");
   else if (called.empty())
     text = word.empty() ? "a command is missing; known: " + text::join(verbs, ", ")
                         : "unknown command \"" + word + "\"" + text::suggestion(word, verbs);
@@ -183,6 +192,28 @@ int guarded(const std::function<int()>& command) {
   }
 }
 
+// The bare numbers of --set and --vary: an error of the scene may follow from a unit that is missing.
+std::string bare_numbers(const Arguments& args) {
+  std::vector<std::string> all;
+  for (const char* option : {"--set", "--vary"})
+    for (const std::string& word : args.all(option))
+      if (word.find_first_not_of("0123456789.,:+-e ", word.find('=') + 1) == std::string::npos) all.push_back(word);
+  return all.empty() ? "" : "\n  with " + text::join(all) + " from the command line, in SI units";
+}
+
+Result run_explained(const Command& command, const Arguments& args) try {
+  return command.run(args);
+} catch (const SceneError& error) {
+  const std::string said = error.what();
+  std::string more = error.line == 0 ? "" : bare_numbers(args);
+  for (const std::string unknown : {"unknown type \"", "unknown law \""})
+    if (const std::size_t at = said.find(unknown), from = at + unknown.size(); at != std::string::npos)
+      if (const std::string advice = plugin_advice(said.substr(from, said.find('"', from) - from)); !advice.empty())
+        more += "\n  " + advice.substr(2);
+  if (more.empty()) throw;
+  throw SceneError(said + more, error);
+}
+
 int run_words(const Program& program, int argc, const char* const* argv) {
   if (program.calls_tools)
     if (const std::optional<int> code = call_tool(argc, argv)) return *code;
@@ -228,7 +259,7 @@ int run_words(const Program& program, int argc, const char* const* argv) {
     const Arguments args = arguments_of(*chosen.first, *chosen.second, argc, argv);
     if (args.has("--json") && args["--record"] == "-")
       throw UsageError("--json: standard output takes the table (--record -); write one of the two to a file");
-    Result result = chosen.second->run(args);
+    Result result = run_explained(*chosen.second, args);
     result.command = args.command;
     print(result, args);
     return result.code;
@@ -302,6 +333,9 @@ int run_program(std::vector<Command> (*commands)(), bool calls_tools, int argc, 
           "warning: `lockstep mobility` is now `lockstep check --verbose`; the next release reads only the new name\n");
       words[1] = "check", words.push_back("--verbose");
     }
+    if (argc > 1 && std::string_view(argv[1]) == "plugins" &&
+        (argc == 2 || (std::string_view(argv[2]).starts_with("--") && std::string_view(argv[2]) != "--help")))
+      words.insert(words.begin() + 2, "list");
     return printed(run_words({made, calls_tools}, static_cast<int>(words.size()), words.data()));
   } catch (const std::bad_alloc&) {
     return out_of_memory();

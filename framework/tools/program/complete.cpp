@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include <lockstep/author/lock.h>
 #include <lockstep/finding.h>
 #include <lockstep/recorder.h>
 #include "framework/description/scene/describe.h"
@@ -37,6 +38,15 @@ class SceneAtHand {
     return of_system([](const System& system, Words& all) {
       for (const ChannelHelp& c : channel_help(system))
         if (!c.name.starts_with("ground.")) all.push_back(c.name);
+    });
+  }
+  Words inputs() {
+    return of_system([](const System& system, Words& all) {
+      for (const auto& l : system.links())
+        if (const Jointed* joint = l->jointed())
+          for (const Drive& drive : joint->imposed().drives)
+            all.push_back(l->name() + "." + std::string(to_string(drive.axis)));
+      for (const auto& f : system.forces()) all.push_back(f->name());
     });
   }
   Words things() {
@@ -138,7 +148,8 @@ Completion of_value(const Line& line, const Option& option, SceneAtHand& scene) 
   if (!option.choices.empty()) return {lines_of(option.choices, ',')};
   if (name == "--set" || name == "--vary") return {scene.parameters()};
   if (line.command->name == "check" && name == "--of") return {scene.things()};
-  if (name == "--inputs" || name == "--outputs") return {scene.channels()};
+  if (name == "--inputs") return {scene.inputs()};
+  if (name == "--outputs") return {scene.channels()};
   if (Words all = names_on(make_registry(line.plugins), name); !all.empty()) return {std::move(all)};
   return {{}, option.type.find("FILE") != option.type.npos || option.type == "DIR" || option.is("--plugin")};
 }
@@ -156,7 +167,11 @@ Completion of_positional(const Line& line, SceneAtHand& scene) {
     return {std::move(all)};
   }
   if (next.type == "SCENE" || next.type.find("FILE") != next.type.npos) return {{}, true};
-  if (line.command->name == "explain") return {scene.things()};
+  if (line.command->name == "explain") {
+    Words all = scene.things();
+    std::erase(all, "ground");
+    return {std::move(all)};
+  }
   return {};
 }
 
@@ -246,7 +261,7 @@ Completion completion(const Program& program, const std::vector<std::string>& wo
 
 Command completion_command() {
   return {"completion",
-          {Option{"shell", "SHELL", "bash or zsh"}.among("bash,zsh").needed()},
+          {Option{"shell", "SHELL", "the shell"}.among("bash,zsh").needed()},
           [](const Arguments& args) -> Result {
             fmt::print("{}", args["shell"] == "zsh" ? kZsh : kBash);
             return kExitOk;

@@ -44,7 +44,8 @@ std::vector<std::string> readers_of(const SceneParameter& of, const Value& root)
     if (text == nullptr) return;
     const bool place = of.is_point && *text == of.name && std::ranges::find(kPlaces, key) != kPlaces.end();
     const bool template_of_copies = path.starts_with("repeat.") && text->find('{') != std::string::npos;
-    if (place || ((text->starts_with('=') || template_of_copies) && reads(*text, of.name))) readers.push_back(path);
+    if (place || ((text->starts_with('=') || template_of_copies) && reads(*text, of.name)))
+      readers.push_back(shown_path(path));
   });
   return readers;
 }

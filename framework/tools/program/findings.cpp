@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "framework/foundation/support/finding_kinds.h"
+
 namespace lockstep {
 
 namespace {
@@ -57,7 +59,8 @@ std::string text_of(const std::vector<Finding>& findings) {
   for (const Finding& f : findings) {
     std::string word = to_string(f.severity());
     if (f.severity() >= Severity::doubt) std::ranges::transform(word, word.begin(), toupper);
-    text += fmt::format("  {:<8}  {}: {}\n", word, f.code(), f.text());
+    const bool is_named = f.code() != finding::analysis_note.code;  // which says no more than "note"
+    text += fmt::format("  {:<8}  {}{}{}\n", word, is_named ? f.code() : "", is_named ? ": " : "", f.text());
   }
   return text;
 }

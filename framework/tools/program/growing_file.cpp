@@ -17,7 +17,6 @@
 
 #include <lockstep/error.h>
 #include "framework/tools/record/csv_lines.h"
-#include "framework/tools/simulation/checkpoint.h"
 
 namespace lockstep {
 

@@ -102,13 +102,13 @@ const Fields<Shelves>& shelf_fields() {
 
 Result list_all(const Arguments& args) {
   const Registry registry = make_registry(args.all("--plugin"));
-  if (args["shelf"] == "findings") {
+  if (args["kind"] == "findings") {
     const auto all = finding_kinds();
     return {kinds_fields(), Kinds(all.begin(), all.end())};
   }
   Shelves shelves;
   for (const std::string name : kShelves)
-    if (!args.has("shelf") || (args["shelf"] == "joints" ? "links" : args["shelf"]) == name)
+    if (!args.has("kind") || (args["kind"] == "joints" ? "links" : args["kind"]) == name)
       shelves[name] = shelf_contents(registry, name);
   return {shelf_fields(), shelves};
 }
@@ -179,7 +179,8 @@ Result describe_name(const Arguments& args) {
   if (args.has("--scene")) return describe_in_scene(args);
   if (args["name"].empty()) throw UsageError("describe: a name is missing, as in `lockstep describe revolute`");
   const Registry registry = make_registry(args.all("--plugin"));
-  Described found{find_descriptions(registry, args["name"]), describe_word(registry, args["name"]), {}};
+  const std::string name = args["name"] == "joint" ? "link" : args["name"];
+  Described found{find_descriptions(registry, name), describe_word(registry, name), {}};
   std::ranges::copy_if(finding_kinds(), std::back_inserter(found.findings),
                        [&](const FindingKind* kind) { return kind->code == args["name"]; });
   found.word += exit_code_words(args["name"]);
@@ -219,7 +220,7 @@ Result print_schema(const Arguments& args) {
 
 Command list_command() {
   return {"list",
-          {Option{"shelf", "SHELF", "only one of them"}.among("joints,links,laws,forces,integrators,solvers,findings"),
+          {Option{"kind", "KIND", "only one of them"}.among("joints,links,laws,forces,integrators,solvers,findings"),
            kPlugin, kJson},
           list_all,
           "Example:\n  lockstep list joints",
@@ -229,7 +230,7 @@ Command describe_command() {
   return {
       "describe",
       {{"name", "NAME",
-        "a name of `lockstep list`; an object of scenes: body, marker, link, force, event, run, ...; a key; or "
+        "a name of `lockstep list`; an object of scenes: body, marker, joint, force, event, run, ...; a key; or "
         "orientation, axis, law, formula, unit, channel, ...; a code of `lockstep list findings`; an exit code; with "
         "--scene a parameter or point"},
        {"--scene", "FILE.json", "describe a parameter or point of this scene, or all of them: value, place, uses"},

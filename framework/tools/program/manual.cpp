@@ -66,6 +66,9 @@ folders with plugins, separated by colons, before the program's own
 if set, messages have no colour
 .SH FILES
 .TP
+.I NAME.csv
+the recorded columns of a run
+.TP
 .I NAME.csv.partial
 rows of a run that has not ended, or that ended with an error
 .TP

@@ -8,7 +8,6 @@
 #include <boost/algorithm/string/replace.hpp>
 #include <cctype>
 #include <filesystem>
-#include <string_view>
 
 #include <lockstep/author/registry.h>
 #include "framework/description/registry/shelves.h"

@@ -59,7 +59,7 @@ const Options& settings_options() {
                 {"--tolerance", "NUMBER", "relative tolerance of adaptive integrators"},
                 Option{"--formulation", "NAME",
                        "coordinates: joint (relative), omega (6 velocities per body), quaternion (7 per body); auto: "
-                       "joint if possible, else omega"}
+                       "joint if it costs less and the integrator supports it"}
                     .among(kFormulations),
                 {"--solver", "NAME", "see `lockstep list solvers`"},
                 Option{"--stabilization", "NAME", "constraint stabilisation"}.among(kStabilizations)})});

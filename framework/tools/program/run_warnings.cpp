@@ -13,8 +13,6 @@
 #include <lockstep/step_loop.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/along_laws.h"
-#include "framework/mechanism/params/read.h"
-#include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/rank/branch_point.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/scene_run/scene_run.h"

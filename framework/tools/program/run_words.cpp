@@ -73,13 +73,13 @@ const Fields<EndedRun>& energy_fields() {
                                         {"count", "", "times", &Instant::count},
                                         {"first", "s", "from", &Instant::first},
                                         {"last", "s", "to", &Instant::last},
-                                        {"energy", "J", "energy", &Instant::energy}};
+                                        {"energy", "J", "unaccounted energy", &Instant::energy}};
   static const Fields<Run> kFields{
       {"verdict", "", "", [](const Run& r) { return r.audit.verdict(); }},
-      {"imbalance", "J", "error", [](const Run& r) { return r.audit.imbalance; }},
+      {"imbalance", "J", "largest error during the run", [](const Run& r) { return r.audit.imbalance; }},
       {"exchanged", "J", "exchanged", [](const Run& r) { return r.audit.scale; }},
       {"limit", "", "", [](const Run& r) { return r.audit.limits.energy; }},
-      {"change", "J", "change", [](const Run& r) { return r.audit.end - r.audit.start; }},
+      {"change", "J", "change of total energy", [](const Run& r) { return r.audit.end - r.audit.start; }},
       {"drives", "J", "work of drives", [](const Run& r) { return r.audit.drives; }},
       {"supplied", "J", "work of motors and forces", [](const Run& r) { return r.audit.supplied; }},
       {"dissipated", "J", "dissipated", [](const Run& r) { return r.audit.dissipated; }},
@@ -108,9 +108,6 @@ const Fields<MissedEvent>& missed_fields() {
   return kFields;
 }
 
-struct ColumnEnds : RowRange {
-  std::string name, unit;
-};
 const Fields<ColumnEnds>& column_fields() {
   constexpr auto number = +[](const Json& x) { return number_text(x); };  // units differ by column
   static const Fields<ColumnEnds> kFields{
@@ -170,11 +167,9 @@ std::string simulated(const EndedRun& run) {
 
 std::string checks(const EndedRun& run) {
   const Audit& audit = run.audit;
-  const std::string energy = audit.energy == Audit::Energy::conserved
-                                 ? fmt::format("energy ok (error {:.2g} J)", audit.imbalance)
-                                 : fmt::format("energy {} (error {:.2g} J)", audit.verdict(), audit.imbalance);
-  return energy +
-         fmt::format("   constraints {} (at most {:.2g} m)", audit.drifted ? "VIOLATED" : "ok", audit.violation);
+  return fmt::format("energy {} (error {:.2g} of {:.3g} J exchanged)   constraints {} (at most {:.2g} m)",
+                     audit.energy == Audit::Energy::conserved ? "ok" : audit.verdict(), audit.imbalance_share(),
+                     audit.scale, audit.drifted ? "VIOLATED" : "ok", audit.violation);
 }
 
 // Energy that a law, an event or an impact changed at a single time, beyond rounding.
@@ -190,15 +185,9 @@ std::string energy_jumps(const EndedRun& run) {
   return text;
 }
 
-// The recorded columns; rounding relative to the largest number of its unit is 0.
 std::vector<ColumnEnds> rounded_columns(const EndedRun& run) {
   std::vector<ColumnEnds> columns = columns_of(run);
-  std::map<std::string, double> largest;
-  for (const ColumnEnds& c : columns)
-    largest[c.unit] = std::max({largest[c.unit], std::abs(c.least), std::abs(c.most)});
-  for (ColumnEnds& c : columns)
-    for (double* x : {&c.least, &c.most})
-      if (std::abs(*x) <= run.settings.tolerance.relative * largest[c.unit]) *x = 0;
+  drop_rounding(columns, run.settings.tolerance.relative);
   return columns;
 }
 
@@ -210,29 +199,41 @@ std::string summary_of(const EndedRun& run) {
   return text_of(kTable.schema(), kTable(rounded_columns(run)));
 }
 
-// As many columns as three lines hold, "-1.764 ... 2.698 N m", in cells of one width, and how many there are.
-std::string short_results(const EndedRun& run) {
+}  // namespace
+
+void drop_rounding(std::vector<ColumnEnds>& columns, double tolerance) {
+  std::map<std::string, double> largest;
+  for (const ColumnEnds& c : columns)
+    largest[c.unit] = std::max({largest[c.unit], std::abs(c.least), std::abs(c.most)});
+  for (ColumnEnds& c : columns)
+    for (double* x : {&c.least, &c.most})
+      if (std::abs(*x) <= tolerance * largest[c.unit]) *x = 0;
+}
+
+std::string range_text(const ColumnEnds& c) {
+  const std::string least = fmt::format("{:.4g}", c.least), most = fmt::format("{:.4g}", c.most);
+  return least == most ? least : least + c.at_least + " ... " + most + c.at_most;
+}
+
+std::string results_text(const std::vector<ColumnEnds>& columns, const std::string& all) {
   std::vector<std::string> cells;
   std::size_t width = 1;
-  for (const ColumnEnds& c : rounded_columns(run)) {
-    const std::string least = fmt::format("{:.4g}", c.least), most = fmt::format("{:.4g}", c.most);
-    cells.push_back(c.name + "  " + least + (least == most ? "" : " ... " + most) +
-                    (c.unit.empty() ? "" : " " + c.unit));
+  for (const ColumnEnds& c : columns) {
+    cells.push_back(c.name + "  " + range_text(c) + (c.unit.empty() ? "" : " " + c.unit));
     width = std::max(width, cells.back().size() + 3);
   }
-  const std::size_t per_line = std::max<std::size_t>(1, 88 / width), n = std::min(cells.size(), 3 * per_line);
+  const std::size_t per_line = std::max<std::size_t>(1, kResultsWidth / width),
+                    n = std::min(cells.size(), 3 * per_line);
   std::string text;
   for (std::size_t k = 0; k < n; k += per_line) {
     std::string line;
     for (std::size_t i = k; i < std::min(n, k + per_line); ++i) line += fmt::format("{:<{}}", cells[i], width);
     line.erase(line.find_last_not_of(' ') + 1);
-    if (k + per_line >= n && n < cells.size()) line += fmt::format("   (all {}: --summary)", cells.size());
+    if (k + per_line >= n && n < cells.size()) line += fmt::format("   (all {}: {})", cells.size(), all);
     text += line_of(k == 0 ? "results" : "", line);
   }
   return text;
 }
-
-}  // namespace
 
 Finding finding_of(const MissedEvent& e) {
   Finding f{&finding::event_missed, "event '" + e.course.name + "'", words_of(e)};
@@ -263,7 +264,7 @@ const Fields<EndedRun>& run_fields() {
       {"until", "s", "", [](const Run& r) { return r.settings.until; }},
       {"seconds", "s", "", &Run::seconds},
       {"method", "method", std::identity(), method_fields(), method},
-      {"steps", "", "steps", [](const Run& r) { return r.sim.report().steps; }},
+      {"steps", "", "", [](const Run& r) { return r.sim.report().steps; }},
       {"rejected", "", "rejected steps", [](const Run& r) { return r.sim.report().rejected; }, unless_zero},
       {"manifold_steps", "", "steps with projected stages", [](const Run& r) { return r.sim.report().manifold_steps; },
        unless_zero},
@@ -296,7 +297,7 @@ std::string run_text(const EndedRun& run, bool all_columns, bool verbose) {
   if (run.moved || (verbose && !run.assembled.empty())) text += line_of("start", run.assembled);
   if (std::isfinite(run.resumed_at)) text += line_of("resumed", fmt::format("at t = {:.6g} s", run.resumed_at));
   text += line_of("simulated", simulated(run)) + line_of("checks", checks(run)) + energy_jumps(run);
-  text += all_columns ? summary_of(run) : short_results(run);
+  text += all_columns ? summary_of(run) : results_text(rounded_columns(run), "--summary");
   for (const std::string& note : run.notes) text += line_of("pictures", note);
   for (const std::string& line : lines_of(run.certificate)) text += line_of("", line);
   return verbose ? text + text_of(run_fields().schema(), run_fields()(run)) : text;

@@ -45,6 +45,20 @@ struct EndedRun {
   std::string certificate{};
 };
 
+inline constexpr std::size_t kResultsWidth = 88;  // letters of a line of results
+
+/// The extremes of a column, in its unit.
+struct ColumnEnds : RowRange {
+  std::string name, unit;
+  std::string at_least{}, at_most{};  ///< behind the numbers: " (crank = 50 mm)"
+};
+/// Makes 0 of what is rounding, by a relative tolerance, next to the largest number of its unit.
+void drop_rounding(std::vector<ColumnEnds>&, double tolerance);
+/// "-1.764 ... 2.698", without a unit.
+std::string range_text(const ColumnEnds&);
+/// As many columns as three lines hold, in cells of one width, and how many there are. `all`: what has all of them.
+std::string results_text(const std::vector<ColumnEnds>&, const std::string& all);
+
 /// That an event did not happen.
 Finding finding_of(const MissedEvent&);
 

@@ -8,7 +8,6 @@
 
 #include <lockstep/author/check.h>
 #include "framework/dynamics/solvers/graph.h"
-#include "framework/tools/program/check_dependencies.h"
 
 namespace lockstep {
 namespace {
@@ -50,8 +49,8 @@ std::vector<Finding> suspects_of(const EndedRun& run, System& system, long n_pas
                                   run.audit.violation));
   if (run.formulation == "omega" && projects && run.audit.drives != 0 && has_loops(system, run.sim.state().modes))
     clauses.push_back(
-        "the work of the drives, which unprojected stages compute less accurately in loops (use formulation joint, or "
-        "stages manifold)");
+        std::string("the work of the drives, which unprojected stages compute less accurately in loops (use ") +
+        (run.sim.integrator().info().joint ? "formulation joint, or " : "") + "a smaller step or tolerance)");
   if (!run.sim.integrator().info().adaptive && r.largest_turn > kLongTurn)
     clauses.push_back(
         fmt::format("the steps, in which body '{}' rotates by up to {:.2g} rad", r.turned_most, r.largest_turn));

@@ -2,7 +2,6 @@
 // Messages on standard error, and colour on a terminal.
 #pragma once
 
-#include <string>
 #include <string_view>
 
 namespace lockstep {

@@ -14,8 +14,11 @@
 #include <lockstep/system.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/row_space.h"
+#include "framework/dynamics/simulate/contacts.h"
 #include "framework/dynamics/simulate/start_rows.h"
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/dynamics/solvers/scales.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/rank/loop_rows.h"
 
 namespace lockstep {
@@ -137,12 +140,16 @@ std::optional<Contradiction> contradiction(const System& system, const Evaluatio
     const Dependencies found(rows.Jt, kNearlyDependent);
     for (Eigen::Index c = 0; c < found.circuits.cols(); ++c) {
       double sum = 0, size = 0;
+      bool opens = false;
       const auto takes_part = [&](int k) { return std::abs(found.circuits(k, c)) > kNearlyDependent; };
       for (int k = 0; k < rows.n(); ++k) {
         const double part = takes_part(k) ? found.circuits(k, c) * rates[rows.numbers[k]] : 0;
         sum += part, size += std::abs(part);
       }
-      if (!(std::abs(sum) > kNearlyDependent * size)) continue;
+      for (int k = 0; k < rows.n(); ++k)
+        if (const Unilateral* side = NamedRow(system, table, rows.numbers[k]).link->unilateral(); side && takes_part(k))
+          opens = opens || side->sign() * sum * found.circuits(k, c) > 0;
+      if (opens || !(std::abs(sum) > kNearlyDependent * size)) continue;
       Contradiction who;
       for (int k = 0; k < rows.n(); ++k) {
         if (!takes_part(k)) continue;
@@ -190,6 +197,7 @@ std::optional<Cause> locked(Dynamics& dynamics, const State& state) {
   Cause cause;
   cause.fact = fmt::format("the mechanism is locked: its joints leave no degree of freedom, so drive {} cannot move it",
                            text::join(mobile.drives));
+  cause.kind = Error::Kind::assembly;
   if (const auto [joint, angle] = odd_axis(dynamics, state); joint != nullptr)
     cause.hint = fmt::format("correct the axis of joint {}: it is {:.3g} deg off the axes of all other joints",
                              joint->name(), degrees(angle));
@@ -201,17 +209,31 @@ std::optional<Cause> locked(Dynamics& dynamics, const State& state) {
   return cause;
 }
 
-// Qhat, 1 per row.
+// -Qhat, 1 per row.
 VecX accelerations_asked(const Evaluation& e) {
   VecX asked = VecX::Zero(e.rows().n_rows);
   for (const RowEntry& entry : e.rows().entries)
-    for (int k = 0; k < entry.m; ++k) asked[entry.first_row + k] = e.rows().block(entry).Qhat(k);
+    for (int k = 0; k < entry.m; ++k) asked[entry.first_row + k] = -e.rows().block(entry).Qhat(k);
   return asked;
 }
 
+/// One-sided joints at contact as closed.
+void close_stops(Dynamics& dynamics, State& state) {
+  const double length = dynamics.system().length();
+  Contacts contacts;
+  contacts.lay_out(dynamics.system(), dynamics.options().stabilization);
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    if (contacts.watched(i, state) &&
+        contacts.gap(i, dynamics.inputs(state)).c * length_per_unit(contacts[i].link->row_kind(0), length) <=
+            kSlight * length)
+      contacts.put(i, true, state);
+}
+
 std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
-  State still = at, moving = at;
-  dynamics.to_slots(still), dynamics.to_slots(moving);
+  State moving = at;
+  dynamics.to_slots(moving);
+  close_stops(dynamics, moving);
+  State still = moving;
   still.v.setZero();
   const Evaluation& e = dynamics.gather_rows(still);
   VecX C, rates;
@@ -229,14 +251,16 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
   const std::string when = fmt::format("at t = {:.4g} s", at.t);
   const std::string other_lengths =
       "change the lengths" + (who->guides.empty() ? "" : " or the axis of " + text::join(who->guides));
+  const std::string mover = !who->drives.empty() ? "drive " + who->drives.front()
+                            : leading.empty()    ? ""
+                                                 : "the law of '" + leading.front() + "'";
+  if (!who->stops.empty() && !mover.empty())
+    return Cause{fmt::format("{} runs into stop {} {}", mover, text::join(who->stops), when),
+                 "end the motion before the stop, or move the stop", false, Error::Kind::assembly};
   if (who->drives.empty())
     return Cause{fmt::format("{}the loop of joints {} allows no further motion {}: the configuration is singular",
-                             leading.empty() ? "" : fmt::format("the law of '{}' cannot continue: ", leading.front()),
-                             text::join(who->joints), when),
-                 other_lengths};
-  if (!who->stops.empty())
-    return Cause{fmt::format("drive {} runs into stop {} {}", who->drives.front(), who->stops.front(), when),
-                 "end the motion before the stop, or move the stop"};
+                             mover.empty() ? "" : mover + " cannot continue: ", text::join(who->joints), when),
+                 other_lengths + ", or release one constraint of these joints", false, Error::Kind::step};
   if (who->drives.size() > 1)
     return Cause{fmt::format("drives {} contradict: they prescribe {} of coordinates that depend on each other {}",
                              text::join(who->drives, " and "), text::join(who->rates, " and "), when),
@@ -246,7 +270,7 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
       fmt::format(
           "drive {} has reached a limit position (dead centre) {}: the loop of joints {} allows no further motion",
           who->drives.front(), when, text::join(who->joints)),
-      "end the motion before it, or " + other_lengths};
+      "end the motion before it, or " + other_lengths, false, Error::Kind::step};
 }
 
 // -- steps that are too long
@@ -282,7 +306,7 @@ std::optional<Cause> long_step(Dynamics& dynamics, const State& at, double step)
   return Cause{
       fmt::format("the step of {:.3g} s is too long: the fastest motion of the mechanism has a rate of {:.3g} 1/s",
                   step, rate),
-      fmt::format("take a step below {:.2g} s, or an implicit or adaptive method", 1 / rate), true};
+      fmt::format("take a step below {:.2g} s, or a method that chooses its steps", 1 / rate), true};
 }
 
 using CauseFinder = std::function<std::optional<Cause>()>;
@@ -321,7 +345,7 @@ void rethrow_with(const Cause& cause, const Error& error, const std::string& lin
   } else if (!lines.empty()) {
     sentence += "\n" + lines.substr(0, lines.size() - 1);
   }
-  switch (error.kind()) {
+  switch (cause.kind == Error::Kind::other ? error.kind() : cause.kind) {
     case Error::Kind::assembly:
       throw AssemblyError(sentence, about);
     case Error::Kind::solve:

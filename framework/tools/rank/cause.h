@@ -14,6 +14,7 @@ namespace lockstep {
 struct Cause {
   std::string fact, hint;
   bool possible = false;  ///< it may have another cause: the error's advice is kept
+  Error::Kind kind = Error::Kind::other;  ///< assembly or step: of the error that is thrown; other: of that it explains
 };
 
 /// What is wrong with a start that cannot be assembled. `given`: the start as it was given.

@@ -91,6 +91,6 @@ double violation(const Evaluation&, std::span<const RowEntry>, VecX& scratch);
 /// Power that a force gives to the bodies, W, with the load by these reactions if they are given.
 double power_of(const Force&, const Inputs&, const Reactions*, VecX& scratch);
 /// Power taken out by the damping and friction of a force, W.
-double loss(const Force&, const Evaluated&);
+LOCKSTEP_API double loss(const Force&, const Evaluated&);
 
 }  // namespace lockstep::channels

@@ -61,7 +61,6 @@ void Frames::start(const Sample& sample) {
   width_ = 13 * bodies_.size() + 7 * markers_.size() + 6 * loads_.size();
   most_ = std::max(fewest_, most_numbers_ / std::max<std::size_t>(1, width_));
   paths_.resize(system.links().size());
-  path_seen_.resize(system.links().size());
 }
 
 void Frames::output(const Sample& sample) {
@@ -139,14 +138,11 @@ void Frames::put_loads(const Sample& of_run) {
 // The used part of a joint's path: its first quantity is the parameter of the curve.
 void Frames::follow_paths(const Inputs& in) {
   for (const auto& link : system_->links()) {
-    const auto k = static_cast<std::size_t>(link->number());
     if (link->observable() == nullptr || (link->type() != "point_on_curve" && link->type() != "path_follower"))
       continue;
     const double s = link->observable()->quantity(0, in);
-    auto& [low, high] = paths_[k];
-    low = path_seen_[k] ? std::min(low, s) : s;
-    high = path_seen_[k] ? std::max(high, s) : s;
-    path_seen_[k] = true;
+    auto& path = paths_[link->number()];
+    path = path ? std::pair{std::min(path->first, s), std::max(path->second, s)} : std::pair{s, s};
   }
 }
 

@@ -2,6 +2,7 @@
 // Frames: the data that is drawn, at times of a run.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -65,7 +66,7 @@ class LOCKSTEP_API Frames final : public Observer {
   const std::vector<Switch>& switches() const { return switches_; }
   const std::vector<bool>& modes_at_start() const { return modes_at_start_; }
   /// Least and largest value of the first quantity of a joint with a path; none: 0, 0.
-  std::pair<double, double> path_range(int link) const { return paths_[link]; }
+  std::pair<double, double> path_range(int link) const { return paths_[link].value_or(std::pair{0.0, 0.0}); }
 
  private:
   void add(const Sample&);
@@ -89,8 +90,7 @@ class LOCKSTEP_API Frames final : public Observer {
   std::vector<Mark> marks_;
   std::vector<Switch> switches_;
   std::vector<bool> modes_at_start_, modes_;
-  std::vector<std::pair<double, double>> paths_;  // by joint
-  std::vector<bool> path_seen_;
+  std::vector<std::optional<std::pair<double, double>>> paths_;  // by joint
   std::size_t stride_ = 1, skipped_ = 0;  // of outputs, once there are too many
 };
 

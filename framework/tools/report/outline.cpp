@@ -18,17 +18,13 @@ Json of(const Pose& p) { return {p.x[0], p.x[1], p.x[2], p.q.w, p.q.x, p.q.y, p.
 
 // Numbers of the things of one kind, by address.
 template <class T>
-class Numbering {
- public:
-  template <class Things>
-  explicit Numbering(const Things& things) {
-    for (const T& thing : things) numbers_.emplace(&thing, numbers_.size());
-  }
-  std::size_t operator()(const T* thing) const { return numbers_.at(thing); }
-
- private:
-  std::unordered_map<const T*, std::size_t> numbers_;
-};
+using Numbering = std::unordered_map<const T*, std::size_t>;
+template <class T>
+Numbering<T> numbering_of(const std::deque<T>& things) {
+  Numbering<T> numbers;
+  for (const T& thing : things) numbers.emplace(&thing, numbers.size());
+  return numbers;
+}
 
 constexpr const char* kWords[] = {"box", "cylinder", "sphere", "mesh"};  // of the kinds of solids
 
@@ -66,7 +62,7 @@ Json body_of(const Body& body, const Shown& shown) {
 Json link_of(const Lock& link, const System& system, const Numbering<Marker>& marker, const Frames& frames) {
   Json json{{"name", link.name()}, {"type", link.type()}};
   Json& pairs = json["pairs"] = Json::array();
-  for (const auto& [p, s] : link.pairs()) pairs.push_back(Json::array({marker(p), marker(s)}));
+  for (const auto& [p, s] : link.pairs()) pairs.push_back(Json::array({marker.at(p), marker.at(s)}));
   if (const Jointed* joint = link.jointed()) {
     json["mask"] = to_string(joint->mask());
     Json& drives = json["drives"] = Json::array();
@@ -81,14 +77,14 @@ Json link_of(const Lock& link, const System& system, const Numbering<Marker>& ma
 Json force_of(const Force& force, const Numbering<Marker>& marker) {
   Json json{{"name", force.name()}, {"type", force.type()}};
   Json& markers = json["markers"] = Json::array();
-  for (const Marker* m : force.markers()) markers.push_back(marker(m));
+  for (const Marker* m : force.markers()) markers.push_back(marker.at(m));
   return json;
 }
 
 Json load_of(const Load& load, const Numbering<Marker>& marker) {
   return {{"name", load.link ? load.link->name() : load.force->name()},
           {"reaction", load.link != nullptr},
-          {"marker", marker(load.at)}};
+          {"marker", marker.at(load.at)}};
 }
 
 }  // namespace
@@ -96,20 +92,20 @@ Json load_of(const Load& load, const Numbering<Marker>& marker) {
 Json outline_of(const Frames& frames, const std::vector<Solid>& solids, const std::vector<Look>& looks,
                 Meshes& meshes) {
   const System& system = frames.system();
-  const Numbering<Body> body(system.bodies());
-  const Numbering<Marker> marker(system.markers());
+  const Numbering<Body> body = numbering_of(system.bodies());
+  const Numbering<Marker> marker = numbering_of(system.markers());
   Json json{{"gravity", of(system.gravity())}, {"plane", system.plane().n}, {"length", system.length()}};
   for (const char* list : {"bodies", "markers", "links", "forces", "loads", "moving", "moved_markers"})
     json[list] = Json::array();
   const Shown shown(solids, looks, meshes);
   for (const Body& b : system.bodies()) json["bodies"].push_back(body_of(b, shown));
   for (const Marker& m : system.markers())
-    json["markers"].push_back({{"name", m.name}, {"body", body(m.body)}, {"at", of(m.local)}});
+    json["markers"].push_back({{"name", m.name}, {"body", body.at(m.body)}, {"at", of(m.local)}});
   for (const auto& link : system.links()) json["links"].push_back(link_of(*link, system, marker, frames));
   for (const auto& force : system.forces()) json["forces"].push_back(force_of(*force, marker));
   for (const Load& load : frames.loads()) json["loads"].push_back(load_of(load, marker));
-  for (const Body* b : frames.bodies()) json["moving"].push_back(body(b));
-  for (const Marker* m : frames.markers()) json["moved_markers"].push_back(marker(m));
+  for (const Body* b : frames.bodies()) json["moving"].push_back(body.at(b));
+  for (const Marker* m : frames.markers()) json["moved_markers"].push_back(marker.at(m));
   return json;
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/scene_run/scene_run.h"
 
-#include <cmath>
-
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/system_of.h"
 #include "framework/mechanism/params/read.h"

@@ -12,13 +12,13 @@ namespace lockstep {
 namespace {
 
 void add_energy(std::vector<Finding>& all, const Audit& audit, bool adaptive) {
-  const std::string off = fmt::format("energy balance off by {:.2g} J ({})", audit.imbalance,
-                                      audit.scale > 0 ? fmt::format("{:.2g} of the energy exchanged, limit {:g}",
-                                                                    audit.imbalance_share(), audit.limits.energy)
-                                                      : "none was exchanged");
+  const std::string off =
+      fmt::format("the energy balance is off by {:.2g} J, {}", audit.imbalance,
+                  audit.scale > 0 ? fmt::format("{:.2g} % of the energy exchanged (limit {:g} %)",
+                                                100 * audit.imbalance_share(), 100 * audit.limits.energy)
+                                  : "and none was exchanged");
   if (audit.energy == Audit::Energy::not_conserved)
-    all.push_back({&finding::energy_not_conserved, "",
-                   off + ", or the potential, dissipation or supply of a force does not fit its load",
+    all.push_back({&finding::energy_not_conserved, "", off,
                    adaptive ? "use a smaller tolerance (--tolerance), or find singular configurations (lockstep check)"
                             : "use a smaller step (--step)",
                    audit.imbalance_share(), audit.limits.energy});
@@ -49,9 +49,10 @@ std::vector<Finding> run_findings(StepLoop& run, const Audit& audit, const Doubt
                    "project after each step (stabilization project)", audit.violation, audit.limits.violation, "m"});
   if (std::isfinite(report.stiff_since))
     all.push_back({&finding::stiff, "",
-                   fmt::format("stiff from t = {:.4g} s on: damped fast modes limited the steps", report.stiff_since),
-                   "--integrator radau5 may be cheaper (lockstep advise)", std::numeric_limits<double>::quiet_NaN(),
-                   std::numeric_limits<double>::quiet_NaN(), "", report.stiff_since});
+                   fmt::format("damped fast modes limited the steps from t = {:.4g} s on", report.stiff_since),
+                   "an implicit method, as --integrator radau5, may be cheaper: compare by lockstep advise",
+                   std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(), "",
+                   report.stiff_since});
   return all;
 }
 

@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>

@@ -43,7 +43,7 @@ std::string ratio(const MaybeCost& ours, const MaybeCost& peer, bool any_peer) {
 void write_markdown(std::ostream& out, const Costs& table, const std::string& title, ErrorOf error) {
   out << "\n## " << title << "\n\n| mechanism | error |";
   for (const std::string& system : table.systems()) out << ' ' << system << " |";
-  out << " best peer / lockstep | lockstep's method |\n|---|---|";
+  out << " best other engine / lockstep | lockstep's method |\n|---|---|";
   for (std::size_t i = 0; i < table.systems().size() + 2; ++i) out << "---|";
   out << '\n';
   for (const std::string& m : table.mechanisms())
@@ -83,7 +83,7 @@ void write_growth(std::ostream& out, const Costs& table) {
     for (const Mechanism& m : all_mechanisms())
       if (m.name == name && name.find("chain-") != std::string::npos) chains.push_back(m);
   if (chains.empty()) return;
-  out << "\n## How the cost grows: microseconds a body and step, in brackets a body and evaluation\n\n| system, method "
+  out << "\n## Cost of one body and step in microseconds, in brackets of one body and evaluation\n\n| system, method "
          "|";
   for (const auto& m : chains) out << ' ' << m.name << " |";
   out << "\n|---|";
@@ -138,11 +138,13 @@ int main(int argc, char** argv) {
   const Costs table(lines);
   std::ofstream markdown(argv[2]), csv(argv[3]);
   markdown
-      << "# lockstep and its peers\n\n"
+      << "# Comparison with other engines: the results\n\n"
       << argv[1]
-      << "\n\nUser CPU seconds a simulated second of the cheapest run within the error (m, largest over the bodies). "
-         "`<=`: an upper bound, the next coarser run was not made. `never`: no run of any method came within it. "
-         "Empty: not run.\n";
+      << "\n\nEach cell is the user CPU time in s for one simulated second, of the cheapest run within the error. "
+         "The error is in m, the largest over the bodies. `<=` is an upper bound: the next coarser run was not made. "
+         "In brackets: extrapolated beyond the budget. `never`: no run of any method met the error. Empty: not run. "
+         "After `@`: the step in s of a fixed step, else the tolerance. `+dense`: output by the method's own "
+         "interpolation. [The method](../peers/README.md) explains the measurement.\n";
   write_markdown(markdown, table, "Largest error over the whole history (101 times)", &Line::error);
   write_markdown(markdown, table, "Error at the end", &Line::error_end);
   write_growth(markdown, table);

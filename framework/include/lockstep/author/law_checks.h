@@ -2,7 +2,6 @@
 // Checks of the parameters of laws.
 #pragma once
 
-#include <cmath>
 #include <memory>
 #include <string>
 

@@ -2,7 +2,6 @@
 // Joints of a custom function: of one pair of markers, or between several joints.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <utility>
 
