@@ -196,7 +196,7 @@ TEST_CASE("a plugin that registers badly leaves nothing behind", "[plugin][hosti
   load_plugin(with_probe, kProbe);
   CHECK(message_of<PluginError>([&] {
           load_plugin(with_probe, kProbe);
-        }).ends_with("plugin 'probe' is already loaded into this registry; load it once"));
+        }).ends_with("plugin 'probe': it is already loaded into this registry; load it once"));
   CHECK(rude("as probe", with_probe) ==
         "plugin 'rude': law 'probe_law' (plugin rude) is already registered (plugin probe); choose another name");
 }

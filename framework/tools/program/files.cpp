@@ -92,6 +92,7 @@ void check_writable(const std::string& file) {
   std::error_code error;
   const bool there = fs::exists(file, error);
   const std::ofstream out(file, std::ios::app);
+  if (!out && errno == ENOMEM) throw std::bad_alloc();
   if (!out) throw FileError("file '" + file + "' cannot be written; check the folder, or name another");
   if (!there) fs::remove(file, error);
 }
