@@ -90,8 +90,10 @@ Costs::Costs(const std::vector<Line>& lines) {
 }
 
 std::vector<std::string> Costs::mechanisms() const {
+  std::vector<Mechanism> all = all_mechanisms();
+  std::stable_sort(all.begin(), all.end(), [](const Mechanism& a, const Mechanism& b) { return a.kind < b.kind; });
   std::vector<std::string> names;
-  for (const Mechanism& m : all_mechanisms())
+  for (const Mechanism& m : all)
     if (std::any_of(systems_.begin(), systems_.end(), [&](const std::string& s) { return tried(m.name, s); }))
       names.push_back(m.name);
   return names;

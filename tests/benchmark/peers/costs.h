@@ -47,7 +47,7 @@ class Costs {
  public:
   explicit Costs(const std::vector<Line>& lines);
 
-  std::vector<std::string> mechanisms() const;                          ///< in the order of mechanisms.h
+  std::vector<std::string> mechanisms() const;                          ///< in the order of Kind
   const std::vector<std::string>& systems() const { return systems_; }  ///< lockstep first
   /// Method by name with its runs; nothing when the pair was not run.
   std::map<std::string, std::vector<Line>> methods(const std::string& mechanism, const std::string& system) const;

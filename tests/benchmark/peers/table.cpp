@@ -17,7 +17,7 @@ const std::vector<double> kLimits = {1e-3, 1e-6, 1e-9};  // m
 
 std::string rounded(double x) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.2g", x);
+  std::snprintf(text, sizeof text, x < 100 ? "%.2g" : "%.0f", x);
   const std::string s = text;
   const std::size_t zero = s.find("e-0");
   return zero == std::string::npos ? s : s.substr(0, zero) + "e-" + s.substr(zero + 3);
@@ -83,8 +83,9 @@ void write_growth(std::ostream& out, const Costs& table) {
     for (const Mechanism& m : all_mechanisms())
       if (m.name == name && name.find("chain-") != std::string::npos) chains.push_back(m);
   if (chains.empty()) return;
-  out << "\n## Cost of one body and step in microseconds, in brackets of one body and evaluation\n\n| system, method "
-         "|";
+  out << "\n## Cost of a body and step\nThis table shows how the cost of one body and step grows with the length of a "
+         "chain, in microseconds of CPU time. In brackets: the cost of one body and evaluation. Each value is the "
+         "median of the runs of the method.\n\n| system, method |";
   for (const auto& m : chains) out << ' ' << m.name << " |";
   out << "\n|---|";
   for (std::size_t i = 0; i < chains.size(); ++i) out << "---|";
@@ -100,7 +101,9 @@ void write_growth(std::ostream& out, const Costs& table) {
         text += " " + (found == methods.end() ? "" : per_body(found->second, chains[i])) + " |";
       }
     }
-    for (const auto& [method, text] : cells) out << "| " << system << ' ' << method << " |" << text << '\n';
+    for (const auto& [method, text] : cells)
+      if (text.find_first_not_of(" |") != std::string::npos)
+        out << "| " << system << ' ' << method << " |" << text << '\n';
   }
 }
 
@@ -138,16 +141,25 @@ int main(int argc, char** argv) {
   const Costs table(lines);
   std::ofstream markdown(argv[2]), csv(argv[3]);
   markdown
-      << "# Comparison with other engines: the results\n\n"
+      << "# Comparison with other engines: the results\n"
+         "This page lists the CPU time that lockstep and other engines need for the same mechanisms and errors. It is "
+         "for readers who compare engines. [The method](../peers/README.md) describes mechanisms, engines and "
+         "measurement.\n\nMeasured: "
       << argv[1]
-      << "\n\nEach cell is the user CPU time in s for one simulated second, of the cheapest run within the error. "
-         "The error is in m, the largest over the bodies. `<=` is an upper bound: the next coarser run was not made. "
-         "In brackets: extrapolated beyond the budget. `never`: no run of any method met the error. Empty: not run. "
-         "After `@`: the step in s of a fixed step, else the tolerance. `+dense`: output by the method's own "
-         "interpolation. [The method](../peers/README.md) explains the measurement.\n";
-  write_markdown(markdown, table, "Largest error over the whole history (101 times)", &Line::error);
-  write_markdown(markdown, table, "Error at the end", &Line::error_end);
+      << "\n\n| entry of the first two tables | meaning |\n|---|---|\n"
+         "| error | limit of the error in m, the largest over the bodies |\n"
+         "| a number of an engine | user CPU time in s for one simulated second: the cheapest run within the error |\n"
+         "| a number in brackets | extrapolated beyond the budget |\n"
+         "| `<=` | upper bound: the next coarser run was not made |\n"
+         "| `never` | no run of any method met the error |\n"
+         "| empty | not run |\n"
+         "| name of a method | integrator and its options, such as `dop853{fixed:true}` for fixed steps |\n"
+         "| `+dense` | the output was interpolated by the method itself |\n"
+         "| `@` | before the step in s of a method with fixed steps, or the tolerance of others |\n";
+  write_markdown(markdown, table, "Largest error over the run, at 101 times", &Line::error);
+  write_markdown(markdown, table, "Error at the end of the run", &Line::error_end);
   write_growth(markdown, table);
+  markdown << "\nNext: [the method](../peers/README.md), [benchmarks](../../../framework/docs/charts.md).\n";
   write_csv(csv, table);
   if (!markdown || !csv) return std::fprintf(stderr, "cannot write %s or %s\n", argv[2], argv[3]), 1;
   return 0;
