@@ -121,10 +121,9 @@ void Definitions::take(const Value& root, const char* key, bool points) {
     refuse(object->where, part_of("scene", key),
            std::string("expected an object of ") + (points ? "points" : "numbers") + " by name, got " + shown(*object));
   for (const Value::Member& m : *object->object()) {
-    std::string problem;
-    if (!expression::is_name(m.key, problem))
+    if (const std::string fault = expression::name_fault(m.key); !fault.empty())
       refuse(m.where, part_of("scene", key),
-             "\"" + m.key + "\" cannot name a " + (points ? "point" : "parameter") + ": " + problem);
+             "\"" + m.key + "\" cannot name a " + (points ? "point" : "parameter") + ": " + fault);
     const auto [known, fresh] = index_.emplace(m.key, entries_.size());
     if (!fresh)
       refuse(m.where, part_of("scene", key),

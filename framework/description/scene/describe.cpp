@@ -34,8 +34,7 @@ std::string part_words(const Key& key, const Part& part) {
 std::string default_words(const Key& key) {
   if (key.required()) return "required";
   if (key.default_value() == nullptr) return "";
-  const std::string words = write_json(*key.default_value());
-  return "default " + words.substr(0, words.size() - 1);
+  return "default " + write_json_line(*key.default_value());
 }
 
 // The short words, for the column of the table, and the reference to more, for the end of the line.

@@ -99,8 +99,8 @@ void expand(Value& root, const Value& object, const std::string& owner, Definiti
       if (m.key == "times" || m.key == "from") m.value = definitions.resolved(m.value, part_of(owner, m.key));
   const Params p = params_of(settled, "repeat", owner, nullptr);
   const std::string index = p.text("index");
-  std::string problem;
-  if (!expression::is_name(index, problem)) p.refuse("index", "\"" + index + "\" is not a name: " + problem);
+  if (const std::string fault = expression::name_fault(index); !fault.empty())
+    p.refuse("index", "\"" + index + "\" is not a name: " + fault);
   if (dimension_of(index))
     p.refuse("index", "\"" + index + "\" is a unit, as in \"1 " + index + "\"; choose another name, such as \"i\"");
   if (definitions.find(index) != nullptr)

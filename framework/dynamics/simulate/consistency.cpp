@@ -188,12 +188,13 @@ void make_consistent(Dynamics& dynamics, State& state, const std::string& cause,
   dynamics.accept(state);
 }
 
-// The coordinates that active drives prescribe, in the order of the joints.
-static std::vector<double> prescribed(const System& system, const State& state) {
-  std::vector<double> all;
+// The coordinates that active drives prescribe.
+static std::vector<PositionJump::Prescribed> prescribed(const System& system, const State& state) {
+  std::vector<PositionJump::Prescribed> all;
   for (const auto& link : system.links())
     if (const Jointed* joint = link->jointed(); joint != nullptr && state.modes[link->number()])
-      for (const Drive& drive : joint->imposed().drives) all.push_back(drive.speed ? 0 : drive.law->at(state.t).y);
+      for (int d = 0; const Drive& drive : joint->imposed().drives)
+        all.push_back({link.get(), d++, drive.speed ? 0 : drive.law->at(state.t).y});
   return all;
 }
 
@@ -214,17 +215,13 @@ std::string PositionJump::refusal(Dynamics& dynamics, const State& state, double
   const System& system = dynamics.system();
   std::string who = "a law of " + thing_of_row(system, at.rows(), static_cast<int>(worst)).words(),
               far = fmt::format("{:.3g} m", jump);
-  const std::vector<double> now = prescribed(system, state);
-  std::size_t k = 0;
   double most = limit;
-  for (const auto& link : system.links())
-    if (const Jointed* joint = link->jointed(); joint != nullptr && state.modes[link->number()])
-      for (int d = 0; d < static_cast<int>(joint->imposed().drives.size()); ++d, ++k)
-        if (const double by = std::abs(now[k] - prescribed_[k]); by > most) {
-          const Quantity of = link->driven()->drive(d);
-          most = by, who = fmt::format("drive {} of joint '{}'", of.name, link->name());
-          far = fmt::format("{:.4g} {}", by, of.unit);
-        }
+  for (std::size_t k = 0; const Prescribed& now : prescribed(system, state))
+    if (const double by = std::abs(now.y - prescribed_[k++].y); by > most) {
+      const Quantity of = now.link->driven()->drive(now.drive);
+      most = by, who = fmt::format("drive {} of joint '{}'", of.name, now.link->name());
+      far = fmt::format("{:.4g} {}", by, of.unit);
+    }
   return fmt::format("{} jumps in position at t = {:.9g} s by {}; use a continuous law (ramp, cycloid, spline)", who,
                      state.t, far);
 }

@@ -55,6 +55,11 @@ LOCKSTEP_API void cross_rest(Dynamics&, State&, double t, StateRate& rate);
 /// law jumps in position.
 class LOCKSTEP_API PositionJump {
  public:
+  struct Prescribed {  ///< the coordinate of a drive
+    const Lock* link;
+    int drive;
+    double y;
+  };
   /// Before the jump.
   PositionJump(Dynamics&, const State&);
   /// After it, at the same state: whether it changes a row's residual, or its rate, by any number.
@@ -65,7 +70,7 @@ class LOCKSTEP_API PositionJump {
 
  private:
   Residuals before_;
-  std::vector<double> prescribed_;
+  std::vector<Prescribed> prescribed_;
 };
 
 }  // namespace lockstep

@@ -122,4 +122,7 @@ void StepLoop::exclusively(const char* what, Act&& act) {
   act();
 }
 
+/// The first item, "a; b", in which a checkpoint's signature differs from that of the run, in words.
+LOCKSTEP_API std::string first_difference(const std::string& saved, const std::string& now);
+
 }  // namespace lockstep

@@ -86,8 +86,9 @@ std::string signature(const System& system, const Integrator& method, const Dyna
   return text;
 }
 
-// The first item in which two signatures differ.
-std::string difference(const std::string& saved, const std::string& now) {
+}  // namespace
+
+std::string first_difference(const std::string& saved, const std::string& now) {
   std::size_t k = 0, from = 0;
   for (; k < saved.size() && k < now.size() && saved[k] == now[k]; ++k)
     if (saved[k] == ';') from = k + 2;
@@ -96,8 +97,6 @@ std::string difference(const std::string& saved, const std::string& now) {
   };
   return fmt::format("it has \"{}\", the run has \"{}\"", item(saved), item(now));
 }
-
-}  // namespace
 
 void StepLoop::save(Snapshot& out) {
   if (!begun_) throw ModelError("a run that has not started cannot be saved; call run_until() first");
@@ -142,7 +141,7 @@ void StepLoop::save(Snapshot& out) {
 void StepLoop::load(SnapshotReader in) {
   dynamics_.set_up();
   const std::string saved = in.get_text(), now = signature(system(), *method_, dynamics_, options_);
-  if (saved != now) throw ModelError("the checkpoint belongs to another run: " + difference(saved, now));
+  if (saved != now) throw ModelError("the checkpoint belongs to another run: " + first_difference(saved, now));
   exclusively("load", [&] {
     State before = state_;
     try {

@@ -94,7 +94,7 @@ inline constexpr FindingKind start_missed{"start-missed", Severity::warning,
                                           "\"assembled\": \"free\" for its bodies."};
 inline constexpr FindingKind singular_start{
     "singular-start", Severity::warning,
-    "The mechanism starts in a singular configuration, so it may continue in several ways.",
+    "Loops that no drive moves start in a singular configuration, so they may continue in several ways.",
     "Start near that configuration, or give a velocity along one of the possible motions."};
 inline constexpr FindingKind no_freedom{
     "no-freedom", Severity::warning,

@@ -16,27 +16,20 @@ namespace {
 template <class T>
 Thing thing_of_kind(const char* kind, const T& thing) {
   Thing made{.kind = kind, .name = thing.name(), .type = "?", .origin = thing.origin()};
-  try {
-    made.type = std::string(thing.type());
-  } catch (...) {  // stays "?"
-  }
+  succeeds([&] { made.type = std::string(thing.type()); });  // else it stays "?"
   return made;
 }
 
 // What is wrong with one of its laws, "" if nothing is; runs user code.
 std::string law_fault_of(const Lock& link, double t) {
-  try {
-    return link.driven() == nullptr ? "" : link.driven()->diagnose(t);
-  } catch (...) {
-    return {};
-  }
+  std::string fault;
+  succeeds([&] { fault = link.driven() == nullptr ? "" : link.driven()->diagnose(t); });
+  return fault;
 }
 std::string law_fault_of(const Force& force, double t) {
-  try {
-    return force.diagnose(t);
-  } catch (...) {
-    return {};
-  }
+  std::string fault;
+  succeeds([&] { fault = force.diagnose(t); });
+  return fault;
 }
 
 // Names one of its laws if that is at fault, else gives the advice `otherwise`.
@@ -93,9 +86,6 @@ void check_mass_finite(const Body& body, double t) {
   if (!m.center.allFinite()) refuse("a centre of mass that is not finite");
   if (!m.J.allFinite()) refuse("an inertia that is not finite");
 }
-
-// At the start no step was made.
-std::string or_shorter_step(double t) { return t == 0 ? std::string() : std::string(", or ") + kShorterStep; }
 
 }  // namespace
 
@@ -204,8 +194,9 @@ void check_finite(const System& system, const Inputs& in, const RowTable& table,
     for (std::size_t i = 0; i < block.size(); ++i) sum += block.numbers()[i];
     if (!std::isfinite(sum)) {
       const Lock& link = *system.links()[e.link];
-      refuse_number(link, in.t, " computed a number that is not finite" + bad_number(system, in, e, block, link),
-                    "check its function and its pose" + or_shorter_step(in.t));
+      refuse_number(
+          link, in.t, " computed a number that is not finite" + bad_number(system, in, e, block, link),
+          std::string("check its function and its pose") + (in.t == 0 ? "" : std::string(", or ") + kShorterStep));
     }
   }
   if (f.allFinite()) return;

@@ -55,10 +55,8 @@ void point_data(Script& out, const std::string& name, const Series& s, const std
   out.begin_data(name);
   for (std::size_t i : which) {
     const double row[] = {s.x[i], s.y[i]};
-    if (std::isfinite(s.x[i]) && std::isfinite(s.y[i]))
-      out.row(row);
-    else
-      out.gap();
+    const bool shown = std::isfinite(s.x[i]) && std::isfinite(s.y[i]);
+    out.row(std::span(row, shown ? 2 : 0));
   }
   out.end_data();
 }

@@ -55,15 +55,14 @@ std::string head(const char* file, const std::string& terminal) {
 }
 
 void hand_over(const std::string& made, const std::string& file, const std::string& said) {
-  std::error_code none;
-  if (const auto size = fs::file_size(made, none); none || size == 0)
+  std::error_code error;
+  if (const auto size = fs::file_size(made, error); error || size == 0)
     throw FileError(fmt::format("gnuplot drew nothing for \"{}\"; its message: {}", file, said));
-  std::error_code failed;
-  fs::copy_file(made, file, fs::copy_options::overwrite_existing, failed);
-  if (failed)
+  fs::copy_file(made, file, fs::copy_options::overwrite_existing, error);
+  if (error)
     throw FileError(
         fmt::format("cannot write \"{}\": {}; check the folder and the free space, or give another file name", file,
-                    failed.message()));
+                    error.message()));
 }
 
 }  // namespace
@@ -93,7 +92,6 @@ Script& Script::row(std::span<const double> numbers) {
   text_ += '\n';
   return *this;
 }
-Script& Script::gap() { return line(""); }
 Script& Script::end_data() { return line("END_OF_DATA"); }
 
 std::string quoted_text(std::string_view text) {

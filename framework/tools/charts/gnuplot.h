@@ -16,10 +16,9 @@ LOCKSTEP_API std::string find_gnuplot();
 class LOCKSTEP_API Script {
  public:
   Script& line(std::string_view commands);
-  /// A data block `$name`: rows of numbers, in which a value that is not finite is a gap, and blank rows.
+  /// A data block `$name`: rows of numbers, in which a value that is not finite is a gap; one without numbers is blank.
   Script& begin_data(std::string_view name);
   Script& row(std::span<const double> numbers);
-  Script& gap();
   Script& end_data();
   const std::string& text() const { return text_; }
 

@@ -48,7 +48,7 @@ const Fields<WorkPrecisionRun>& measured_run_fields() {
       {"integrator", "", "integrator", &Run::integrator},
       {"formulation", "", "formulation", [](const Run& r) { return to_string(r.formulation); }},
       {"stabilization", "", "stabilisation", [](const Run& r) { return to_string(r.stabilization); }},
-      {"solver", "", "solver", [](const Run& r) { return needs_no_solver(r.formulation) ? "-" : r.solver; }},
+      {"solver", "", "solver", [](const Run& r) { return needs_no_solver(r.used) ? "-" : r.solver; }},
       Field<Run>(
           "tolerance", "", "tolerance", [](const Run& r) { return r.adaptive ? r.setting : NAN; }, digits_text<3>)
           .optional(),

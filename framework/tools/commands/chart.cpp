@@ -39,7 +39,8 @@ std::vector<Winner> winners_of(const WorkPrecision& result, Formulation base) {
     for (const std::string& value : values) {
       if (values.size() < 2) break;
       const auto has = [&](const WorkPrecisionRun& run) {
-        return value_of(run, by) == value && (by != ChartBy::solver || !needs_no_solver(run.formulation));
+        if (by == ChartBy::solver && needs_no_solver(run.used)) return false;
+        return value_of(run, by) == value || (by == ChartBy::formulation && to_string(run.used) == value);
       };
       const auto first = std::ranges::find_if(result.runs, has);
       const bool other = by == ChartBy::integrator && !runs_in_base(value);

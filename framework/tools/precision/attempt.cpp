@@ -53,6 +53,9 @@ Outcome attempt_run(const Trajectory& trajectory, const Recipe& recipe, double l
     out.work = dynamics.work();
     out.wrong = judged && subject.audit->result().is_wrong();
     State end = sim.state();
+    out.used = recipe.dynamics.formulation != Formulation::automatic ? recipe.dynamics.formulation
+               : end.coordinates != nullptr                          ? Formulation::joint
+                                                                     : Formulation::omega;
     out.dense = out.failure.empty() && sim.integrator().dense(sim.state().t, end);
   } catch (const Error& error) {
     note_failure(error, out);

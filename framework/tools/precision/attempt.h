@@ -28,6 +28,7 @@ struct Outcome {
   bool interrupted = false;  ///< by the user
   bool wrong = false;        ///< by the subject's audit, of an observed run
   bool dense = false;        ///< outputs do not change its steps
+  Formulation used = Formulation::automatic;  ///< that which automatic chose
 };
 
 /// observed: with a history at the times of comparison. plain: steps only, for methods with dense output, which does not

@@ -164,7 +164,7 @@ class Benchmark {
   WorkPrecisionRun run_of(const Combination& c) const {
     WorkPrecisionRun run;
     run.integrator = c.method->name, run.solver = c.solver->name;
-    run.formulation = c.formulation, run.stabilization = c.kind, run.adaptive = c.adaptive;
+    run.formulation = run.used = c.formulation, run.stabilization = c.kind, run.adaptive = c.adaptive;
     run.setting =
         c.adaptive ? options_.tolerances[c.rung] : trajectory_.length / trajectory_.outputs / options_.steps[c.rung];
     return run;
@@ -236,7 +236,7 @@ class Benchmark {
     Outcome out = attempt_run(trajectory_, recipe, limit, clocks_);
     note(out, run, out.cpu);
     if (!run.done()) return out;
-    run.wrong = out.wrong;
+    run.wrong = out.wrong, run.used = out.used;
     run.error = difference(out.history, reference_, length_);
     if (!std::isfinite(run.error.position)) run.failure = "the result is not finite";
     // Dense output between long steps can cost more than the steps: then the time is taken without outputs.

@@ -224,7 +224,8 @@ std::string body_words(const System& system) {
 // "4 revolute: A, B, C, D; 1 distance: rope".
 std::string joint_words(const System& system) {
   nlohmann::ordered_map<std::string, Names> by_type;
-  for (const auto& link : system.links()) by_type[std::string(link->type())].push_back(link->name());
+  for (const auto& link : system.links())
+    by_type[link->active_at_start() ? std::string(link->type()) : "inactive"].push_back(link->name());
   std::string words;
   for (const auto& [type, names] : by_type)
     words += fmt::format("{}{} {}: {}", words.empty() ? "" : "; ", names.size(), type, first_of(names));

@@ -167,9 +167,9 @@ std::string simulated(const EndedRun& run) {
 
 std::string checks(const EndedRun& run) {
   const Audit& audit = run.audit;
-  return fmt::format("energy {} (error {:.2g} of {:.3g} J exchanged)   constraints {} (at most {:.2g} m)",
-                     audit.energy == Audit::Energy::conserved ? "ok" : audit.verdict(), audit.imbalance_share(),
-                     audit.scale, audit.drifted ? "VIOLATED" : "ok", audit.violation);
+  return fmt::format("energy {} (error {:.2g} J of {:.3g} J exchanged)   constraints {} (at most {:.2g} m)",
+                     audit.energy == Audit::Energy::conserved ? "ok" : audit.verdict(), audit.imbalance, audit.scale,
+                     audit.drifted ? "VIOLATED" : "ok", audit.violation);
 }
 
 // Energy that a law, an event or an impact changed at a single time, beyond rounding.

@@ -3,14 +3,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
-
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/recorder.h>
 #include <lockstep/scene.h>
 #include "framework/dynamics/simulate/start_positions.h"
-#include "framework/foundation/support/lines.h"
+#include "framework/dynamics/simulate/step_loop_parts.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/simulation/checkpoint.h"
 #include "framework/tools/simulation/simulation_parts.h"
@@ -79,17 +77,9 @@ std::string name_of(const MethodSpec& method) {
 
 // What a checkpoint of another simulation would differ in, in addition to what the loop compares.
 std::string fingerprint(const RunSettings& run) {
-  return fmt::format("integrator {}\nsolver {}\ntolerance {} {}\nstep {} s\noutput {} s", name_of(run.integrator),
+  return fmt::format("integrator {}; solver {}; tolerance {} {}; step {} s; output {} s", name_of(run.integrator),
                      name_of(run.solver), run.tolerance.relative, run.tolerance.atol_x, run.step, run.output);
 }
-// The first line of a fingerprint that another one lacks.
-std::string unlike(const std::string& of, const std::string& other) {
-  const std::vector<std::string> theirs = lines_of(other);
-  for (const std::string& line : lines_of(of))
-    if (std::ranges::find(theirs, line) == theirs.end()) return line;
-  return of;
-}
-
 }  // namespace
 
 Simulation::Parts::~Parts() = default;
@@ -197,8 +187,8 @@ void Simulation::load(const std::string& file) {
   if (const std::string kind = in.get_text(); kind != "simulation")
     throw ModelError(fmt::format("checkpoint '{}' belongs to the program; continue it by `lockstep resume`", file));
   if (const std::string other = in.get_text(), own = fingerprint(parts_->settings); other != own)
-    throw ModelError(fmt::format("checkpoint '{}' belongs to a simulation with other options: {}; this one has {}",
-                                 file, unlike(other, own), unlike(own, other)));
+    throw ModelError(fmt::format("checkpoint '{}' belongs to a simulation with other options: {}", file,
+                                 first_difference(other, own)));
   loop().load(in);
 }
 
