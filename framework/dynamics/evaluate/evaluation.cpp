@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/scales.h"
 #include "framework/mechanism/system/diagnose.h"
@@ -12,12 +13,6 @@ namespace lockstep {
 namespace {
 
 std::span<const double> view(const VecX& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
-
-void check_vector(const char* where, const VecX& x, Eigen::Index n) {
-  if (x.size() != n)
-    throw ModelError(std::string(where) + ": a vector has " + std::to_string(x.size()) + " numbers, but " +
-                     std::to_string(n) + " are needed; resize it (6 per rigid group, 1 per constraint)");
-}
 
 // Cd = Jh v + Ct of every row; velocity(slot): its linear and angular velocity.
 template <class Velocity>
@@ -96,13 +91,13 @@ void Evaluation::residuals(VecX& C, VecX& Cd) const {
 }
 
 void Evaluation::velocity_residual(const VecX& v, VecX& Cd) const {
-  check_vector("Evaluation::velocity_residual", v, f_.size());
+  check_size("Evaluation::velocity_residual: a vector", v.size(), f_.size());
   put_rates(
       rows_, [&](int slot) { return std::pair(v.data() + 6 * slot, v.data() + 6 * slot + 3); }, Cd);
 }
 
 double Evaluation::norm(const VecX& c) const {
-  check_vector("Evaluation::norm", c, rows_.n_rows);
+  check_size("Evaluation::norm: a vector", c.size(), rows_.n_rows);
   double worst = 0;
   const double L = system_.length();
   for (const RowEntry& e : rows_.entries)
@@ -114,8 +109,8 @@ double Evaluation::norm(const VecX& c) const {
 }
 
 void Evaluation::react(const VecX& lambda, VecX& f) const {
-  check_vector("Evaluation::react, lambda", lambda, rows_.n_rows);
-  check_vector("Evaluation::react, f", f, f_.size());
+  check_size("Evaluation::react, lambda: a vector", lambda.size(), rows_.n_rows);
+  check_size("Evaluation::react, f: a vector", f.size(), f_.size());
   const Reactions reactions(rows_, view(lambda));
   WrenchSum sum(inputs().motions, f);
   for (const Force* force : reacting_)

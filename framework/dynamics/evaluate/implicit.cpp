@@ -5,6 +5,7 @@
 #include <array>
 
 #include "framework/dynamics/evaluate/newton_factor.h"
+#include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/solvers/scales.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -22,8 +23,11 @@ struct NewtonMatrix::Work : NewtonNumbers {
   void copy_rows(const RowTable& rows);
   void add_inertia(const Inputs& in);
   void update_scales();
-  /// Throws ModelError for vectors of another size than theirs; ignores null ones.
-  void check(const VecX& of_slots, const VecX* of_slots_too, const VecX* of_rows) const;
+  /// Throw ModelError for a vector of another size.
+  void check_slots(Eigen::Index size) const {
+    check_size("NewtonMatrix: a vector of the bodies", size, 6 * std::ssize(mass));
+  }
+  void check_rows(Eigen::Index size) const { check_size("NewtonMatrix: a vector of the constraints", size, m); }
 };
 
 bool NewtonMatrix::Work::same_links(const RowTable& rows) const {
@@ -110,21 +114,11 @@ void NewtonMatrix::Work::update_scales() {
 NewtonMatrix::NewtonMatrix() : work_(std::make_unique<Work>()) {}
 NewtonMatrix::~NewtonMatrix() = default;
 
-namespace {
-
-void check_size(const char* what, Eigen::Index size, Eigen::Index n) {
-  if (size != n)
-    throw ModelError("NewtonMatrix: " + std::string(what) + " has " + std::to_string(size) + " numbers, but " +
-                     std::to_string(n) + " are needed; resize it (6 per rigid group, 1 per constraint)");
-}
-
-}  // namespace
-
 void NewtonMatrix::gather(const Evaluation& e, const VecX& lambda) {
   Work& w = *work_;
   const System& system = e.system();
   const RowTable& rows = e.rows();
-  check_size("lambda", lambda.size(), rows.n_rows);
+  check_size("NewtonMatrix: lambda", lambda.size(), rows.n_rows);
   if (w.system != &system || w.description != system.revision() || !w.same_links(rows)) {
     w.system = &system;
     w.description = system.revision();
@@ -152,51 +146,43 @@ void NewtonMatrix::gather(const Evaluation& e, const VecX& lambda) {
   if (w.pattern != w.tangents.revision()) w.lay_out_plan();
 }
 
-void NewtonMatrix::Work::check(const VecX& of_slots, const VecX* of_slots_too, const VecX* of_rows) const {
-  const auto size = 6 * static_cast<Eigen::Index>(mass.size());
-  check_size("a vector of the bodies", of_slots.size(), size);
-  if (of_slots_too) check_size("a vector of the bodies", of_slots_too->size(), size);
-  if (of_rows) check_size("a vector of the constraints", of_rows->size(), m);
-}
-
 void NewtonMatrix::factor(double a, double b, double c) { work_->real.factor(*work_, a, b, c); }
 void NewtonMatrix::factor(Complex a, Complex b, Complex c) { work_->complex.factor(*work_, a, b, c); }
 void NewtonMatrix::set_residual(double enough) { work_->enough = enough; }
 SolveReport NewtonMatrix::solve(const VecX& f, const VecX& r, VecX& x, VecX& l) {
-  work_->check(f, nullptr, &r);
+  work_->check_slots(f.size()), work_->check_rows(r.size());
   return work_->real.solve(*work_, f, r, x, l);
 }
 SolveReport NewtonMatrix::solve(const VecXc& f, const VecXc& r, VecXc& x, VecXc& l) {
-  check_size("a vector of the bodies", f.size(), 6 * static_cast<Eigen::Index>(work_->mass.size()));
-  check_size("a vector of the constraints", r.size(), work_->m);
+  work_->check_slots(f.size()), work_->check_rows(r.size());
   return work_->complex.solve(*work_, f, r, x, l);
 }
 long NewtonMatrix::n_dense() const { return work_->real.n_dense() + work_->complex.n_dense(); }
 
 void NewtonMatrix::add_M_times(const VecX& x, VecX& y) const {
-  work_->check(x, &y, nullptr);
+  work_->check_slots(x.size()), work_->check_slots(y.size());
   for (std::size_t k = 0; k < work_->mass.size(); ++k) work_->mass[k].add_times(x.segment<6>(6 * k), y.segment<6>(6 * k));
 }
 void NewtonMatrix::add_D_times(const VecX& x, VecX& y) const {
-  work_->check(x, &y, nullptr);
+  work_->check_slots(x.size()), work_->check_slots(y.size());
   const TangentSum& sum = work_->tangents;
   for (std::size_t p = 0; p < sum.pairs().size(); ++p)
     y.segment<6>(6 * sum.pairs()[p].row) += sum.D(p) * x.segment<6>(6 * sum.pairs()[p].column);
 }
 void NewtonMatrix::add_K_times(const VecX& x, VecX& y) const {
-  work_->check(x, &y, nullptr);
+  work_->check_slots(x.size()), work_->check_slots(y.size());
   const TangentSum& sum = work_->tangents;
   for (std::size_t p = 0; p < sum.pairs().size(); ++p)
     y.segment<6>(6 * sum.pairs()[p].row) += sum.K(p) * x.segment<6>(6 * sum.pairs()[p].column);
 }
 void NewtonMatrix::add_J_times(const VecX& x, VecX& y) const {
-  work_->check(x, nullptr, &y);
+  work_->check_slots(x.size()), work_->check_rows(y.size());
   work_->for_each_row(work_->J, [&](int row, int slot, const double* r) {
     y[row] += Eigen::Map<const Vec6>(r).dot(x.segment<6>(6 * slot));
   });
 }
 void NewtonMatrix::add_Jt_times(const VecX& l, VecX& y) const {
-  work_->check(y, nullptr, &l);
+  work_->check_slots(y.size()), work_->check_rows(l.size());
   work_->for_each_row(work_->J, [&](int row, int slot, const double* r) {
     y.segment<6>(6 * slot) += l[row] * Eigen::Map<const Vec6>(r);
   });

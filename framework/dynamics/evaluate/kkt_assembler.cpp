@@ -116,14 +116,12 @@ void KktAssembler::update(const RowTable& rows, std::span<const Motion> motions)
           continue;
         }
         out[0] = r[0], out[1] = r[1], out[2] = r[2];
-        if (width == 7) {  // (2.12) Jh_w G
-          const Quat& q = motions[slot + 1].e;
-          const double a = 2 * r[3], b = 2 * r[4], c = 2 * r[5];
-          out[3] = -a * q.x - b * q.y - c * q.z;
-          out[4] = a * q.w - b * q.z + c * q.y;
-          out[5] = a * q.z + b * q.w - c * q.x;
-          out[6] = -a * q.y + b * q.x + c * q.w;
-        }
+        const Quat& q = motions[slot + 1].e;  // (2.12) Jh_w G
+        const double a = 2 * r[3], b = 2 * r[4], c = 2 * r[5];
+        out[3] = -a * q.x - b * q.y - c * q.z;
+        out[4] = a * q.w - b * q.z + c * q.y;
+        out[5] = a * q.z + b * q.w - c * q.x;
+        out[6] = -a * q.y + b * q.x + c * q.w;
       }
     }
   }

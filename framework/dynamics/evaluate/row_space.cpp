@@ -17,9 +17,7 @@ namespace lockstep {
 
 namespace {
 
-using Sparse = SparseMat;
-
-VecX lengths_of_rows(const Sparse& Jt) {
+VecX lengths_of_rows(const SparseMat& Jt) {
   VecX lengths(Jt.cols());
   for (Eigen::Index k = 0; k < Jt.cols(); ++k) {
     const double length = Jt.col(k).norm();
@@ -32,7 +30,7 @@ VecX lengths_of_rows(const Sparse& Jt) {
 
 }  // namespace
 
-RowSpace::RowSpace(const Sparse& Jt)
+RowSpace::RowSpace(const SparseMat& Jt)
     : lengths_(lengths_of_rows(Jt)), qr_(MatX(Jt * lengths_.cwiseInverse().asDiagonal())) {}
 
 double RowSpace::smallest_singular_value(int rank) const {
@@ -96,15 +94,15 @@ namespace {
 // Dependencies are eigenvectors of J Jt of the value zero. J Jt - theta 1 = L D L^T has as many positive numbers in D as
 // J Jt has values above theta (Sylvester's law of inertia). What theta (theta 1 - J Jt)^-1 leaves of a vector lies in the
 // dependencies, and of a few vectors at random one has a share of every row that takes part.
-void find_sparsely(const Sparse& Jt, Dependencies& out) {
+void find_sparsely(const SparseMat& Jt, Dependencies& out) {
   constexpr double kTheta =
       1e-12;  // the square of a singular value, between round-off and a loop of some thousand rows
   constexpr int kVectors = 8;
   const VecX lengths = lengths_of_rows(Jt);
-  const Sparse J = scaled(VecX::Ones(Jt.rows()), Jt, lengths.cwiseInverse());
-  Sparse one(J.cols(), J.cols());
+  const SparseMat J = scaled(VecX::Ones(Jt.rows()), Jt, lengths.cwiseInverse());
+  SparseMat one(J.cols(), J.cols());
   one.setIdentity();
-  const Eigen::SimplicialLDLT<Sparse> ldlt(Sparse(Sparse(J.transpose()) * J) - kTheta * one);
+  const Eigen::SimplicialLDLT<SparseMat> ldlt(SparseMat(SparseMat(J.transpose()) * J) - kTheta * one);
   if (ldlt.info() != Eigen::Success)
     throw SolveError("the rank of the constraints cannot be computed: a pivot is zero");
   out.rank = static_cast<int>((ldlt.vectorD().array() > 0).count());
@@ -127,7 +125,7 @@ void find_sparsely(const Sparse& Jt, Dependencies& out) {
 
 }  // namespace
 
-Dependencies::Dependencies(const Sparse& Jt, double limit) {
+Dependencies::Dependencies(const SparseMat& Jt, double limit) {
   if (Jt.cols() > kDenseRows && limit <= kDependent) {
     find_sparsely(Jt, *this);
     return;

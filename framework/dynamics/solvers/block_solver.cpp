@@ -40,7 +40,7 @@ class BlockFactorization final : public Factorization {
   BlockPlan plan_;
   BlockFactor<double> factor_;
   std::vector<BlockPlan::Place> mass_, jacobian_, proximal_;  // of slots; of links and their slots; of links
-  VecX rhs_, pivots_, S_diagonal_;
+  VecX rhs_, pivots_;
   StopRule rule_;
   PivotWatch watch_;
 
@@ -76,18 +76,10 @@ void BlockFactorization::fill(const Kkt& kkt) {
 // A row whose slots are not all eliminated before it may have a small pivot because those that are do not move along it:
 // what the others add to it counts as if they were free.
 void BlockFactorization::measure_pivots(const Kkt& kkt) {
-  row_diagonal(kkt, S_diagonal_);
   const BlockPlan::Place* place = jacobian_.data();
   auto pivots = pivots_.tail(kkt.pattern.m);
   add_row_diagonal(kkt, pivots, [&] { return !place++->transposed; });
-  watch_.see(
-      kkt.redundant,
-      [&](auto&& row) {
-        for_each_row(kkt.pattern, [&](int j, std::size_t kind) {
-          row(pivots[j], S_diagonal_[j] + plan_.proximal() * kkt.E[j], kind);
-        });
-      },
-      [&] { return pivot_floors(kkt, plan_.proximal()); });
+  rule_.show_pivots(kkt, watch_, [&](int j) { return pivots[j]; });
 }
 
 TypeInfo BlockSolver::info() {
@@ -107,7 +99,6 @@ BlockFactorization::BlockFactorization(const KktPattern& pattern) {
     ++node;
   }
   for (VecX* v : {&rhs_, &pivots_}) v->setZero(pattern.n + pattern.m);
-  S_diagonal_.setZero(pattern.m);
   rule_.analyse(pattern, plan_.proximal());
   watch_.begin(pattern.m);
 }
@@ -121,16 +112,13 @@ void BlockFactorization::compute(const Kkt& kkt) {
 
 SolveReport BlockFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   const int n = kkt.pattern.n, m = kkt.pattern.m;
-  SolveReport report;
-  rule_.iterate(kkt, f, c, a, lambda, watch_, report, [&](const VecX& r_f, const VecX& r_c, VecX& da, VecX& dl) {
+  return rule_.iterate(kkt, f, c, a, lambda, watch_, [&](const VecX& r_f, const VecX& r_c, VecX& da, VecX& dl) {
     rhs_.head(n) = r_f;
     rhs_.tail(m) = r_c;
     factor_.solve(plan_, rhs_.data());
     da = rhs_.head(n);
     dl = rhs_.tail(m);
   });
-  watch_.report(report);
-  return report;
 }
 
 long BlockSolver::multiplications(const KktPattern& pattern) {

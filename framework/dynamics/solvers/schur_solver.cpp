@@ -39,7 +39,6 @@ class SchurFactorization final : public Factorization {
   void complete(SolveReport&) override;
 
  private:
-  void size(const KktPattern&);
   void read_masses(const Kkt&);
   void see_pivots();
   template <class X>
@@ -87,12 +86,6 @@ SchurFactorization::SchurFactorization(const KktPattern& pattern)
     : plan_(schur::make_plan(*pattern.rows, pattern.n_slots(), bool(pattern.plane))),
       plane_(pattern.plane),
       velocity_(unknown_velocities(pattern.plane)) {
-  size(pattern);
-  watch_.begin(pattern.m);
-  gradients_.size(pattern.m);
-}
-
-void SchurFactorization::size(const KktPattern& pattern) {
   for (Aligned<double>* v : {&x_, &c_, &scale_, &diagonal_, &p_, &E_, &r_, &lambda_})
     v->assign(plan_.size_x + kPad, 0.0);
   A_.assign(plan_.size_A + kPad, 0.0);
@@ -112,6 +105,8 @@ void SchurFactorization::size(const KktPattern& pattern) {
   z_.diagonal = diagonal_.data(), z_.p = p_.data(), z_.E = E_.data(), z_.r = r_.data(), z_.a = a_.data();
   z_.inverse = inverse_.data(), z_.mass = mass_.data(), z_.kind = kinds_.data(), z_.floors = floors_.data();
   z_.eps = plan_.tree ? 0.0 : kClosureProximal;
+  watch_.begin(pattern.m);
+  gradients_.size(pattern.m);
 }
 
 void SchurFactorization::read_masses(const Kkt& kkt) {

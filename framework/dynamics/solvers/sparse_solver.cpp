@@ -18,8 +18,8 @@ namespace {
 using Sparse = Eigen::SparseMatrix<double>;
 using Triplet = Eigen::Triplet<double>;
 
-// Order of elimination of the links; those that share a slot are coupled.
-std::vector<int> order_of_links(const KktPattern& pattern) {
+// Where the rows are in K, in the order in which the links are eliminated; those that share a slot are coupled.
+std::vector<int> places_of_rows(const KktPattern& pattern) {
   LinkGraph graph;
   graph.n_slots = pattern.n_slots();
   for (const KktLink& link : pattern.links)
@@ -29,9 +29,12 @@ std::vector<int> order_of_links(const KktPattern& pattern) {
     for (const int p : links)
       for (const int q : links) couple(neighbours, p, q);
   MinimumDegree order(std::move(neighbours), std::vector<int>(pattern.links.size(), 1));
-  std::vector<int> out;
-  while (!order.done()) out.push_back(order.next().node);
-  return out;
+  std::vector<int> places(pattern.m);
+  for (int next = pattern.n; !order.done();) {
+    const KktLink& link = pattern.links[order.next().node];
+    for (int k = 0; k < link.m; ++k) places[link.first_row + k] = next++;
+  }
+  return places;
 }
 
 // visit(row, column) for every number of K, upper triangle: the masses, the Jacobians, the diagonal of E'.
@@ -62,24 +65,13 @@ class SparseFactorization final : public Factorization {
   Eigen::SimplicialLDLT<Sparse, Eigen::Upper, Eigen::NaturalOrdering<int>> ldlt_;
   std::vector<int> place_;               // of a row of the system in K; unknowns keep theirs
   std::vector<Eigen::Index> positions_;  // places in the values of K, in the order of for_each_number
-  VecX rhs_, solution_, S_diagonal_;
+  VecX rhs_, solution_;
   StopRule rule_;
   PivotWatch watch_;
 
-  void order_rows(const KktPattern&);
   void shape(const KktPattern&);
   Eigen::Index position(int row, int column) const;
-  void measure_pivots(const Kkt&);
 };
-
-void SparseFactorization::order_rows(const KktPattern& pattern) {
-  place_.assign(pattern.m, 0);
-  int next = pattern.n;
-  for (const int l : order_of_links(pattern)) {
-    const KktLink& link = pattern.links[l];
-    for (int k = 0; k < link.m; ++k) place_[link.first_row + k] = next++;
-  }
-}
 
 void SparseFactorization::shape(const KktPattern& pattern) {
   std::vector<Triplet> numbers;
@@ -98,29 +90,15 @@ Eigen::Index SparseFactorization::position(int row, int column) const {
   return std::lower_bound(begin, end, row) - matrix_.innerIndexPtr();
 }
 
-void SparseFactorization::measure_pivots(const Kkt& kkt) {
-  row_diagonal(kkt, S_diagonal_);
-  const VecX D = ldlt_.vectorD();
-  watch_.see(
-      kkt.redundant,
-      [&](auto&& row) {
-        for_each_row(kkt.pattern,
-                     [&](int j, std::size_t kind) { row(-D[place_[j]], S_diagonal_[j] + kProximalOfMatrix * kkt.E[j], kind); });
-      },
-      [&] { return pivot_floors(kkt, kProximalOfMatrix); });
-}
-
 TypeInfo SparseSolver::info() {
   return {"sparse", "sparse LDL^T with proximal corrections: any topology, handles redundant constraints", {}};
 }
 std::unique_ptr<LinearSolver> SparseSolver::make(const Params&) { return std::make_unique<SparseSolver>(); }
 
-SparseFactorization::SparseFactorization(const KktPattern& pattern) {
-  order_rows(pattern);
+SparseFactorization::SparseFactorization(const KktPattern& pattern) : place_(places_of_rows(pattern)) {
   shape(pattern);
   ldlt_.analyzePattern(matrix_);
   for (VecX* v : {&rhs_, &solution_}) v->setZero(pattern.n + pattern.m);
-  S_diagonal_.setZero(pattern.m);
   rule_.analyse(pattern, kProximalOfMatrix);
   watch_.begin(pattern.m);
 }
@@ -139,21 +117,19 @@ void SparseFactorization::compute(const Kkt& kkt) {
   ldlt_.factorize(matrix_);
   if (ldlt_.info() != Eigen::Success)
     throw SolveError("solver sparse: a pivot is zero; give every body a mass and an inertia above zero");
-  measure_pivots(kkt);
+  const VecX D = ldlt_.vectorD();
+  rule_.show_pivots(kkt, watch_, [&](int j) { return -D[place_[j]]; });
 }
 
 SolveReport SparseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
   const int n = kkt.pattern.n, m = kkt.pattern.m;
-  SolveReport report;
-  rule_.iterate(kkt, f, c, a, lambda, watch_, report, [&](const VecX& r_f, const VecX& r_c, VecX& da, VecX& dl) {
+  return rule_.iterate(kkt, f, c, a, lambda, watch_, [&](const VecX& r_f, const VecX& r_c, VecX& da, VecX& dl) {
     rhs_.head(n) = r_f;
     for (int j = 0; j < m; ++j) rhs_[place_[j]] = r_c[j];
     solution_ = ldlt_.solve(rhs_);
     da = solution_.head(n);
     for (int j = 0; j < m; ++j) dl[j] = solution_[place_[j]];
   });
-  watch_.report(report);
-  return report;
 }
 
 std::unique_ptr<Factorization> SparseSolver::analyse(const KktPattern& pattern) const {

@@ -12,6 +12,7 @@
 #include <lockstep/author/solver.h>
 #include <lockstep/detail/export.h>
 #include "framework/dynamics/solvers/conjugate.h"
+#include "framework/dynamics/solvers/products.h"
 
 namespace lockstep {
 
@@ -157,10 +158,11 @@ class StopRule {
 
   /// The proximal iteration from a = 0, lambda = 0: corrections by `solve`, which writes the factor's answer (da, dl) to
   /// the residuals (r_f, r_c), once and then as long as the rule is not met, by conjugate gradients from the fourth on
-  /// where bodies differ much in mass or corrections still help. Fills residual, worst_row, corrections and contradictory.
+  /// where bodies differ much in mass or corrections still help. The pivots in the report are those that the watch saw.
   template <class Solve>
-  void iterate(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda, const PivotWatch& watch,
-               SolveReport& report, Solve&& solve) {
+  SolveReport iterate(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda, const PivotWatch& watch,
+                      Solve&& solve) {
+    SolveReport report;
     a.setZero(kkt.pattern.n);
     lambda.setZero(kkt.pattern.m);
     start(kkt, f, c);
@@ -191,6 +193,18 @@ class StopRule {
     report.residual = largest_;
     report.worst_row = worst_row_;
     report.contradictory = !rows_met && watch.contradictory(largest_, before_);
+    watch.report(report);
+    return report;
+  }
+
+  /// Shows a watch the pivots of the factor; pivot(row).
+  template <class Pivot>
+  void show_pivots(const Kkt& kkt, PivotWatch& watch, Pivot&& pivot) {
+    row_diagonal(kkt, S_);
+    const auto each = [&](auto&& row) {
+      for_each_row(kkt.pattern, [&](int j, std::size_t kind) { row(pivot(j), S_[j] + eps_ * kkt.E[j], kind); });
+    };
+    watch.see(kkt.redundant, each, [&] { return pivot_floors(kkt, eps_); });
   }
 
   const VecX& force_residual() const { return r_f_; }  ///< f - M a - J^T lambda

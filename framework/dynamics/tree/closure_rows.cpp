@@ -58,8 +58,8 @@ void ClosureRows::residuals(std::span<const Motion> motions, const RowTable& tab
 
 double ClosureRows::norm(const VecX& c) const {
   double worst = 0;
-  for (std::size_t row = 0; row < fronts_.sources.size(); ++row) {
-    const double x = length_per_unit(fronts_.sources[row].kind, length_) * std::abs(c[static_cast<Eigen::Index>(row)]);
+  for (Eigen::Index row = 0; row < c.size(); ++row) {
+    const double x = length_per_unit(fronts_.sources[row].kind, length_) * std::abs(c[row]);
     worst = x > worst || std::isnan(x) ? x : worst;
   }
   return worst;
@@ -67,23 +67,21 @@ double ClosureRows::norm(const VecX& c) const {
 
 bool ClosureRows::is_met(bool corrected) {
   std::array<double, 3> largest{};
-  for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {
-    const auto row = static_cast<Eigen::Index>(j);
+  for (Eigen::Index row = 0; row < r_.size(); ++row) {
     // What lambda alone would cause, and what other rows balance: its rounding is left where nothing moves. Between heavy
     // bodies light ones have more of it than of motion, until they are corrected.
     if (corrected || !differ_in_mass_)
       size_[row] = std::max(size_[row], kScaleFloor * scale_[row] * std::abs(lambda_[row]));
-    double& most = largest[static_cast<std::size_t>(fronts_.sources[j].kind)];
+    double& most = largest[static_cast<std::size_t>(fronts_.sources[row].kind)];
     most = std::max(most, size_[row]);
   }
   worst_ = 0, worst_row_ = -1, regular_met_ = true;
-  for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {
-    const auto row = static_cast<Eigen::Index>(j);
-    const double least = residual_floor(largest[static_cast<std::size_t>(fronts_.sources[j].kind)]);
+  for (Eigen::Index row = 0; row < r_.size(); ++row) {
+    const double least = residual_floor(largest[static_cast<std::size_t>(fronts_.sources[row].kind)]);
     const double x = r_[row] == 0 ? 0.0 : std::abs(r_[row]) / std::max(size_[row], least);
     if (!(x <= kRowTolerance) && !(d_[row] <= kRedundantPivot * kClosureProximal * scale_[row])) regular_met_ = false;
     if (worst_row_ >= 0 && (x <= worst_ || std::isnan(worst_))) continue;
-    worst_ = x, worst_row_ = static_cast<int>(j);
+    worst_ = x, worst_row_ = static_cast<int>(row);
   }
   return worst_ <= kRowTolerance;
 }
@@ -95,16 +93,13 @@ bool ClosureRows::is_left_by_redundant_rows(double before) const {
 
 void ClosureRows::complete(SolveReport& report) {
   const auto each = [&](auto&& row) {
-    for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {
-      const auto at = static_cast<Eigen::Index>(j);
-      row(d_[at], diagonal_[at], static_cast<std::size_t>(fronts_.sources[j].kind));
-    }
+    for (Eigen::Index j = 0; j < d_.size(); ++j)
+      row(d_[j], diagonal_[j], static_cast<std::size_t>(fronts_.sources[j].kind));
   };
   watch_.see(redundant_, each, [&] {
     PivotFloors floors;
     floors.arm2 = arm2_;
-    for (std::size_t j = 0; j < fronts_.sources.size(); ++j)
-      floors.add(fronts_.sources[j].kind, kClosureProximal * scale_[static_cast<Eigen::Index>(j)]);
+    for (Eigen::Index j = 0; j < scale_.size(); ++j) floors.add(fronts_.sources[j].kind, kClosureProximal * scale_[j]);
     return floors.by_kind();
   });
   report.residual = worst_, report.worst_row = worst_row_;

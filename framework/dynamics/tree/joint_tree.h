@@ -74,6 +74,10 @@ struct alignas(64) TreeNode {
   Quat near_q, far_q;                      ///< axes of near and far
 
   const Vec3& slide(int k) const { return axes->slide[k]; }
+  std::span<const double> own_states(const VecX& s) const {  ///< those of its laws
+    if (n_s == 0) return {};
+    return {s.data() + first_s, static_cast<std::size_t>(n_s)};
+  }
   bool has_laws() const { return imposed || moving; }
   int n_v() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 3); }
   int n_q() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 4); }

@@ -8,9 +8,7 @@ namespace lockstep {
 
 JointLaws joint_laws_at(const TreeNode& n, double t, const VecX& s) {
   JointLaws now;
-  const std::span<const double> own =
-      n.n_s > 0 ? std::span<const double>(s.data() + n.first_s, static_cast<std::size_t>(n.n_s))
-                : std::span<const double>();
+  const std::span<const double> own = n.own_states(s);
   named(*n.lock, t, [&] {
     now.near = n.moving->near.at(t), now.far = n.moving->far.at(t);
     if (n.imposed) now.x = n.imposed->translation(t, own), now.D = n.imposed->rotation(t, own);

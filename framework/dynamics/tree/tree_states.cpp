@@ -41,9 +41,7 @@ LOCKSTEP_FLAT_CLONES void JointTree::carry_all(const State& y, std::span<Motion>
 }
 
 void laws_at(const TreeNode& n, double t, const VecX& s, Imposed& now) {
-  const std::span<const double> own =
-      n.n_s > 0 ? std::span<const double>(s.data() + n.first_s, static_cast<std::size_t>(n.n_s))
-                : std::span<const double>();
+  const std::span<const double> own = n.own_states(s);
   ImposedTranslation x;
   ImposedRotation D;
   named(*n.lock, t, [&] { x = n.imposed->translation(t, own), D = n.imposed->rotation(t, own); });

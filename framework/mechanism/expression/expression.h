@@ -126,9 +126,9 @@ class LOCKSTEP_API Expression {
 /// The names that a formula reads, each once; "rod.to" is one of them, "A" is that of "A.x".
 LOCKSTEP_API std::vector<std::string> names_in(const Expression&);
 
-/// Whether it may name a parameter: a letter or '_', then letters, digits and '_'; no function or constant.
-/// Otherwise `problem` is the reason.
-LOCKSTEP_API bool is_name(std::string_view word, std::string& problem);
+/// Why it may not name a parameter, which is a letter or '_', then letters, digits and '_', and no function or constant;
+/// "" if it may.
+LOCKSTEP_API std::string name_fault(std::string_view word);
 
 /// Whether it is true or false.
 constexpr bool is_condition(Operation o) { return o >= Operation::negation && o <= Operation::disjunction; }

@@ -173,8 +173,8 @@ std::vector<Constant> read_constants(const Value& object, const std::string& own
     lockstep::refuse(object.where, owner, "expected an object of named numbers, got " + shown(object));
   for (const Value::Member& m : *object.object()) {
     const std::string place = part_of(owner, m.key);
-    std::string problem;
-    if (!is_name(m.key, problem)) lockstep::refuse(m.where, place, "\"" + m.key + "\" is not a valid name: " + problem);
+    if (const std::string fault = name_fault(m.key); !fault.empty())
+      lockstep::refuse(m.where, place, "\"" + m.key + "\" is not a valid name: " + fault);
     Constant c;
     c.name = m.key, c.is_vector = m.value.list() != nullptr;
     if (c.is_vector) {

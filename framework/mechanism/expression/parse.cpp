@@ -394,12 +394,10 @@ std::vector<std::string> names_in(const Expression& e) {
   return names;
 }
 
-bool is_name(std::string_view word, std::string& problem) {
-  problem.clear();
+std::string name_fault(std::string_view word) {
+  if (signature(word) != nullptr || word == "pi") return "it is a function or constant of formulas";
   const bool plain = !word.empty() && begins_name(word.front()) && end_of_name(word, 0) == word.size();
-  if (!plain) problem = "a name has letters, digits and '_', and does not begin with a digit";
-  if (signature(word) != nullptr || word == "pi") problem = "it is a function or constant of formulas";
-  return problem.empty();
+  return plain ? "" : "a name has letters, digits and '_', and does not begin with a digit";
 }
 
 const Signature& signature_of(Function f) { return kFunctions[static_cast<std::size_t>(f)]; }

@@ -253,11 +253,6 @@ class Evaluation {
   }
 
   // -- functions
-  std::vector<Amount> arguments(const Node& n) const {
-    std::vector<Amount> all;
-    for (const int k : n.children) all.push_back(of(k));
-    return all;
-  }
   [[noreturn]] void refuse_argument(const Node& n, const Amount& q, const char* expected) const {
     refuse(n,
            std::string(signature_of(n.function).name) + " of " + article_name_of(q) + "; " + expected + " is expected");
@@ -275,7 +270,8 @@ class Evaluation {
   }
 
   Amount call(const Node& n) const {
-    std::vector<Amount> a = arguments(n);
+    std::vector<Amount> a;
+    for (const int k : n.children) a.push_back(of(k));
     Amount q = Amount::number(0);
     for (const Amount& x : a) q.measured = q.measured || x.measured, q.with_unit = q.with_unit || x.with_unit;
     const Signature& f = signature_of(n.function);

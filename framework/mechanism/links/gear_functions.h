@@ -2,6 +2,7 @@
 // Functions of gears, belts and racks.
 #pragma once
 
+#include <array>
 #include <string>
 #include <utility>
 
@@ -25,34 +26,23 @@ struct FromStart final : PhiHooks, F {
   }
 };
 
-/// (7.4) f = a theta1 + b theta2, theta being the turn of a pair about z of its S, rad.
-struct TwoTurns {
-  double a,  ///< factor of theta1
-      b;     ///< factor of theta2
+/// (7.4) f = a theta1 + b theta2 + ..., theta being the turn of a pair about z of its S, rad.
+template <std::size_t n>
+struct SumOfTurns {
+  std::array<double, n> factors;  ///< a, b, ...
   static constexpr PhiSpec spec{
-      .pairs = 2, .reads = Reads::rotation, .counts_turns = true, .stays_in_plane = true, .names = {"teeth"}};
+      .pairs = n, .reads = Reads::rotation, .counts_turns = true, .stays_in_plane = true, .names = {"teeth"}};
   /// f.
-  template <class T>
-  T operator()(const LockCoords<T>& y1, const LockCoords<T>& y2) const {
-    return a * y1.rest_z() + b * y2.rest_z() + kTwoPi * (a * y1.turns + b * y2.turns);
+  template <class... Y>
+  auto operator()(const Y&... y) const {
+    return [&]<std::size_t... k>(std::index_sequence<k...>) {
+      return (... + (factors[k] * y.rest_z())) + kTwoPi * (... + (factors[k] * y.turns));
+    }
+    (std::index_sequence_for<Y...>{});
   }
 };
-using TurnsOfTwo = FromStart<TwoTurns>;
-
-/// f = a theta1 + b theta2 + c theta3, theta being the turn of a pair about z of its S, rad.
-struct ThreeTurns {
-  double a,  ///< factor of theta1
-      b,     ///< factor of theta2
-      c;     ///< factor of theta3
-  static constexpr PhiSpec spec{
-      .pairs = 3, .reads = Reads::rotation, .counts_turns = true, .stays_in_plane = true, .names = {"teeth"}};
-  /// f.
-  template <class T>
-  T operator()(const LockCoords<T>& y1, const LockCoords<T>& y2, const LockCoords<T>& y3) const {
-    return a * y1.rest_z() + b * y2.rest_z() + c * y3.rest_z() + kTwoPi * (a * y1.turns + b * y2.turns + c * y3.turns);
-  }
-};
-using TurnsOfThree = FromStart<ThreeTurns>;
+using TurnsOfTwo = FromStart<SumOfTurns<2>>;
+using TurnsOfThree = FromStart<SumOfTurns<3>>;
 
 /// (7.4) f = x + radius theta, m: the pinion's centre along x of S, its turn about z. The multiplier is the force at the
 /// teeth along the rack, N.

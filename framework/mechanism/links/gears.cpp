@@ -43,16 +43,12 @@ std::unique_ptr<Lock> Gear::make(const Attachment& attachment, const Params& p) 
   const bool teeth = p.has("teeth_1") || p.has("teeth_2");
   if (teeth && p.has("ratio")) p.refuse("ratio", "the teeth are given as well; remove one of the two");
   if (!teeth && !p.has("ratio")) p.refuse("ratio", "is missing; give it, or \"teeth_1\" and \"teeth_2\"");
-  double ratio = 0;
-  if (teeth) {
+  if (teeth)
     for (const char* key : {"teeth_1", "teeth_2"}) {
       if (!p.has(key)) p.refuse(key, "is missing; a gear ratio needs the teeth of both");
       if (p.integer(key) < 1) p.refuse(key, "is " + std::to_string(p.integer(key)) + "; a gear has at least one");
     }
-    ratio = double(p.integer("teeth_2")) / p.integer("teeth_1");
-  } else {
-    ratio = p.number("ratio");
-  }
+  const double ratio = teeth ? double(p.integer("teeth_2")) / p.integer("teeth_1") : p.number("ratio");
   return std::make_unique<Gear>(attachment, ratio, mesh_of(p.text("mesh")));
 }
 

@@ -18,9 +18,7 @@ struct Axes {
 
 Axes axes_of(const std::string& name) {
   const std::string s = angle_sequence(name);
-  bool good = s.size() == 3;
-  for (const char c : s) good = good && c >= 'x' && c <= 'z';
-  if (!good || s[0] == s[1] || s[1] == s[2])
+  if (s.size() != 3 || s.find_first_not_of("xyz") != std::string::npos || s[0] == s[1] || s[1] == s[2])
     throw ModelError("angle sequence \"" + name +
                      "\": expected three letters of x, y, z without two equal neighbours, or \"cardan\" (xyz), "
                      "\"euler\" (zxz), \"hpb\" (zxy)");

@@ -2,7 +2,6 @@
 #include "framework/mechanism/params/csv_reader.h"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <string_view>
 
@@ -127,11 +126,8 @@ std::size_t CsvReader::find(const std::string& wanted) const {
       refuse("two columns are named '" + wanted + "'; give the number of the column, from 1");
     return static_cast<std::size_t>(found - columns_.begin());
   }
-  std::size_t k = 0;
-  const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), k);
-  const bool by_number = end == wanted.data() + wanted.size() && !wanted.empty();
-  if (by_number && error == std::errc{} && k >= 1 && k <= columns_.size()) return k - 1;
-  if (by_number)
+  if (const auto k = number_in<std::size_t>(wanted); k && *k >= 1 && *k <= columns_.size()) return *k - 1;
+  if (!wanted.empty() && wanted.find_first_not_of("0123456789") == std::string::npos)
     refuse("no column " + wanted + ": there " +
            (columns_.size() == 1 ? "is 1 column" : "are " + std::to_string(columns_.size()) + " columns") +
            ", counted from 1");

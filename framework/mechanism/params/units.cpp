@@ -170,16 +170,12 @@ double to_si(double x, const UnitFactor& f) {
   return f.ten >= 0 ? y * power_of_ten(f.ten) : y / power_of_ten(-f.ten);
 }
 
-// A dimension per second to a power, for which there may be no name: "a force per second".
-std::string wanted_rate(const UnitWords& w, int per_second) {
+// A dimension per second to a power has no example, since there may be no name for it: "a force per second".
+std::string wanted(const UnitWords& w, int per_second) {
+  const std::string name = std::string(w.article) + " " + w.name, in = std::string(" is expected (a number in ") + w.si;
   const std::string power = per_second == 1 ? "" : "^" + std::to_string(per_second);
-  return std::string(w.article) + " " + w.name + " per second" + power + " is expected (a number in " + w.si + "/s" +
-         power + ")";
-}
-
-std::string wanted(const UnitWords& w) {
-  return std::string(w.article) + " " + w.name + " is expected (a number in " + w.si + ", or a text such as \"" +
-         w.example + "\")";
+  return per_second > 0 ? name + " per second" + power + in + "/s" + power + ")"
+                        : name + in + ", or a text such as \"" + w.example + "\")";
 }
 
 // A number and the unit behind it.
@@ -254,7 +250,7 @@ Measured read_quantity(std::string_view text, Unit unit, int per_second) {
   if (unit != Unit::any && !(factor.dimension == dimension)) {
     std::string given = article_name_of(factor.dimension);
     if (rest.find('J') != std::string_view::npos && given == article_name_of(Unit::torque)) given = "an energy";
-    return {0, quoted + " is " + given + "; here " + (per_second > 0 ? wanted_rate(words, per_second) : wanted(words))};
+    return {0, quoted + " is " + given + "; here " + wanted(words, per_second)};
   }
   result.value = to_si(x, factor);
   if (!std::isfinite(result.value)) return {0, quoted + " is beyond the range of numbers (1e308)"};

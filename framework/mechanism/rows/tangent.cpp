@@ -46,8 +46,7 @@ void TangentSum::clear() {
 
 TangentSum::Block& TangentSum::block(int row, int column) {
   auto& list = neighbours_[row];
-  const auto at = std::lower_bound(list.begin(), list.end(), column,
-                                   [](const Neighbour& n, int wanted) { return n.column < wanted; });
+  const auto at = std::ranges::lower_bound(list, column, {}, &Neighbour::column);
   if (at != list.end() && at->column == column) return blocks_[at->block];
   const std::size_t made = blocks_.size();
   insert(row, column);
@@ -58,8 +57,7 @@ TangentSum::Block& TangentSum::block(int row, int column) {
 
 void TangentSum::insert(int row, int column) {
   auto& list = neighbours_[row];
-  const auto at = std::lower_bound(list.begin(), list.end(), column,
-                                   [](const Neighbour& n, int wanted) { return n.column < wanted; });
+  const auto at = std::ranges::lower_bound(list, column, {}, &Neighbour::column);
   list.insert(at, {column, blocks_.size()});
   pairs_.push_back({row, column});
   blocks_.emplace_back();

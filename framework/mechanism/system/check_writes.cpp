@@ -99,11 +99,6 @@ void check_links(Group links, const RowShape& shape, const Inputs& in, bool in_p
     }
 }
 
-void check_group(Group links, const RowShape& shape, const Inputs& in, bool in_plane) {
-  for (std::size_t first = 0; first < links.size(); first += kAtOnce)
-    check_links(links.subspan(first, std::min(kAtOnce, links.size() - first)), shape, in, in_plane);
-}
-
 template <class T>
 void check_numbers(const T& thing, const char* what, int n, bool all,
                    const std::function<void(std::span<double>)>& act) {
@@ -192,7 +187,8 @@ void check_writes(const System& system) {
     const Lock& first = *links.front();
     const bool in_space = run.in_parts || (e.plane && !run.in_plane);
     const RowShape shape = in_space ? first.shape() : e.shape();
-    check_group(links, shape, in, run.in_plane);
+    for (std::size_t k = 0; k < links.size(); k += kAtOnce)
+      check_links(Group(links).subspan(k, std::min(kAtOnce, links.size() - k)), shape, in, run.in_plane);
     for (const Lock* link : links) check_spans(*link, in);
   }
   for (const auto& force : system.forces())

@@ -53,7 +53,7 @@ namespace {
 
 using Refusal = std::optional<ModelError>;  // empty: all lies in the plane
 
-const char* axis_name(Plane plane) { return plane.n == 0 ? "x" : plane.n == 1 ? "y" : "z"; }
+char axis_name(Plane plane) { return "xyz"[plane.n]; }
 
 // `advice`: besides leaving the plane.
 Refusal leaves(Plane plane, Thing thing, const std::string& what, const std::string& advice = {}) {

@@ -72,6 +72,12 @@ void by_caller(Act&& act) {
 
 }  // namespace
 
+Dynamics RunTask::dynamics_of(System& system) const {
+  DynamicsOptions how;
+  how.stabilization = options.stabilization, how.formulation = Formulation::joint;
+  return Dynamics(system, std::make_unique<SchurSolver>(), how);
+}
+
 void RunTask::tell(int copy, std::size_t time, const State& state) const {
   by_caller([&] { output(copy, time, state); });
 }
@@ -140,9 +146,7 @@ class Follower final : public Observer {
 void run_alone(System& system, int copy, State state, std::size_t next, double start_limit, const RunTask& task,
                CopyReport& report) try {
   report.alone = true, report.t = state.t;
-  DynamicsOptions how;
-  how.stabilization = task.options.stabilization, how.formulation = Formulation::joint;
-  Dynamics dynamics(system, std::make_unique<SchurSolver>(), how);
+  Dynamics dynamics = task.dynamics_of(system);
   StepLoopOptions options;
   options.step = task.scheme.error ? task.options.max_step : task.options.step;
   options.tolerance = task.options.tolerance, options.start_limit = start_limit;

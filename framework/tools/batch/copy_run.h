@@ -52,6 +52,8 @@ struct RunTask {
   const Copies::Step& step;
   const Copies::GoOn& go_on;
 
+  /// Of a copy by itself, in joint coordinates.
+  Dynamics dynamics_of(System&) const;
   /// What the caller's own functions throw leaves the run as CallerThrew, which is no failure of a copy.
   void tell(int copy, std::size_t time, const State&) const;
   void tell_step(int copy, const State&, bool jumped) const;

@@ -41,19 +41,14 @@ struct LinkRows {
 
   LOCKSTEP_LANE void write() const {
     if (node.row[0] < 3) translations();
-    switch (node.turn) {
-      case Turn::parallel: {
-        const auto aligned = kernel::Marker{vec::None{}, vec::Identity{}, vec::NoTurn{}};
-        return rotations(aligned, aligned, kernel::NoTurn{});
-      }
-      case Turn::plain:
-        return rotations(P(), S(), kernel::NoTurn{});
-      case Turn::law:
-        return rotations(
-            P(), S(), kernel::Turn{load4(laws, law::q), load9(laws, law::A), load3(laws, law::w), load3(laws, law::a)});
-      default:
-        return;
-    }
+    const auto aligned = kernel::Marker{vec::None{}, vec::Identity{}, vec::NoTurn{}};
+    if (node.turn == Turn::parallel)
+      rotations(aligned, aligned, kernel::NoTurn{});
+    else if (node.turn == Turn::plain)
+      rotations(P(), S(), kernel::NoTurn{});
+    else if (node.turn == Turn::law)
+      rotations(P(), S(),
+                kernel::Turn{load4(laws, law::q), load9(laws, law::A), load3(laws, law::w), load3(laws, law::a)});
   }
 
  private:

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/consistency.h"
 
@@ -20,7 +19,7 @@ void LaneRun::begin(std::span<const State> starts) {
     lanes_[l].going = used;
     try {
       if (used) {
-        Dynamics dynamics = dynamics_of(l);
+        Dynamics dynamics = task_.dynamics_of(batch_.system(l));
         check_start(dynamics, starts[l], StepLoopOptions().start_limit);
       }
       batch_.to_batch(l, starts_[l]);
@@ -59,15 +58,8 @@ void LaneRun::read(int lane, const double* y, double t, State& out) const {
   out.coordinates = starts_[lane].coordinates;
 }
 
-Dynamics LaneRun::dynamics_of(int lane) const {
-  DynamicsOptions options;
-  options.stabilization = task_.options.stabilization;
-  options.formulation = Formulation::joint;
-  return Dynamics(batch_.system(lane), std::make_unique<SchurSolver>(), options);
-}
-
 double LaneRun::first_step(int lane, const State& start) const {
-  Dynamics dynamics = dynamics_of(lane);
+  Dynamics dynamics = task_.dynamics_of(batch_.system(lane));
   ErrorNorm norm;
   norm.set(task_.options.tolerance);
   norm.set_states(static_cast<int>(batch_.n_controlled()));
@@ -89,7 +81,7 @@ double LaneRun::first_step(int lane, const State& start) const {
 // A copy whose rows are redundant on the constraints only leaves the lanes at once.
 void LaneRun::find_redundancy(int lane, const State& start) {
   Lane& the = lanes_[lane];
-  Dynamics dynamics = dynamics_of(lane);
+  Dynamics dynamics = task_.dynamics_of(batch_.system(lane));
   State own = start;
   batch_.to_slots(lane, own);
   dynamics.to_formulation(own);
@@ -98,23 +90,20 @@ void LaneRun::find_redundancy(int lane, const State& start) {
   the.near_below = near_singular_below(found.regular);
 }
 
+// The state of a copy as callers see it.
+void LaneRun::see(int lane) {
+  told_ = state_;
+  read(lane, y_.data(), t_[lane], told_);
+  batch_.to_slots(lane, told_);
+}
+
 // Ends a step at the schedule's next instant.
 void LaneRun::arrive(int lane) {
   Lane& the = lanes_[lane];
   const double before = t_[lane];
   bool output = false;
   t_[lane] = reports_[lane].t = the.schedule.arrive(output);
-  told_ = state_;
-  try {
-    if (output) {
-      read(lane, y_.data(), t_[lane], told_);
-      batch_.to_slots(lane, told_);
-    } else {
-      cross_jump(lane, before);
-    }
-  } catch (const Error& error) {  // a law
-    return fail(lane, error);
-  }
+  if (!survives(lane, [&] { output ? see(lane) : cross_jump(lane, before); })) return;
   if (output)
     task_.tell(batch_.first() + lane, the.schedule.next() - 1, told_);
   else
@@ -125,15 +114,7 @@ void LaneRun::arrive(int lane) {
 
 // To callers that follow every step.
 void LaneRun::tell_step(int lane, bool jumped) {
-  if (!task_.step) return;
-  told_ = state_;
-  try {
-    read(lane, y_.data(), t_[lane], told_);
-    batch_.to_slots(lane, told_);
-  } catch (const Error& error) {  // a law
-    return fail(lane, error);
-  }
-  task_.tell_step(batch_.first() + lane, told_, jumped);
+  if (task_.step && survives(lane, [&] { see(lane); })) task_.tell_step(batch_.first() + lane, told_, jumped);
 }
 
 // Takes a copy from t, on the near side of the jump of a law, to its instant.
@@ -141,7 +122,7 @@ void LaneRun::cross_jump(int lane, double t) {
   State state = state_;
   read(lane, y_.data(), t, state);
   batch_.to_slots(lane, state);
-  Dynamics dynamics = dynamics_of(lane);
+  Dynamics dynamics = task_.dynamics_of(batch_.system(lane));
   pass_jump(dynamics, state, t_[lane]);
   batch_.remember(lane, state.z);
   batch_.to_batch(lane, state);
@@ -178,13 +159,12 @@ void LaneRun::accept(int lane, double error) {
     the.advised = the.rejected ? next : advised_after(the.asked, h_[lane], h_[lane], next);
   }
   the.rejected = false;
-  try {
+  const auto end = [&] {
     update_memory(lane);
     if (!the.schedule.done() && t_[lane] < the.schedule.end())
       check_length(the.last, task_, the.schedule.end(), t_[lane], reports_[lane].steps);
-  } catch (const Error& failure) {
-    return fail(lane, failure);
-  }
+  };
+  if (!survives(lane, end)) return;
   tell_step(lane, false);
   if (the.going && the.lands) arrive(lane);
 }
@@ -211,11 +191,7 @@ void LaneRun::leave(int lane) {
   State state = state_;
   read(lane, y_.data(), t_[lane], state);
   park(lane);
-  try {
-    batch_.to_slots(lane, state);
-  } catch (const Error& error) {
-    return fail(lane, error);
-  }
+  if (!survives(lane, [&] { batch_.to_slots(lane, state); })) return;
   // Without projection its drift is as large as its errors.
   const bool projects = task_.options.stabilization.kind == Stabilization::Kind::project;
   const double limit = projects ? StepLoopOptions().start_limit : HUGE_VAL;

@@ -66,10 +66,10 @@ class LaneRun {
  private:
   void begin(std::span<const State> starts);
   void read(int lane, const double* y, double t, State& out) const;
-  Dynamics dynamics_of(int lane) const;
   double first_step(int lane, const State&) const;
   void find_redundancy(int lane, const State&);
   void cross_jump(int lane, double t);
+  void see(int lane);
   void arrive(int lane);
   void tell_step(int lane, bool jumped);
   bool goes_on();
@@ -83,6 +83,16 @@ class LaneRun {
   void reject(int lane, double factor);
   void leave(int lane);
   void fail(int lane, const Error&);
+  // act(), which calls laws; false, and the copy has failed, if one of them throws.
+  template <class Act>
+  bool survives(int lane, Act&& act) {
+    try {
+      act();
+      return true;
+    } catch (const Error& error) {
+      return fail(lane, error), false;
+    }
+  }
   void park(int lane);
   void see_pivots(bool first);
   bool near_singular(int lane);

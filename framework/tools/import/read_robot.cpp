@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
@@ -271,13 +273,23 @@ class Reader {
     std::vector<std::size_t> order = roots();
     for (std::size_t next = 0; next < order.size(); ++next)
       for (const std::size_t k : joints_below[order[next]]) order.push_back(robot_.joints[k].child);
-    if (order.size() != robot_.parts.size()) fail_circle(order);
+    for (std::size_t k = 0; order.size() < robot_.parts.size(); ++k)
+      if (std::ranges::find(order, k) == order.end())
+        fail("the joints above link '" + robot_.parts[k].name + "' form a closed loop, and URDF needs a tree");
     std::vector<std::size_t> place_of(robot_.parts.size());
     std::vector<Part> sorted;
     for (const std::size_t k : order) place_of[k] = sorted.size(), sorted.push_back(std::move(robot_.parts[k]));
     robot_.parts = std::move(sorted);
     for (Joint& joint : robot_.joints) joint.parent = place_of[joint.parent], joint.child = place_of[joint.child];
-    for (std::size_t k = 0; k < robot_.parts.size(); ++k) place(k);
+    for (std::size_t k = 0; k < robot_.parts.size(); ++k) {
+      Part& part = robot_.parts[k];
+      part.group = k;
+      if (part.joint == kNone) continue;
+      const Joint& joint = robot_.joints[part.joint];
+      const Part& parent = robot_.parts[joint.parent];
+      part.place = parent.place * joint.origin;
+      if (joint.type == "fixed") part.group = parent.group;
+    }
   }
   std::size_t part_of(const std::string& name, const Joint& joint) const {
     const auto found = parts_.find(name);
@@ -292,20 +304,6 @@ class Reader {
     if (all.empty()) fail("its joints form a closed loop, and URDF needs a tree; every link is the child of a joint");
     if (all.size() > 1) fail("it has several root links, and URDF needs one: " + text::join(names));
     return all;
-  }
-  [[noreturn]] void fail_circle(const std::vector<std::size_t>& reached) const {
-    std::size_t k = 0;
-    while (std::ranges::find(reached, k) != reached.end()) ++k;
-    fail("the joints above link '" + robot_.parts[k].name + "' form a closed loop, and URDF needs a tree");
-  }
-  void place(std::size_t k) {
-    Part& part = robot_.parts[k];
-    part.group = k;
-    if (part.joint == kNone) return;
-    const Joint& joint = robot_.joints[part.joint];
-    const Part& parent = robot_.parts[joint.parent];
-    part.place = parent.place * joint.origin;
-    if (joint.type == "fixed") part.group = parent.group;
   }
 
   Robot robot_;

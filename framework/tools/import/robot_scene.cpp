@@ -60,15 +60,14 @@ class Writer {
 
   // The body of each link: links that fixed joints connect are one body.
   void name_bodies() {
-    std::map<std::size_t, std::string> heavy;  // the first with a mass, of each group
     for (Part& part : robot_.parts) {
       if (part.mass <= 0) continue;
       part.body = unique(part.name);
-      heavy.emplace(part.group, part.body);
+      heavy_.emplace(part.group, part.body);
     }
     for (Part& part : robot_.parts) {
       if (!part.body.empty()) continue;
-      if (const auto found = heavy.find(part.group); found != heavy.end())
+      if (const auto found = heavy_.find(part.group); found != heavy_.end())
         part.body = found->second;
       else if (is_held(part))
         part.body = "ground";
@@ -147,15 +146,12 @@ class Writer {
 
   // Bodies of one group are bolted to the first of it.
   void bolt(Value::List& links) {
-    std::map<std::size_t, std::string> first;
     for (const Part& part : robot_.parts) {
-      if (part.mass <= 0 || is_held(part)) continue;
-      const auto [at, is_first] = first.emplace(part.group, part.body);
-      if (is_first) continue;
+      if (part.mass <= 0 || is_held(part) || part.body == heavy_[part.group]) continue;
       links.push_back(Value::object({{"name", unique(part.body + "_bolted")},
                                      {"type", "fixed"},
                                      {"p", part.body},
-                                     {"s", at->second},
+                                     {"s", heavy_[part.group]},
                                      {"at", vec(part.place.x)}}));
     }
   }
@@ -190,6 +186,7 @@ class Writer {
   Robot& robot_;
   bool floating_;
   const FindMesh& find_mesh_;
+  std::map<std::size_t, std::string> heavy_;   // the first body of each group
   std::map<const Part*, Value::List> shapes_;  // by the link that shows them
   std::set<std::string> names_{"ground"};
 };

@@ -61,7 +61,6 @@ double EnergyTerms::potential(const Sample& s) {
   double sum = 0;
   for (int k = 0; k < s.system().n_slots(); ++k)
     add_energy(s, k, "potential", -s.system().slot(k).mass * s.system().gravity().dot(s.inputs().slot(k).x), sum);
-  if (s.system().forces().empty()) return sum;
   for (const auto& f : s.system().forces())
     if (f->acts(s.inputs()))
       sum += must_be_number(s.system(), *f, "potential()",

@@ -62,9 +62,9 @@ Json pitch_circles(const Gear& gear) {
   const Pose first = home(pairs[0].first), second = home(pairs[1].first);
   const Vec3 axis = rotation(first.q).col(2), across = second.x - first.x;
   if (std::abs(std::abs(axis.dot(rotation(second.q).col(2))) - 1) > 1e-6) return Json::array();
-  const auto& turns = phi_of<TurnsOfTwo>(gear.function());
-  const double distance = (across - across.dot(axis) * axis).norm(), ratio = std::abs(turns.b / turns.a);
-  const bool internal = turns.a * turns.b < 0;
+  const auto& [a, b] = phi_of<TurnsOfTwo>(gear.function()).factors;
+  const double distance = (across - across.dot(axis) * axis).norm(), ratio = std::abs(b / a);
+  const bool internal = a * b < 0;
   if (!(distance > 0) || (internal && ratio == 1)) return Json::array();
   const double radius = internal ? distance / std::abs(ratio - 1) : distance / (1 + ratio);
   return Json::array({circle(0, "p", radius), circle(1, "p", radius * ratio)});
@@ -87,10 +87,9 @@ Json drawing_of(const Lock& link, std::pair<double, double> path_range) {
   else if (const auto* gear = dynamic_cast<const Gear*>(&link))
     json["curves"] = pitch_circles(*gear);
   else if (const auto* belt = dynamic_cast<const Belt*>(&link)) {
-    const auto& turns = phi_of<TurnsOfTwo>(belt->function());
-    const double a = std::abs(turns.a), b = std::abs(turns.b);
-    json["curves"] = Json::array({circle(0, "p", a), circle(1, "p", b)});
-    json["belt"] = {{"radii", {a, b}}, {"crossed", turns.a * turns.b > 0}};
+    const auto& [a, b] = phi_of<TurnsOfTwo>(belt->function()).factors;
+    json["curves"] = Json::array({circle(0, "p", std::abs(a)), circle(1, "p", std::abs(b))});
+    json["belt"] = {{"radii", {std::abs(a), std::abs(b)}}, {"crossed", a * b > 0}};
   } else if (const auto* rolling = dynamic_cast<const RollingRack*>(&link)) {
     const double radius = phi_of<RollingPinion>(rolling->function()).radius;
     json["curves"] = Json::array({circle(0, "p", std::abs(radius))});

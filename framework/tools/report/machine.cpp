@@ -19,9 +19,8 @@ namespace {
 std::string processor_name() {
   std::ifstream in("/proc/cpuinfo");
   for (std::string line; std::getline(in, line);) {
-    constexpr std::string_view kKey = "model name";
     const std::size_t colon = line.find(':');
-    if (line.starts_with(kKey) && colon != std::string::npos)
+    if (line.starts_with("model name") && colon != std::string::npos)
       return std::string(text::trimmed(std::string_view(line).substr(colon + 1)));
   }
   return "";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/report/page.h"
 
+#include <boost/algorithm/string/replace.hpp>
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
@@ -21,14 +22,6 @@ void put(std::string& page, std::string_view mark, const std::string& value) {
   page.replace(at, mark.size(), value);
 }
 
-// With `words` in place of each character c.
-std::string without(char c, std::string_view words, const std::string& text) {
-  std::string out;
-  out.reserve(text.size());
-  for (const char& own : text) out += own == c ? words : std::string_view(&own, 1);
-  return out;
-}
-
 }  // namespace
 
 // From the end, so that no mark is found in what was put in. In JSON only texts hold "<".
@@ -36,8 +29,8 @@ std::string page_with(const std::string& title, const std::string& json, const s
   std::string page;
   for (const std::string_view piece : page_pieces()) page += piece;
   put(page, "@lockstep-numbers@", numbers);
-  put(page, "@lockstep-json@", without('<', "\\u003c", json));
-  put(page, "@lockstep-title@", without('<', "&lt;", without('&', "&amp;", title)));
+  put(page, "@lockstep-json@", boost::replace_all_copy(json, "<", "\\u003c"));
+  put(page, "@lockstep-title@", boost::replace_all_copy(boost::replace_all_copy(title, "&", "&amp;"), "<", "&lt;"));
   return page;
 }
 

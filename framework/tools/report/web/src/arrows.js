@@ -56,10 +56,9 @@ function largest(motion, loads) {
 
 export class Arrows {
   constructor(data, motion, world, frame, unit) {
-    this.unit = unit;
+    Object.assign(this, { world, unit });
     this.length = 0.24 * frame.size;
     this.loads = data.mechanism.loads;
-    this.world = world;
     this.factor = 1;
     this.shown = { force: true, reaction: false };
     this.most = largest(motion, this.loads);

@@ -9,9 +9,7 @@ const SLOPE = Math.tan((FIELD * Math.PI) / 360);
 
 export class Views {
   constructor(frame, canvas, onChange) {
-    this.frame = frame;
-    this.canvas = canvas;
-    this.onChange = onChange;
+    Object.assign(this, { frame, canvas, onChange });
     const near = 1e-3 * frame.size,
       far = 200 * frame.reach;
     this.perspective = new PerspectiveCamera(FIELD, 1, near, far);

@@ -34,14 +34,18 @@ export class Clock extends EventTarget {
     this.tell('time');
   }
 
+  stopAt(t) {
+    this.pause();
+    this.seek(t);
+  }
+
   // By n frames: the instants that the run recorded.
   step(n) {
-    this.pause();
     const { instants } = this;
     let k = indexAt(instants, this.t);
     if (n > 0) k = Math.min(instants.length - 1, k + n);
     else k = Math.max(0, instants[k] < this.t ? k + n + 1 : k + n);
-    this.seek(instants[k]);
+    this.stopAt(instants[k]);
   }
 
   play() {

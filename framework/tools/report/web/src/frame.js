@@ -59,7 +59,7 @@ function extent(world, motion) {
   for (const t of instants(motion, 40)) {
     world.seek(t);
     const now = new Box3();
-    for (const p of world.keyPoints()) {
+    for (const p of world.bodies.keyPoints()) {
       now.expandByPoint(point.copy(p));
       if (points.length < 20000) points.push(p.clone());
     }

@@ -93,9 +93,7 @@ export function drawnBy(u, seriesIdx, paint) {
 
 export class Plots {
   constructor(data, clock, holder) {
-    this.data = data;
-    this.clock = clock;
-    this.holder = holder;
+    Object.assign(this, { data, clock, holder });
     this.groups = groupsOf(data).map((group) => ({ ...group, log: false, hidden: new Set() }));
     this.x = data.table.columns[0].values;
     this.long = this.x.length > LONG;
@@ -227,8 +225,7 @@ export class Plots {
     plot.over.addEventListener('mousedown', (e) => (down = e.clientX));
     plot.over.addEventListener('click', (e) => {
       if (Math.abs(e.clientX - down) > 3) return;
-      this.clock.pause();
-      this.clock.seek(plot.posToVal(e.clientX - plot.over.getBoundingClientRect().left, 'x'));
+      this.clock.stopAt(plot.posToVal(e.clientX - plot.over.getBoundingClientRect().left, 'x'));
     });
     plot.over.addEventListener('mouseleave', () => this.showTime());
     return plot;

@@ -43,6 +43,10 @@ export class RunPage {
     Object.assign(this.elements.checks, { textContent: words, title: checks, className: isBad(checks) ? 'bad' : '' });
   }
 
+  get views() {
+    return this.stage?.views;
+  }
+
   // Where the browser cannot draw in space, plots and numbers are shown all the same.
   makeStage() {
     try {
@@ -91,26 +95,9 @@ export class RunPage {
   step(n) {
     this.clock.step(n);
   }
-  fit() {
-    this.stage?.views.fit();
-  }
-  look(view) {
-    this.stage?.views.look(view);
-  }
-
-  // By an eighth of a right angle; by a tenth of the picture.
-  turn(right, up) {
-    this.stage?.views.turn((right * Math.PI) / 16, (up * Math.PI) / 16);
-  }
-  pan(right, up) {
-    this.stage?.views.pan(0.1 * right, 0.1 * up);
-  }
-  zoom(factor) {
-    this.stage?.views.zoom(factor);
-  }
 
   orthographic() {
-    this.stage?.views.use(!this.stage.views.isOrthographic);
+    this.views?.use(!this.views.isOrthographic);
     this.tools.show();
   }
 
@@ -129,7 +116,7 @@ export class RunPage {
 
   follow(on) {
     this.following = on;
-    this.stage?.views.follow(on ? this.world.bodies.groups[this.selected] : null);
+    this.views?.follow(on ? this.world.bodies.groups[this.selected] : null);
     this.tools.show();
   }
 

@@ -18,8 +18,7 @@ import { theme } from './theme.js';
 
 export class Stage {
   constructor(data, world, elements) {
-    this.world = world;
-    this.elements = elements;
+    Object.assign(this, { world, elements });
     this.scene = new Scene();
     this.renderer = new WebGLRenderer({ canvas: elements.canvas, antialias: true });
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
@@ -83,11 +82,6 @@ export class Stage {
       if (object) return object.userData.body;
     }
     return -1;
-  }
-
-  picture() {
-    this.render();
-    return this.elements.canvas.toDataURL('image/png');
   }
 
   recolor() {

@@ -16,10 +16,8 @@ export class Timebar {
     first.addEventListener('click', () => clock.seek(clock.start));
     loop.addEventListener('click', () => clock.switchLoop());
     slider.max = TICKS;
-    slider.addEventListener('input', () => {
-      clock.pause();
-      clock.seek(clock.start + (slider.value / TICKS) * (clock.end - clock.start));
-    });
+    const place = () => clock.start + (slider.value / TICKS) * (clock.end - clock.start);
+    slider.addEventListener('input', () => clock.stopAt(place()));
     // Arrow keys on the slider step by frames, as everywhere on the page.
     const own = ['ArrowLeft', 'ArrowRight', 'Home', 'End'];
     slider.addEventListener('keydown', (e) => own.includes(e.key) && e.preventDefault());
@@ -37,11 +35,7 @@ export class Timebar {
       length = clock.end - clock.start;
     const marks = data.marks.slice(0, 400);
     for (const mark of marks) {
-      const go = () => {
-        clock.pause();
-        clock.seek(mark.t);
-      };
-      const element = button(undefined, go, {
+      const element = button(undefined, () => clock.stopAt(mark.t), {
         tabIndex: marks.length > 20 ? -1 : 0,
         className: mark.what.includes('impact') ? 'mark impact' : 'mark',
         title: `${mark.what} at ${number(mark.t)} s`,

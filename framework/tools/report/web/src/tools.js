@@ -14,7 +14,7 @@ export class Tools {
         object[key] = !object[key];
         this.show();
       });
-    on('fit', () => page.fit());
+    on('fit', () => page.views?.fit());
     on('parallel', () => page.orthographic());
     on('names', () => page.names());
     on('follow', () => page.follow(!page.following));
@@ -34,7 +34,7 @@ export class Tools {
       this.show();
     });
     elements.view.addEventListener('change', () => {
-      page.look(elements.view.value);
+      page.views?.look(elements.view.value);
       elements.view.value = '';
     });
   }

@@ -16,10 +16,8 @@ function trailTimes(motion, most = 3000) {
 }
 
 export class Trails {
-  constructor(data, motion, world) {
-    this.data = data;
-    this.motion = motion;
-    this.world = world;
+  constructor(motion, world) {
+    Object.assign(this, { motion, world });
     this.lines = new Map(); // by the key of a point
     this.shown = true;
   }

@@ -24,8 +24,7 @@ function unitOf(data, frame) {
 
 export class World {
   constructor(data, motion) {
-    this.data = data;
-    this.motion = motion;
+    Object.assign(this, { data, motion });
     this.root = new Group();
     this.bodies = new Bodies(data, this.root);
     this.markers = data.mechanism.markers.map((marker) => {
@@ -45,7 +44,7 @@ export class World {
     this.badges = new Badges(data, this, this.unit);
     this.switches = new Switches(data);
     this.arrows = new Arrows(data, motion, this, this.frame, this.unit);
-    this.trails = new Trails(data, motion, this);
+    this.trails = new Trails(motion, this);
     this.addTrails();
     this.active = null;
     this.seek(motion.start);
@@ -72,10 +71,6 @@ export class World {
 
   colorOf(body) {
     return this.bodies.tintOf(this.bodies.looks[body]);
-  }
-
-  keyPoints() {
-    return this.bodies.keyPoints();
   }
 
   // Poses alone.
