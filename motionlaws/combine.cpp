@@ -9,46 +9,36 @@
 namespace lockstep {
 namespace {
 
-// What sum and product have in common.
-class OfLaws : public MotionLaw {
+// The value of two of the laws.
+using Combine = LawValue (*)(const LawValue& a, const LawValue& b);
+
+class CombinedLaws final : public MotionLaw {
  public:
-  OfLaws(const char* type, std::vector<LawPtr<MotionLaw>> laws) : laws_(std::move(laws)) {
+  // `neutral`: a value that leaves those it is combined with.
+  CombinedLaws(const char* type, std::vector<LawPtr<MotionLaw>> laws, double neutral, Combine combine)
+      : laws_(std::move(laws)), neutral_(neutral), combine_(combine) {
     require(!laws_.empty(), type, "laws", "are missing; give at least one");
     for (const auto& law : laws_) require_law(type, "laws", law);
   }
-  void breakpoints(double t0, double t1, std::vector<double>& out) const final {
+  LawValue at(double t) const override {
+    LawValue r = held(neutral_);
+    for (const auto& law : laws_) r = combine_(r, law->at(t));
+    return r;
+  }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
     for (const auto& law : laws_) law->breakpoints(t0, t1, out);
   }
 
- protected:
+ private:
   std::vector<LawPtr<MotionLaw>> laws_;
+  double neutral_;
+  Combine combine_;
 };
 
-class SumLaw final : public OfLaws {
- public:
-  explicit SumLaw(std::vector<LawPtr<MotionLaw>> laws) : OfLaws("sum", std::move(laws)) {}
-  LawValue at(double t) const override {
-    LawValue r;
-    for (const auto& law : laws_) {
-      const LawValue v = law->at(t);
-      r.y += v.y, r.yd += v.yd, r.ydd += v.ydd;
-    }
-    return r;
-  }
-};
-
-class ProductLaw final : public OfLaws {
- public:
-  explicit ProductLaw(std::vector<LawPtr<MotionLaw>> laws) : OfLaws("product", std::move(laws)) {}
-  LawValue at(double t) const override {
-    LawValue r{1.0, 0.0, 0.0};
-    for (const auto& law : laws_) {
-      const LawValue v = law->at(t);
-      r = {r.y * v.y, r.yd * v.y + r.y * v.yd, r.ydd * v.y + 2.0 * r.yd * v.yd + r.y * v.ydd};
-    }
-    return r;
-  }
-};
+LawValue sum_of(const LawValue& a, const LawValue& b) { return {a.y + b.y, a.yd + b.yd, a.ydd + b.ydd}; }
+LawValue product_of(const LawValue& a, const LawValue& b) {
+  return {a.y * b.y, a.yd * b.y + a.y * b.yd, a.ydd * b.y + 2.0 * a.yd * b.yd + a.y * b.ydd};
+}
 
 // y = offset + factor law(t - delay): what scale and shift have in common.
 class MappedLaw final : public MotionLaw {
@@ -71,10 +61,10 @@ class MappedLaw final : public MotionLaw {
 }  // namespace
 
 LawPtr<MotionLaw> laws::sum(std::vector<LawPtr<MotionLaw>> laws) {
-  return std::make_shared<const SumLaw>(std::move(laws));
+  return std::make_shared<const CombinedLaws>("sum", std::move(laws), 0, sum_of);
 }
 LawPtr<MotionLaw> laws::product(std::vector<LawPtr<MotionLaw>> laws) {
-  return std::make_shared<const ProductLaw>(std::move(laws));
+  return std::make_shared<const CombinedLaws>("product", std::move(laws), 1, product_of);
 }
 LawPtr<MotionLaw> laws::scale(LawPtr<MotionLaw> law, double factor, double offset) {
   require_law("scale", "law", law);

@@ -1,27 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <lockstep/function_laws.h>
 #include <lockstep/laws.h>
 
 #include "motionlaws/law_types.h"
 
 namespace lockstep {
-namespace {
 
-class Ramp final : public MotionLaw {
- public:
-  Ramp(double slope, double t0, double y0) : slope_(slope), t0_(t0), y0_(y0) {
-    require_finite("ramp", "slope", slope);
-    require_finite("ramp", "t0", t0);
-    require_finite("ramp", "y0", y0);
-  }
-  LawValue at(double t) const override { return {y0_ + slope_ * (t - t0_), slope_, 0.0}; }
-
- private:
-  double slope_, t0_, y0_;
-};
-
-}  // namespace
-
-LawPtr<MotionLaw> laws::ramp(double slope, double t0, double y0) { return std::make_shared<const Ramp>(slope, t0, y0); }
+LawPtr<MotionLaw> laws::ramp(double slope, double t0, double y0) {
+  require_finite("ramp", "slope", slope);
+  require_finite("ramp", "t0", t0);
+  require_finite("ramp", "y0", y0);
+  return law([=](Time t) { return y0 + slope * (t - t0); });
+}
 
 void add_ramp(LawTypes& types) {
   types.laws.add({"ramp",

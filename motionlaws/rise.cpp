@@ -29,9 +29,7 @@ using RiseShape = LawValue (*)(double u);
 
 class Rise final : public MotionLaw {
  public:
-  /// `jumps`: its second derivative, at the beginning and at the end.
-  Rise(const char* law, const RiseSettings& k, RiseShape shape, bool jumps)
-      : k_(k), shape_(shape), jumps_(jumps && k.rise != 0.0) {
+  Rise(const char* law, const RiseSettings& k, RiseShape shape) : k_(k), shape_(shape) {
     require_finite(law, "rise", k.rise);
     require_positive(law, "duration", k.duration);
     require_finite(law, "t0", k.t0);
@@ -47,13 +45,12 @@ class Rise final : public MotionLaw {
   }
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
     for (const double t : {k_.t0, k_.t0 + k_.duration})
-      if (jumps_ && t0 < t && t < t1) out.push_back(t);
+      if (k_.rise != 0.0 && t0 < t && t < t1) out.push_back(t);
   }
 
  private:
   RiseSettings k_;
   RiseShape shape_;
-  bool jumps_;
 };
 
 LawValue poly345_shape(double u) {
@@ -74,13 +71,13 @@ LawValue harmonic_shape(double u) {
 }  // namespace
 
 LawPtr<MotionLaw> laws::poly345(const RiseSettings& k) {
-  return std::make_shared<const Rise>("poly345", k, poly345_shape, false);
+  return std::make_shared<const Rise>("poly345", k, poly345_shape);
 }
 LawPtr<MotionLaw> laws::cycloid(const RiseSettings& k) {
-  return std::make_shared<const Rise>("cycloid", k, cycloid_shape, false);
+  return std::make_shared<const Rise>("cycloid", k, cycloid_shape);
 }
 LawPtr<MotionLaw> laws::harmonic_rise(const RiseSettings& k) {
-  return std::make_shared<const Rise>("harmonic_rise", k, harmonic_shape, true);
+  return std::make_shared<const Rise>("harmonic_rise", k, harmonic_shape);
 }
 
 void add_rise(LawTypes& types) {

@@ -26,7 +26,6 @@ class Sequence final : public MotionLaw {
       t += piece.duration;
     }
     start_.push_back(t);
-    for (std::size_t i = 0; i < start_.size(); ++i) jump_.push_back(jumps_at(i));
   }
   LawValue at(double t) const override {
     const double early = kEarly * (start_.back() - start_.front());
@@ -40,8 +39,8 @@ class Sequence final : public MotionLaw {
     return raised(pieces_[i].law->at(own < 0 && own >= -early ? 0.0 : own), offset_[i]);
   }
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
-    for (std::size_t i = 0; i < start_.size(); ++i)
-      if (jump_[i] && t0 < start_[i] && start_[i] < t1) out.push_back(start_[i]);
+    for (std::size_t i = k_.run_on ? 1 : 0; i < start_.size() - (k_.run_on ? 1 : 0); ++i)
+      if (t0 < start_[i] && start_[i] < t1) out.push_back(start_[i]);
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const bool on_left = k_.run_on && i == 0, on_right = k_.run_on && i + 1 == pieces_.size();
       const double from = on_left ? t0 - start_[i] : std::max(t0 - start_[i], 0.0);
@@ -51,33 +50,10 @@ class Sequence final : public MotionLaw {
   }
 
  private:
-  // Compares the end of piece i - 1 with the start of piece i at T_i; beyond the ends the law is at rest.
-  bool jumps_at(std::size_t i) const {
-    const std::size_t n = pieces_.size();
-    if (k_.run_on && (i == 0 || i == n)) return false;  // a law's own jump is listed by the law
-    LawValue left, right, size;
-    const auto widen = [&](const Piece& p) {
-      const LawValue s = size_of(*p.law, 0, p.duration);
-      size = {std::max(size.y, s.y), std::max(size.yd, s.yd), std::max(size.ydd, s.ydd)};
-    };
-    if (i > 0) {
-      const Piece& p = pieces_[i - 1];
-      left = raised(left_limit(*p.law, p.duration, p.duration), offset_[i - 1]);
-      widen(p);
-    }
-    if (i < n) {
-      right = raised(pieces_[i].law->at(0), offset_[i]);
-      widen(pieces_[i]);
-    }
-    if (i == 0) left = held(right.y);
-    if (i == n) right = held(left.y);
-    return differs(left, right, size);
-  }
   std::vector<Piece> pieces_;
   SequenceSettings k_;
   std::vector<double> start_;   // T_0 .. T_n, the last one the end
   std::vector<double> offset_;  // o_0 .. o_(n-1)
-  std::vector<bool> jump_;      // at T_0 .. T_n
 };
 
 }  // namespace

@@ -6,7 +6,6 @@ namespace {
 
 using namespace lockstep;
 
-/// y, yd and ydd are continuous; only the third derivative jumps at the ends, so there are no breakpoints to report.
 class Bump final : public MotionLaw {
  public:
   Bump(double height, double at, double width) : height_(height), at_(at), width_(width) {}
@@ -17,6 +16,12 @@ class Bump final : public MotionLaw {
     const double r = 1 - u * u;
     return {height_ * r * r * r, height_ * -6 * u * r * r / width_,
             height_ * 6 * r * (5 * u * u - 1) / (width_ * width_)};
+  }
+
+  /// Its ends: without them an adaptive method may step over the whole bump, although y, yd and ydd are continuous.
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
+    for (const double end : {at_ - width_, at_ + width_})
+      if (t0 < end && end < t1) out.push_back(end);
   }
 
   static TypeInfo info() {

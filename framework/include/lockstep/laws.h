@@ -50,7 +50,8 @@ namespace laws {
 LOCKSTEP_API LawPtr<MotionLaw> ramp(double slope, double t0 = 0, double y0 = 0);
 }  // namespace laws
 
-// Laws 'poly345', 'cycloid' and 'harmonic_rise': y = y0 + h s(u), u = (t - t0)/T in [0, 1]; y0 before, y0 + h after.
+// Laws 'poly345', 'cycloid' and 'harmonic_rise': y = y0 + h s(u), u = (t - t0)/T in [0, 1]; y0 before, y0 + h after. Both
+// ends are breakpoints.
 
 /// Parameters of a rise.
 struct RiseSettings {
@@ -66,8 +67,7 @@ namespace laws {
 LOCKSTEP_API LawPtr<MotionLaw> poly345(const RiseSettings& k);
 /// s = u - sin(2 pi u)/(2 pi): the acceleration is one period of a sine; largest speed 2 h/T. Throws as poly345().
 LOCKSTEP_API LawPtr<MotionLaw> cycloid(const RiseSettings& k);
-/// s = (1 - cos(pi u))/2: the acceleration jumps by pi^2 h/(2 T^2) at both ends, which are its breakpoints. Throws as
-/// poly345().
+/// s = (1 - cos(pi u))/2: the acceleration jumps by pi^2 h/(2 T^2) at both ends. Throws as poly345().
 LOCKSTEP_API LawPtr<MotionLaw> harmonic_rise(const RiseSettings& k);
 }  // namespace laws
 

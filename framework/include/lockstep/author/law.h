@@ -24,7 +24,8 @@ class LOCKSTEP_API MotionLaw {
   virtual ~MotionLaw();
   /// Value and derivatives at time t, s. At a breakpoint, those that hold afterwards.
   virtual LawValue at(double t) const = 0;
-  /// Appends the times in (t0, t1), s, at which y, yd or ydd jumps; integrators end a step there. Default: none.
+  /// Appends the times in (t0, t1), s, at which y, yd or ydd jumps, and at which a motion or a pulse begins and ends;
+  /// integrators end a step there. Default: none.
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
   /// Whether y is known to have one value at all times. Default: false.
   virtual bool is_constant() const { return false; }
@@ -43,7 +44,7 @@ class LOCKSTEP_API TranslationLaw {
   virtual ~TranslationLaw();
   /// Translation, velocity and acceleration at time t, s. At a breakpoint, those that hold afterwards.
   virtual TranslationValue at(double t) const = 0;
-  /// Appends the times in (t0, t1), s, at which x, v or a jumps. Default: none.
+  /// Appends the times in (t0, t1), s, at which x, v or a jumps, or a motion begins or ends. Default: none.
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
   /// Whether its component along this unit vector is known to be constant at all times: a mechanism that moves in the
   /// plane with this normal stays there. Default: false, which keeps the mechanism in space.
@@ -64,7 +65,7 @@ class LOCKSTEP_API RotationLaw {
   virtual ~RotationLaw();
   /// Quaternion, angular velocity and acceleration at time t, s. At a breakpoint, those that hold afterwards.
   virtual RotationValue at(double t) const = 0;
-  /// Appends the times in (t0, t1), s, at which q, w or a jumps. Default: none.
+  /// Appends the times in (t0, t1), s, at which q, w or a jumps, or a motion begins or ends. Default: none.
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
   /// Whether it is known to rotate about this unit vector alone at all times, as in a mechanism that moves in a plane.
   /// Default: false, which keeps the mechanism in space.

@@ -17,14 +17,14 @@ class TemplateLaw final : public MotionLaw {
 
   /// y and its first and second derivative at t.
   LawValue at(double t) const override {
-    const double u = (t - start_) / time_;
-    if (u < 0) return {};
-    const double e = std::exp(-u);
+    if (t < start_) return {};  // t itself: a quotient such as u has round-off
+    const double u = (t - start_) / time_, e = std::exp(-u);
     return {rise_ * (1 - (1 + u) * e), rise_ * u * e / time_, rise_ * (1 - u) * e / (time_ * time_)};
   }
 
-  /// The times at which y, yd or ydd jumps (here ydd): integrators step onto them. Jumps of higher derivatives may be
-  /// listed as well; adaptive methods then need fewer steps.
+  /// The times at which a motion or a pulse begins and ends, and at which y, yd or ydd jumps (here ydd at the start).
+  /// Integrators step onto them; without them an adaptive method may step over a whole pulse. There at() must return
+  /// the values that hold afterwards: t < start_ above, not t <= start_.
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
     if (t0 < start_ && start_ < t1) out.push_back(start_);
   }

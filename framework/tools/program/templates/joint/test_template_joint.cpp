@@ -8,8 +8,8 @@
 int main(int argc, char** argv) try {
   using namespace lockstep;
   Registry registry = builtin_registry();
-  load_plugin(registry, argc > 1 ? argv[1] : "template_link");
-  const CheckReport report = check_lock(registry, "template_link", {{"height", 0.1}, {"length", 0.7}});
+  load_plugin(registry, argc > 1 ? argv[1] : "template_joint");
+  const CheckReport report = check_lock(registry, "template_joint", {{"height", 0.1}, {"length", 0.7}});
   std::fputs(report.text().c_str(), stdout);
   return report.ok() ? 0 : 1;
 } catch (const std::exception& error) {
