@@ -53,12 +53,15 @@ class Wrong final : public MotionLaw {
 TEST_CASE("check_law names what is wrong in a scalar law", "[unit][check]") {
   const auto report = [](Fault fault) { return check_law(Wrong(fault), {.seed = 3}, "wave"); };
   CHECK(report(Fault::none).ok());
-  CHECK(says(report(Fault::none), "law 'wave': no findings in 128 comparisons (seed 3"));
+  CHECK(report(Fault::none).notes().empty());
+  CHECK(says(check_law(*laws::constant(1)),
+             "law from t = 0 to 2 s: no findings in 128 comparisons (seed 1)\n  note: it is constant"));
+  CHECK(says(report(Fault::none), "law 'wave' from t = 0 to 2 s: no findings in 128 comparisons (seed 3"));
 
   CheckReport r = report(Fault::rate_sign);
   CAPTURE(r.text());
   CHECK_FALSE(r.ok());
-  CHECK(says(r, "law 'wave': 1 finding (seed 3)\n  yd at t = "));  // not ydd, which is right
+  CHECK(says(r, "law 'wave' from t = 0 to 2 s: 1 finding (seed 3)\n  yd at t = "));  // not ydd, which is right
   CHECK(says(r, "differences of y give"));
   CHECK(says(r, "so it has the wrong sign"));
   CHECK(says(r, "look at the formula of yd"));
@@ -76,6 +79,59 @@ TEST_CASE("check_law finds the time of an undeclared jump", "[unit][check]") {
   CAPTURE(r.text());
   REQUIRE(r.findings().size() == 1);
   CHECK(says(r, "ydd jumps by 2 at t = 0.7 s, which breakpoints() does not report"));
+}
+
+namespace {
+
+/// A rise by 1 from 0.5 s on, over at 0.7 s: at that time by round-off the earlier part. `drop`: y jumps at 1 s.
+class Rise final : public MotionLaw {
+ public:
+  Rise(bool lists, double drop) : lists_(lists), drop_(drop) {}
+  LawValue at(double t) const override {
+    if (t >= 1) return {1 - drop_, 0, 0};
+    const double u = (t - 0.5) / 0.2, v = 1 - u;
+    if (u <= 0) return {};
+    if (u >= 1) return {1, 0, 0};
+    return {u * u * u * (10 - 15 * u + 6 * u * u), 150 * u * u * v * v, 1500 * u * v * (1 - 2 * u)};
+  }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
+    for (const double t : {0.5, 0.7, 1.0})
+      if (lists_ && t0 < t && t < t1) out.push_back(t);
+  }
+
+ private:
+  bool lists_;
+  double drop_;
+};
+
+/// y jumps at 1 s, where it is listed, but at(1) is the value before.
+class Late final : public MotionLaw {
+ public:
+  LawValue at(double t) const override { return t > 1 ? LawValue{1.2, 0, 0} : LawValue{t, 1, 0}; }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
+    if (t0 < 1 && 1 < t1) out.push_back(1);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("check_law notes a motion that begins or ends without a breakpoint", "[unit][check]") {
+  const CheckReport listed = check_law(Rise(true, 0)), unlisted = check_law(Rise(false, 0));
+  CAPTURE(listed.text(), unlisted.text());
+  CHECK(listed.ok());
+  CHECK(listed.notes().empty());
+  CHECK(unlisted.ok());
+  CHECK(says(unlisted, "note: y begins to change at about t = 0.5 s, where breakpoints() has no time"));
+  CHECK(says(unlisted, "note: y ceases to change at about t = 0.7 s, where breakpoints() has no time"));
+}
+
+TEST_CASE("check_law reports a listed jump of the value, and one that at(t) makes too late", "[unit][check]") {
+  const CheckReport jump = check_law(Rise(true, 0.2)), late = check_law(Late());
+  CAPTURE(jump.text(), late.text());
+  CHECK(jump.ok());  // a force may jump
+  CHECK(says(jump, "note: y jumps by -0.2 at its breakpoint t = 1 s: it cannot drive a joint"));
+  CHECK_FALSE(late.ok());
+  CHECK(says(late, "  y jumps by 0.2 at its breakpoint t = 1 s, but at(t) returns the new value only after t"));
 }
 
 namespace {
@@ -113,7 +169,7 @@ TEST_CASE("check_law names what is wrong in laws of rotation and translation", "
   CHECK(says(check_law(WrongTurn(3)), "a[1] at t = "));
   CHECK(says(check_law(WrongTurn(3)), "so it is missing"));
   const CheckReport slide = check_law(WrongSlide(), {}, "slide");
-  CHECK(says(slide, "translation law 'slide': "));
+  CHECK(says(slide, "translation law 'slide' from t = 0 to 2 s: "));
   CHECK(says(slide, "a[2] jumps by 1 at t = 0.4 s"));
 }
 

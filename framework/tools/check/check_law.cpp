@@ -42,13 +42,21 @@ struct LawNumbers {
   }
 };
 
-// The largest of each number; empty if one is not finite.
-VecX sizes(const LawNumbers& law, const CheckOptions& options, CheckReport& report) {
-  const auto instant = [&](int i) { return options.from + (options.to - options.from) * i / kInstants; };
-  VecX size = law.all.at(options.from).cwiseAbs();
+// The largest of each number; empty if one is not finite. Notes where the law begins or ceases to be constant unlisted.
+VecX sizes(const LawNumbers& law, const std::vector<double>& listed, const CheckOptions& options, CheckReport& report) {
+  const double cell = (options.to - options.from) / kInstants;
+  const auto instant = [&](int i) { return options.from + i * cell; };
+  VecX size = law.all.at(options.from).cwiseAbs(), last;
+  bool rested = false, moves = false;
   for (int i = 0; i <= kInstants; ++i) {
     const double t = instant(i);
     const VecX f = law.all.at(t);
+    const bool rests = i > 0 && f == last;
+    if (i > 1 && rests != rested &&
+        std::ranges::none_of(listed, [&](double b) { return 2 * std::abs(b - t + cell) < 3 * cell; }))
+      report.note(fmt::format("{} {} at about t = {} s, where breakpoints() has no time: a run may step over it",
+                              law.levels[0], rests ? "ceases to change" : "begins to change", text::brief(t - cell)));
+    moves |= i > 0 && !rests, rested = rests, last = f;
     size = size.cwiseMax(f.cwiseAbs());
     for (int c = 0; c < f.size(); ++c)
       if (!std::isfinite(f[c])) {
@@ -62,13 +70,14 @@ VecX sizes(const LawNumbers& law, const CheckOptions& options, CheckReport& repo
       report.add("same", {fmt::format("returns another value at t = {} s in a second call", text::number(t)),
                           "members that change between calls: a law is a function of t alone"});
   }
+  if (!moves) report.note("it is constant during this time; give a time in which it moves by {.from = , .to = }");
   return size;
 }
 
 // First derivatives against the change of the value, second ones against the first, or against the value if the first
 // are wrong.
-void check_rates(const LawNumbers& law, const VecX& size, const CheckOptions& options, CheckReport& report) {
-  const std::vector<double> told = told_breakpoints(law.all, options, report);
+void check_rates(const LawNumbers& law, const VecX& size, const std::vector<double>& listed,
+                 const CheckOptions& options, CheckReport& report) {
   const double span = options.to - options.from;
   bool wrong = false;  // the first derivatives
   for (const int level : {1, 2}) {
@@ -77,7 +86,7 @@ void check_rates(const LawNumbers& law, const VecX& size, const CheckOptions& op
     for (int i = 0; i < 8 * options.states; ++i) {
       const double t = draw.number(options.from, options.to);
       double reach = std::min({span / 50, t - options.from, options.to - t});
-      for (const double b : told) reach = std::min(reach, 0.9 * std::abs(t - b));
+      for (const double b : listed) reach = std::min(reach, 0.9 * std::abs(t - b));
       if (reach < kSlight * span) continue;
       const Curve value = [&](double x) { return law.change(t, x); };
       const Curve rate = [&](double x) -> VecX { return law.all.at(t + x).segment(law.n_values, law.n); };
@@ -98,13 +107,35 @@ void check_rates(const LawNumbers& law, const VecX& size, const CheckOptions& op
   }
 }
 
+// At a listed jump the law has its later numbers; a value that jumps cannot drive a joint.
+void check_listed(const LawNumbers& law, const VecX& size, const std::vector<double>& listed,
+                  const CheckOptions& options, CheckReport& report) {
+  const double near = kRounding * (options.to - options.from);
+  for (const double b : listed) {
+    const auto across = [&](double x) -> VecX { return law.all.at(b + x) - law.all.at(b - x); };
+    const VecX jump = across(near), wide = across(16 * near), ahead = law.all.at(b + near) - law.all.at(b);
+    for (int c = 0; c < size.size(); ++c) {
+      if (!(std::abs(jump[c]) > std::max(kSlight * size[c], 0.5 * std::abs(wide[c])))) continue;
+      const std::string what =
+          fmt::format("{} jumps by {:.3g} at its breakpoint t = {} s", law.name(c), jump[c], text::number(b));
+      if (2 * std::abs(ahead[c]) > std::abs(jump[c]))
+        report.add("listed", {what + ", but at(t) returns the new value only after t",
+                              "its comparison: t itself with that time, t >= t1, and not (t - t0)/T >= 1"});
+      else if (c < law.n_values)
+        report.note(what + ": it cannot drive a joint");
+    }
+  }
+}
+
 template <class Law>
 CheckReport checked(const Law& law, const char* kind, const std::string& name, const CheckOptions& options,
                     const std::array<const char*, 3>& levels) {
   if (!(options.to > options.from) || !std::isfinite(options.to - options.from))
     throw ModelError(fmt::format("check_law: the end {1} s must be after the start {0} s; give a later end",
                                  options.from, options.to));
-  CheckReport report(name.empty() ? kind : fmt::format("{} '{}'", kind, name), options.seed);
+  CheckReport report(
+      fmt::format("{} from t = {} to {} s", Thing{.kind = kind, .name = name}.words(), options.from, options.to),
+      options.seed);
   LawNumbers own{levels, {}, {}, 0, 0};
   const auto at = [&](double t) {
     return in_context([&] { return ErrorContext{.thing = {.kind = kind, .name = name}, .t = t}; },
@@ -116,9 +147,11 @@ CheckReport checked(const Law& law, const char* kind, const std::string& name, c
   own.change = [&](double t, double x) { return change(at(t), at(t + x)); };
   const auto n_all = static_cast<int>(own.all.at(options.from).size());
   own.n = static_cast<int>(own.change(options.from, 0).size()), own.n_values = n_all - 2 * own.n;
-  const VecX size = sizes(own, options, report);
+  const std::vector<double> listed = listed_breakpoints(own.all, options, report);
+  const VecX size = sizes(own, listed, options, report);
   if (size.size() == 0) return report;
-  check_rates(own, size, options, report);
+  check_rates(own, size, listed, options, report);
+  check_listed(own, size, listed, options, report);
   check_jumps(own.all, options, report, 400, n_all);
   return report;
 }

@@ -12,6 +12,7 @@
 #include <lockstep/author/function_links.h>
 #include <lockstep/detail/phi_rows.h>
 #include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/check/sample_system.h"
 #include "framework/tools/check/state_check.h"
@@ -234,14 +235,13 @@ class LockCheck final : public StateCheck {
 
   // The derivatives of a function, from which all its other numbers follow.
   bool function_fits() {
-    constexpr const char* kNames[] = {"x", "y", "z", "e0", "e1", "e2", "e3", "t"};
     const PhiSpec& spec = function_->spec();
     const int first = m_ - spec.rows;
     const VecX size = is_.bottomRightCorner(spec.rows, 6 * n_).cwiseAbs().rowwise().maxCoeff();
     bool fits = true;
     for (int k = 0; k < spec.pairs; ++k)
       for (int i = spec.first(k); i < 8; i = i + 1 == spec.end(k) ? 7 : i + 1) {
-        const std::string in = kNames[i] + (spec.pairs > 1 && i < 7 ? fmt::format(" of pair {}", k + 1) : "");
+        const std::string in = coordinate(k, i);
         fits = !compare(report_,
                         {"phi " + in, phi_along(k, i, &Time::d)(0), size,
                          [&](int r) { return fmt::format("the derivative of {} in {}", row(first + r), in); },
@@ -254,14 +254,35 @@ class LockCheck final : public StateCheck {
     return fits;
   }
 
+  // Coordinate i of pair k of the function: "e1 of pair 2".
+  std::string coordinate(int k, int i) const {
+    constexpr const char* kNames[] = {"x", "y", "z", "e0", "e1", "e2", "e3", "t"};
+    return kNames[i] + (function_->spec().pairs > 1 && i < 7 ? fmt::format(" of pair {}", k + 1) : "");
+  }
+
+  std::string place(const TestState& at) const override {
+    std::vector<std::string> words;
+    for (int k = 0; function_ != nullptr && k < function_->spec().pairs; ++k) {
+      const LockCoords<Time> y = function_->along_motion(at.in(), at.z.data() + first_memory_)[k];
+      const double is[] = {y.x.v, y.y.v, y.z.v, y.e0.v, y.e1.v, y.e2.v, y.e3.v};
+      for (int i = function_->spec().first(k); i < function_->spec().end(k); ++i)
+        words.push_back(fmt::format("{} = {:.2g}{}", coordinate(k, i), std::abs(is[i]) < 1e-3 * length_ ? 0 : is[i],
+                                    i < 3 ? " m" : ""));
+    }
+    return text::join(words);
+  }
+
   void turns() override {
     for (int k = 0; k < m_; ++k)
       if (idle_[k])
-        report_.note(row(k) + " removes no degree of freedom in any state: it has no gradient, or repeats another one");
+        add(fmt::format("idle {}", k), row(k) + " removes no degree of freedom in any state",
+            "its equation: it has no gradient, or repeats another constraint");
     for (const auto& [p, s] : link_.pairs()) {
       const bool move_p = p->body->slot != kGround;
       turn_about_z((move_p ? p : s)->body->slot, *s, move_p ? 1 : -1, fmt::format("'{}'", (move_p ? p : s)->name));
     }
+    if (function_ != nullptr && report_.ok())
+      report_.note("not tested: whether the equation is the intended one, and branches that the check did not cross");
   }
 
   // dC/d(x, rotation), column by column.

@@ -70,7 +70,7 @@ std::map<int, std::vector<Jump>> find_jumps(const Curve& f, double t0, double t1
 
 }  // namespace
 
-std::vector<double> told_breakpoints(const TimedNumbers& f, const CheckOptions& options, CheckReport& report) {
+std::vector<double> listed_breakpoints(const TimedNumbers& f, const CheckOptions& options, CheckReport& report) {
   const double before = options.from - 1;
   std::vector<double> told{before};
   f.breakpoints(options.from, options.to, told);
@@ -87,7 +87,7 @@ std::vector<double> told_breakpoints(const TimedNumbers& f, const CheckOptions& 
 }
 
 void check_jumps(const TimedNumbers& f, const CheckOptions& options, CheckReport& report, int cells, int n_keys) {
-  const std::vector<double> told = told_breakpoints(f, options, report);
+  const std::vector<double> told = listed_breakpoints(f, options, report);
   for (const auto& [c, all] : find_jumps(f.at, options.from, options.to, told, cells)) {
     std::vector<std::string> instants;
     for (const Jump& j : all) instants.push_back(fmt::format("{:.9g}", j.t));

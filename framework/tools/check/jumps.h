@@ -20,7 +20,7 @@ struct TimedNumbers {
 };
 
 /// The breakpoints() between options.from and options.to, in order; reports errors in them.
-std::vector<double> told_breakpoints(const TimedNumbers&, const CheckOptions&, CheckReport&);
+std::vector<double> listed_breakpoints(const TimedNumbers&, const CheckOptions&, CheckReport&);
 /// Reports jumps outside of the breakpoints; of components that are equal modulo `n_keys`, the first that jumps.
 void check_jumps(const TimedNumbers&, const CheckOptions&, CheckReport&, int cells, int n_keys);
 

@@ -22,7 +22,8 @@ void CheckReport::add(const std::string& key, CheckFinding finding, double weigh
 }
 
 void CheckReport::note(std::string words) {
-  if (std::find(notes_.begin(), notes_.end(), words) == notes_.end()) notes_.push_back(std::move(words));
+  const auto what = [](const std::string& note) { return std::string_view(note).substr(0, note.find(" at ")); };
+  if (std::ranges::find(notes_, what(words), what) == notes_.end()) notes_.push_back(std::move(words));
 }
 
 void CheckReport::compared(double error) {

@@ -130,16 +130,16 @@ bool StateCheck::find_state(Draw& draw) {
     is_ = numbers(state_);
     if (!is_.allFinite()) continue;
     if (i > 0 && index_ > 0)
-      report_.note(
-          fmt::format("some states are closer to the start, where its constraints are finite (state {})", index_));
+      report_.note("some states were moved closer to the start, as its constraints are not finite further away");
     return true;
   }
+  const std::string known = place(state_);
   for (int k = 0; k < is_.rows(); ++k)
     for (int c = 0; c < is_.cols(); ++c) {
       if (std::isfinite(is_(k, c))) continue;
       add("finite",
-          fmt::format("{} is not finite at t = {} s{}", name(k, c), text::number(state_.t),
-                      is_link_ ? " near the start" : ""),
+          fmt::format("{} is not finite at {}t = {} s", name(k, c), known.empty() ? "" : known + ", ",
+                      text::brief(state_.t)),
           why_not_finite());
       return false;
     }
@@ -205,29 +205,59 @@ void StateCheck::jumps() {
               options_, report_, 200, n);
 }
 
-// A jump of J makes third differences of up to 2 J in steps of any size. Other causes make much smaller ones in smaller
-// steps, also if the memory, which goes along, is a little late.
+// A jump of J makes third differences of up to 2 J in steps of any size; those of a corner are in proportion to the
+// step. Other causes make much smaller ones in smaller steps, also if the memory, which goes along, is a little late.
 void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std::string& who) {
   if (slot == kGround || n_freedoms(slot) == 3) return;
   constexpr int kSteps = 600, kFiner = 64;
   constexpr double kStep = 3 * kTwoPi / kSteps;
   const TestState start = start_of(system_, options_.from);
   const MarkerInWorld S = in_world(MarkerFrame(s), start.in());
+  const auto turned = [&](Motion O, double angle) {
+    const Quat turn = axis_angle(Vec3(sense * S.A.col(2)), angle);
+    O.x = S.x + rotation(turn) * (O.x - S.x);
+    O.e = turn * O.e;
+    O.A = rotation(O.e);
+    return O;
+  };
   const auto walk = [&](TestState on, double from, double step, int n) {
     std::vector<TestState> way;
     MatX g(is_.rows() * n_turned_, n + 1);
     for (int i = 0; i <= n; ++i) {
-      const Quat turn = axis_angle(Vec3(sense * S.A.col(2)), from + i * step);
-      Motion& O = on.slot(slot);
-      O.x = S.x + rotation(turn) * (start.slot(slot).x - S.x);
-      O.e = turn * start.slot(slot).e;
-      O.A = rotation(O.e);
+      on.slot(slot) = turned(start.slot(slot), from + i * step);
       g.col(i) = numbers(on).leftCols(n_turned_).reshaped();
       way.push_back(on);
       accept_step(on);
     }
     const MatX third = g.rightCols(n - 2) - g.leftCols(n - 2) - 3 * (g.middleCols(2, n - 2) - g.middleCols(1, n - 2));
     return std::tuple(way, MatX(third.cwiseAbs()), g.cwiseAbs().maxCoeff());
+  };
+  const auto bends = [&](const VecX& a, const VecX& b) { return (b - a).norm() > 0.01 * a.norm(); };
+  // Newton's steps of the body along the surface on which the gradient of a row bends, to where the row is zero.
+  const auto reach_constraint = [&](int row, bool corner, TestState& on, VecX& a, VecX& b) {
+    Vec3 across = Vec3::Zero();  // the normal of the surface of a corner, once it is known
+    for (int i = 0; i < kSteps; ++i) {
+      const Motion O = on.slot(slot);
+      const auto at = [&](double x) -> VecX {
+        on.slot(slot) = turned(O, across.isZero(0) ? x : 0);
+        on.slot(slot).x += length_ * x * across;
+        return numbers(on).row(row);
+      };
+      double x = -2 * kStep, y = 2 * kStep;
+      for (a = at(x), b = at(y); y - x > kNegligible;) {
+        const double m = 0.5 * (x + y);
+        const VecX c = at(m);
+        const bool left = (c - a).tail(6 * n_).norm() > (b - c).tail(6 * n_).norm();
+        (left ? y : x) = m, (left ? b : a) = c;
+      }
+      if (!bends(a.tail(6 * n_), b.tail(6 * n_))) return false;
+      if (std::abs(a[0]) <= kSlight * length_) return true;
+      const Vec3 J = a.segment<3>(3 + 6 * slot), d = -a[0] / J.squaredNorm() * J;
+      if (corner) across = (b.segment<3>(3 + 6 * slot) - J).normalized();
+      if (!d.allFinite()) return false;
+      on.slot(slot).x += std::min(1.0, kStep * length_ / d.norm()) * d;
+    }
+    return false;
   };
   const auto [way, third, size] = walk(start, 0, kStep, kSteps);
   const double least = std::max(2e-5 * size, kNegligible);  // an iteration for a point of a curve leaves less
@@ -238,22 +268,37 @@ void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std
     while (third(c, i) < 0.99 * most) ++i;  // the first of equal ones
     const auto [fine_way, fine, fine_size] = walk(way[i], static_cast<double>(i) * kStep, kStep / kFiner, 3 * kFiner);
     const double jump = 0.5 * fine.row(c).maxCoeff(&k);
-    if (4 * jump < most) continue;
     const int row = c % static_cast<int>(is_.rows());
-    const std::string what =
-        fmt::format("{} jumps by {:.3g} when {} has rotated by {:.0f} deg about z of '{}'", name(row, c / is_.rows()),
-                    jump, who, (static_cast<double>(i) + static_cast<double>(k) / kFiner) * kStep * 180 / kPi, s.name);
+    const std::string its = name(row, c / is_.rows()), known = place(fine_way[k + 2]);
+    const std::string where =
+        known.empty()
+            ? fmt::format("a rotation of {:.0f} deg of {} about z of '{}'",
+                          (static_cast<double>(i) + static_cast<double>(k) / kFiner) * kStep * 180 / kPi, who, s.name)
+            : known;
     // The Jacobian is continuous across an uncounted angle.
     const auto J = [&, &steps = fine_way](Eigen::Index at) -> VecX { return numbers(steps[at]).row(row).tail(6 * n_); };
-    if (is_link_ && (J(k + 3) - J(k)).norm() > 0.01 * J(k).norm())
-      report_.note(what + ", far off the constraint, with its Jacobian: it switches to another branch");
+    const bool branch = is_link_ && bends(J(k), J(k + 3)), corner = 4 * jump < most;
+    if (corner && (!branch || known.empty() || remembering_ != nullptr || 8 * kFiner * jump <= most)) continue;
+    const auto words = [&](bool slope, const std::string& at, double by) {
+      return slope ? fmt::format("{} has a corner at {}: its slope jumps", its, at)
+                   : fmt::format("{} jumps at {} by {:.3g}", its, at, by);
+    };
+    const std::string what = words(corner, where, jump);
+    TestState on = fine_way[k + 1];
+    VecX a, b;
+    if (branch && !known.empty() && remembering_ == nullptr && reach_constraint(row, corner, on, a, b)) {
+      const double left = std::abs(b[0] - a[0]);
+      if (left > least || bends(a.tail(6 * n_).normalized(), b.tail(6 * n_).normalized()))
+        add("turns", words(left <= least, place(on), left),
+            "branches of the function (`? :`, `if`, abs), which must meet with equal value, slope and curvature");
+    } else if (branch)
+      report_.note(what + "; harmless only if it is off the constraint");
     else if (remembering_ != nullptr)
       add("turns", what, "accept_step() and start_memory(), or count_angles(), which counts an angle");
     else if (is_link_)
       add("turns", what,
           "branches of the function (`? :`, `if`, abs), or at its angles: with .counts_turns = true, y.angle_z() "
-          "counts "
-          "revolutions");
+          "counts revolutions");
     else
       report_.note(what + "; if it has to count revolutions, use count_angles()");
   }

@@ -59,6 +59,7 @@ class StateCheck {
   virtual std::string name(Eigen::Index row, Eigen::Index column) const = 0;
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const = 0;
   virtual std::string why_not_finite() const;
+  virtual std::string place(const TestState&) const { return ""; }  ///< "x = 0.02 m, rz = 90 deg"; "": unknown
   virtual ErrorContext context() const = 0;  ///< of what its code throws
 
   // -- its checks

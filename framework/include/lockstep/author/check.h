@@ -57,7 +57,7 @@ class LOCKSTEP_API CheckReport {
   // -- for checks
   /// Adds a finding; of findings with the same key (kind and entry) the one with the largest `weight` stays.
   void add(const std::string& key, CheckFinding, double weight = 0);
-  void note(std::string words);  ///< adds a note, unless it is there already
+  void note(std::string words);  ///< adds a note, unless one has the same words in front of " at "
   /// Counts a comparison with a difference whose relative error is `error`.
   void compared(double error);
   /// Adds all findings, notes and comparisons of another report.
@@ -128,8 +128,9 @@ LOCKSTEP_API CheckReport check_integrator(const Registry&, const std::string& ty
 /// Checks a scalar law between options.from and options.to; give the time over which it varies. At 8 options.states
 /// random times away from its breakpoints each derivative is compared with differences of order 8 of the level before
 /// it, whose error estimate is the tolerance. It also checks that all numbers are finite, and the same in a second
-/// call, and reports the times of jumps outside of breakpoints(). `name`: for messages, or "". Throws ModelError if the
-/// times are not in order.
+/// call, and reports the times of jumps outside of breakpoints(), and jumps there of which at(t) has the new value too
+/// late. Notes name listed jumps of y, and motions that begin or end outside of breakpoints(). `name`: for messages, or
+/// "". Throws ModelError if the times are not in order.
 LOCKSTEP_API CheckReport check_law(const MotionLaw&, const CheckOptions& options = {}, const std::string& name = {});
 /// The same for a translation law: x, v and a.
 LOCKSTEP_API CheckReport check_law(const TranslationLaw&, const CheckOptions& options = {},
@@ -150,7 +151,8 @@ LOCKSTEP_API CheckReport check_law(const RotationLaw&, const CheckOptions& optio
 /// by differences of order 8 whose error estimate is the tolerance (Qhat: second differences, about 1e-8). It also
 /// checks rows, names and kinds; that every number of the rows is written and nothing else; that all numbers are
 /// finite, and the same in a second call and for a quaternion of the other sign; that slots() is complete; groups; its
-/// memory, and revolutions about z of S; that it does not jump in time except at breakpoints(). Only rows in space are
+/// memory, and revolutions about z of S; that it does not jump in time except at breakpoints(); that each row removes a
+/// degree of freedom. A jump or a corner of its function is a finding if it is on the constraint. Only rows in space are
 /// checked, not gather_plane(). Throws ModelError if the joint is not in the system, and what System::setup throws.
 LOCKSTEP_API CheckReport check_lock(System&, const Lock&, const CheckOptions& options = {});
 
