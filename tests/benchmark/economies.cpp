@@ -68,10 +68,10 @@ double microseconds_recorded(const std::vector<Request>& columns) {
 }  // namespace
 
 int main() {
-  BarSpec bars{"A chain of six bodies: cost of an evaluation without and with each feature",
+  BarSpec bars{"A chain of six bodies: what each feature adds to an evaluation",
                "CPU time of an evaluation [us]",
                {},
-               {{"feature absent", {}, "#9fd3c7"}, {"feature present", {}, "#385170"}}};
+               {{"without the feature", {}, "#9fd3c7"}, {"with the feature", {}, "#385170"}}};
   const std::string file = samples::output("economies.csv");
   std::ofstream csv(file);
   csv << "feature,absent,present,unknowns absent,unknowns present,rows absent,rows present,cpu absent [us],cpu present "
@@ -90,12 +90,13 @@ int main() {
     add(e.name, e.absent_is, e.present_is, microseconds(e.absent()), microseconds(e.present()), size(e.absent()),
         size(e.present()));
   const Size s = size(plain());
-  add("tangent matrices", "an explicit method's evaluation", "the same with the matrix of an implicit one",
+  add("implicit method", "an explicit method's evaluation", "the same with the matrix of an implicit one",
       microseconds(plain()), microseconds(plain(), true), s, s);
   const double bare = microseconds_recorded({});
-  add("energies", "rk4: nothing recorded", "energy recorded at every step", bare,
+  add("recorded energy", "rk4: nothing recorded", "energy recorded at every step", bare,
       microseconds_recorded({"energy.total"}), s, s);
-  add("reactions", "rk4: nothing recorded", "all reactions recorded at every step", bare, microseconds_recorded([] {
+  add("recorded reactions", "rk4: nothing recorded", "all reactions recorded at every step", bare,
+      microseconds_recorded([] {
         std::vector<Request> all_forces;
         for (int i = 0; i < kRods; ++i)
           for (const char* axis : {"x", "y", "z"})

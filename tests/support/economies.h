@@ -131,18 +131,19 @@ inline Chain lumps(bool merged) {
 }
 
 inline std::vector<Economy> all() {
-  return {{"mounting plate", "a fixed body", "a body held by a fixed link", [] { return on_a_plate(false); },
-           [] { return on_a_plate(true); }},
-          {"half lock", "ball joints", "hinges: the rotational half too", [] { return balls(false); },
-           [] { return balls(true); }},
-          {"drives", "no law", "a law on every hinge", plain, driven},
-          {"moving markers", "markers at rest", "markers that slide by a law", plain, shaken},
-          {"switched links", "six joints out of force", "six joints in force", [] { return stayed(false); },
-           [] { return stayed(true); }},
-          {"particles", "particles", "bodies that may turn", [] { return pearls(false); }, [] { return pearls(true); }},
-          {"planar", "in its plane", "in space", flat, plain},
-          {"merged bodies", "bolted bodies move as one", "bolts are links", [] { return lumps(true); },
-           [] { return lumps(false); }}};
+  return {
+      {"plate on a joint", "a fixed body", "a body held by a fixed joint", [] { return on_a_plate(false); },
+       [] { return on_a_plate(true); }},
+      {"rotation constraints", "ball joints", "hinges: constraints of rotation too", [] { return balls(false); },
+       [] { return balls(true); }},
+      {"drives", "no law", "a law on every hinge", plain, driven},
+      {"moving markers", "markers at rest", "markers that slide by a law", plain, shaken},
+      {"switched joints", "six joints out of force", "six joints in force", [] { return stayed(false); },
+       [] { return stayed(true); }},
+      {"rotating bodies", "particles", "bodies that rotate", [] { return pearls(false); }, [] { return pearls(true); }},
+      {"motion in space", "in its plane", "in space", flat, plain},
+      {"bolts as joints", "bolted bodies move as one", "bolts are joints", [] { return lumps(true); },
+       [] { return lumps(false); }}};
 }
 
 /// Size of the equations that an evaluation solves.

@@ -40,14 +40,14 @@ long evaluations(const std::vector<Request>& columns) {
 
 TEST_CASE("unknowns and constraints of absent parts do not exist", "[unit][economies]") {
   constexpr int n = kRods;
-  check_size("mounting plate", {6 * n, 5 * n}, {6 * n + 6, 5 * n + 6});
-  check_size("half lock", {6 * n, 3 * n}, {6 * n, 5 * n});
+  check_size("plate on a joint", {6 * n, 5 * n}, {6 * n + 6, 5 * n + 6});
+  check_size("rotation constraints", {6 * n, 3 * n}, {6 * n, 5 * n});
   check_size("drives", {6 * n, 5 * n}, {6 * n, 6 * n});
   check_size("moving markers", {6 * n, 5 * n}, {6 * n, 5 * n});
-  check_size("switched links", {6 * n, 5 * n}, {6 * n, 6 * n});
-  check_size("particles", {3 * n, n}, {6 * n, n});
-  check_size("planar", {3 * n, 2 * n}, {6 * n, 5 * n});
-  check_size("merged bodies", {6 * n, 5 * n}, {12 * n, 11 * n});
+  check_size("switched joints", {6 * n, 5 * n}, {6 * n, 6 * n});
+  check_size("rotating bodies", {3 * n, n}, {6 * n, n});
+  check_size("motion in space", {3 * n, 2 * n}, {6 * n, 5 * n});
+  check_size("bolts as joints", {6 * n, 5 * n}, {12 * n, 11 * n});
 }
 
 TEST_CASE("omitted parts change no acceleration", "[unit][economies]") {

@@ -163,7 +163,16 @@ TEST_CASE("a failure is a result with its reason", "[unit][work_precision]") {
       CHECK(series.y[0] < panel.y_range.second);
     }
   CHECK(n_crosses == 1);
+  const auto rings = std::ranges::find(panel.series, SeriesStyle::rings, &Series::style);
+  REQUIRE(rings != panel.series.end());
+  CHECK(rings->y == std::vector{panel.series[rings - panel.series.begin() - 1].y.front()});  // a finer run failed
   CHECK(panel.strip_from > 20.0);  // above the error of the run that ended
+  WorkPrecision far = result;
+  far.runs.push_back(far.runs[0]), far.runs.back().error.position = 1e9;  // off the scale, not failed
+  const GridPanel strip = integrators_chart(far, "far", far.runs.front(), CostKind::evaluations).panels.front();
+  CHECK(std::ranges::any_of(strip.series, [&](const Series& s) {
+    return s.style == SeriesStyle::rings && s.label == "frozen" && s.y.front() > strip.strip_from;
+  }));
   CHECK(std::any_of(chart.remarks.begin(), chart.remarks.end(),
                     [](const std::string& line) { return line.find("frozen: too cold") != std::string::npos; }));
 }
@@ -246,6 +255,15 @@ TEST_CASE("a formulation that the base's solver does not take is drawn with anot
   }
   REQUIRE(!chart.remarks.empty());
   CHECK(chart.remarks.front() == "curves: solver schur; quaternion: sparse");
+  WorkPrecision own = result;
+  for (WorkPrecisionRun& run : own.runs)
+    if (run.formulation == Formulation::omega) run.formulation = Formulation::automatic;
+  base.formulation = Formulation::automatic;
+  const GridSpec by_itself = forms_chart(own, "forms", base, ChartBy::formulation, {"dopri5"});
+  REQUIRE(!by_itself.panels.empty());
+  CHECK(
+      std::ranges::any_of(by_itself.panels.front().series, [](const Series& s) { return s.label == "auto = omega"; }));
+  base.formulation = Formulation::omega;
   base.stabilization = Stabilization::Kind::none;  // of which there are no runs: no curves, and no panels
   CHECK(integrators_chart(result, "none", base, CostKind::cpu).panels.empty());
 }

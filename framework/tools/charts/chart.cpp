@@ -110,9 +110,7 @@ void panel(Script& out, const ChartSpec& spec, const Layout& layout, std::size_t
   const Panel& p = spec.panels[k];
   place(out, layout, legend_of(p, spec.width), k);
   const bool last = k + 1 == spec.panels.size();
-  Extent y{};
-  for (const Series& s : p.series) y.take(s.y, p.log_y);
-  const Extent x = extent_x(spec);
+  const Extent x = extent_x(spec), y = extent_of(p.series, &Series::y, p.log_y);
   axis(out, 'x', last ? spec.x_label : "", spec.log_x, x.low, x.high);
   axis(out, 'y', p.y_label, p.log_y, y.low, y.high);
   if (!last) out.line("set format x ''");

@@ -40,7 +40,7 @@ Legend legend_of(const GridSpec& spec) {
     for (const GridPanel& panel : spec.panels)
       for (const Series& s : panel.series) {
         if (s.label.empty() || s.color.empty() == own_color || legend.index(s.label) < legend.entries.size()) continue;
-        const SeriesStyle style = s.style == SeriesStyle::crosses ? SeriesStyle::linespoints : s.style;
+        const SeriesStyle style = own_color ? s.style : SeriesStyle::linespoints;
         legend.entries.push_back(
             {s.label, {}, {}, style, own_color ? s.color : kColors[legend.entries.size() % kColors.size()]});
         longest = std::max(longest, s.label.size());
@@ -89,8 +89,7 @@ void strip(Script& out, const GridPanel& panel, const std::string& name) {
 
 void add_panel(Script& out, const GridSpec& spec, const Legend& legend, std::size_t k) {
   const GridPanel& panel = spec.panels[k];
-  Extent x{}, y{};
-  for (const Series& s : panel.series) x.take(s.x, true), y.take(s.y, true);
+  const Extent x = extent_of(panel.series, &Series::x, true), y = extent_of(panel.series, &Series::y, true);
   axis(out, 'x', panel.x_label, true, x.low, x.high);
   axis(out, 'y', "", true, y.low, y.high);
   out.line("set xtics nomirror out\nset ytics nomirror out");

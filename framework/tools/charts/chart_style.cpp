@@ -153,6 +153,7 @@ std::string plot_clause(const std::string& name, const Series& s, std::size_t n)
   if (s.style == SeriesStyle::points) how = fmt::format("points {} lc rgb '{}'", mark, tint);
   if (s.style == SeriesStyle::band) how = fmt::format("lines lc rgb '{}' lw 7 dt 1", tint);
   if (s.style == SeriesStyle::crosses) how = fmt::format("points pt 2 ps 0.8 lw 1.8 lc rgb '{}'", tint);
+  if (s.style == SeriesStyle::rings) how = fmt::format("points pt 6 ps 0.9 lw 1.2 lc rgb '{}'", tint);
   if (s.style == SeriesStyle::linespoints) how = fmt::format("linespoints {} {}", mark, line);
   return fmt::format("${} using 1:2 with {} {}", name, how, legend);
 }
@@ -192,14 +193,16 @@ void Extent::take(std::span<const double> values, bool log) {
   }
 }
 
+Extent extent_of(const std::vector<Series>& all, std::vector<double> Series::*part, bool log) {
+  Extent e{};
+  for (const Series& s : all) e.take(s.*part, log);
+  return e;
+}
+
 void check_panel(const std::vector<Series>& series, bool log_x, bool log_y, const std::string& chart,
                  const std::string& panel, const std::string& advice) {
-  Extent x{}, y{};
-  for (const Series& s : series) {
-    check(s, chart);
-    x.take(s.x, log_x), y.take(s.y, log_y);
-  }
-  if (!x.any || !y.any)
+  for (const Series& s : series) check(s, chart);
+  if (!extent_of(series, &Series::x, log_x).any || !extent_of(series, &Series::y, log_y).any)
     throw ModelError(fmt::format("chart \"{}\": panel \"{}\" has nothing to draw; give it {}", chart, panel, advice));
 }
 

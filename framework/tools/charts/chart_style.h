@@ -52,6 +52,8 @@ struct LOCKSTEP_API Extent {
   bool any = false;
   void take(std::span<const double> values, bool log);
 };
+/// Of x or y of several series.
+LOCKSTEP_API Extent extent_of(const std::vector<Series>&, std::vector<double> Series::*part, bool log);
 /// Throws ModelError if a panel has a bad series, or no number to draw; `advice` ends the message.
 LOCKSTEP_API void check_panel(const std::vector<Series>&, bool log_x, bool log_y, const std::string& chart,
                               const std::string& panel, const std::string& advice);

@@ -25,14 +25,25 @@ ErrorKind kind_of(const Arguments& args) {
   return ErrorKind::position;
 }
 
-// The command that repeats this run; it gives every setting, so that none is taken from the scene.
-std::string command_line(const Arguments& args, const WorkPrecisionRun& run) {
+// What the choice of a run changes in the scene, apart from its integrator.
+struct Changed {
+  bool formulation, stabilization, solver;
+};
+Changed changed_of(const Arguments& args, const RunSettings& scene, const WorkPrecisionRun& base,
+                   const WorkPrecisionRun& run) {
+  return {!args.all("--formulations").empty() || run.formulation != base.formulation,
+          run.stabilization != scene.stabilization.kind,
+          !needs_no_solver(run.formulation) && (!args.all("--solvers").empty() || run.solver != to_word(scene.solver))};
+}
+
+std::string command_line(const Arguments& args, const WorkPrecisionRun& run, const Changed& changed) {
   std::string text = "lockstep run " + in_quotes(args["scene"]);
   for (const std::string& plugin : args.all("--plugin")) text += " --plugin " + in_quotes(plugin);
   text += " --integrator " + in_quotes(run.integrator) + (run.adaptive ? " --tolerance " : " --step ") +
-          text::number(run.setting) + " --formulation " + to_string(run.formulation) + " --stabilization " +
-          to_string(run.stabilization);
-  if (!needs_no_solver(run.formulation)) text += " --solver " + in_quotes(run.solver);
+          text::number(run.setting);
+  if (changed.formulation) text += " --formulation " + to_string(run.formulation);
+  if (changed.stabilization) text += " --stabilization " + to_string(run.stabilization);
+  if (changed.solver) text += " --solver " + in_quotes(run.solver);
   if (!args["--until"].empty()) text += " --until " + in_quotes(args["--until"]);
   if (!args["--planar"].empty()) text += " --planar " + args["--planar"];
   if (args.has("--full")) text += " --full";
@@ -40,18 +51,18 @@ std::string command_line(const Arguments& args, const WorkPrecisionRun& run) {
 }
 
 // The same as keys of the scene's "run".
-std::string run_block(const RunSettings& run, const WorkPrecisionRun& r, double largest_step) {
+std::string run_block(const RunSettings& run, const WorkPrecisionRun& r, double largest_step, const Changed& changed) {
   Value block = Value::object({{"integrator", to_value(run.integrator)}});
   const auto add = [&](const char* key, Value value) { block.object()->push_back({key, std::move(value), {}}); };
   if (r.adaptive) add("tolerance", r.setting);
   if (!r.adaptive || largest_step > 0) add("step", r.adaptive ? largest_step : r.setting);
-  add("formulation", to_string(r.formulation));
+  if (changed.formulation) add("formulation", to_string(r.formulation));
   const Stabilization &s = run.stabilization, usual;
   Value kind = to_string(s.kind);
   if (s.alpha != usual.alpha || s.beta != usual.beta || s.tolerance != usual.tolerance)
     kind = Value::object({{"kind", kind}, {"alpha", s.alpha}, {"beta", s.beta}, {"tolerance", s.tolerance}});
-  add("stabilization", kind);
-  if (!needs_no_solver(r.formulation)) add("solver", to_value(run.solver));
+  if (changed.stabilization) add("stabilization", kind);
+  if (changed.solver) add("solver", to_value(run.solver));
   return write_json(block);
 }
 
@@ -81,11 +92,13 @@ std::string hint_of(const Advised& a) {
   const double agreement = a.measured->agreement.of(a.kind);
   if (agreement > a.error)
     return fmt::format(
-        "the reference solutions differ by {:.2g} {}, more than the error; allow a larger error, or "
-        "shorten the run (--until)",
+        "the reference solutions differ by {:.2g} {}, so no method can be shown to meet the error; allow a larger "
+        "error, or shorten the run (--until)",
         agreement, unit_of(a.kind));
-  if (!a.cheapest) return "no run met the error; increase --budget, or allow a larger error";
-  return a.cheapest->cost.confirmed ? "" : "not confirmed by a finer run; increase --budget";
+  if (!a.cheapest) return "increase --budget, or allow a larger error";
+  if (!a.cheapest->cost.confirmed) return "not confirmed by a finer run; increase --budget";
+  if (a.cheapest->command.find(" --stabilization none") == std::string::npos) return "";
+  return "without stabilisation the constraints drift in longer runs; to avoid it, add --stabilizations project";
 }
 const Fields<Advised>& advise_fields() {
   static const Fields<Choice> kChoice = [] {
@@ -102,13 +115,14 @@ const Fields<Advised>& advise_fields() {
       {"of", "", "", [](const Advised& a) { return to_string(a.kind); }},
       {"wanted", "", "wanted",
        [](const Advised& a) {
-         return fmt::format("{} error of at most {:.3g} {}", to_string(a.kind), a.error, unit_of(a.kind));
+         return fmt::format("{} error of at most {:.3g} {}{}", to_string(a.kind), a.error, unit_of(a.kind),
+                            a.cheapest ? "" : ": no run met it");
        }},
       {"cheapest", "cheapest", &Advised::cheapest, kChoice},
       {"runner_up", "", &Advised::second, kChoice},
-      {"nearest", "no run met the error; best run", &Advised::nearest, measured_run_fields()},
+      {"nearest", "best run", &Advised::nearest, measured_run_fields()},
       {"hint", "", "next", hint_of},
-      {"each", "cheapest of each integrator", &Advised::each,
+      {"each", "cheapest of each integrator, the recommended one first", &Advised::each,
        cost_fields()}}.with([](const Advised& a) -> const WorkPrecision& { return *a.measured; }, measurement_fields());
   return kFields;
 }
@@ -127,7 +141,6 @@ std::vector<CostAtError> each_of(std::vector<CostAtError> costs) {
 
 Result advise(const Arguments& args) {
   Loaded loaded = load(args);
-  loaded.scene = in_space(std::move(loaded.scene));  // as all formulations need
   const double error = args["--error"].empty() ? kError : positive_number("--error", args["--error"], Unit::none);
   const ErrorKind kind = kind_of(args);
   const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], "", loaded.scene);
@@ -145,7 +158,8 @@ Result advise(const Arguments& args) {
     if (k >= each.size()) return {};
     const WorkPrecisionRun& best = *each[k].run;
     const RunSettings run = settings_of(loaded.scene.run, best, loaded.registry);
-    return Choice{each[k], command_line(args, best), run_block(run, best, benchmark.options.largest_step)};
+    const Changed by = changed_of(args, loaded.scene.run, benchmark.base, best);
+    return Choice{each[k], command_line(args, best, by), run_block(run, best, benchmark.options.largest_step, by)};
   };
   Result out(loaded, advise_fields(),
              Advised{error, kind, choice(0), choice(1), each,

@@ -6,6 +6,7 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/branches.h>
+#include <lockstep/step_loop.h>
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/tools/commands/pose_columns.h"
 #include "framework/tools/commands/tool_commands.h"
@@ -80,6 +81,8 @@ Result show_assembled(const Arguments& args) {
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State state = m.system.start();
   const AssemblyReport r = assemble_scene(dynamics, m, state);
+  StepLoop run(dynamics, make_integrator(m.run, *m.methods), loop_options(m.run));
+  run.set_state(state), run.run_until(state.t);  // as a run begins: it reports a start beyond a stop
   Result result(loaded, assemble_fields(), Assembled{r, poses_of(m.system, state)});
   if (!args.has("--within")) {
     result.code = r.findings.empty() ? kExitOk : kExitDoubtful;

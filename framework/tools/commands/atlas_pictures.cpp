@@ -20,7 +20,7 @@ bool is_log(const std::vector<double>& x) {
 
 const std::vector<MapSpec::Kind> kOutcomes{{"accurate", "#6fbfae"},        {"inaccurate", "#f2c14e"},
                                            {"wrong (flagged)", "#e08a4f"}, {"wrong (not flagged)", "#8e2a5b"},
-                                           {"failed", "#cf5b50"},          {"too slow", "#8a8fb5"},
+                                           {"failed", "#cf5b50"},          {"too slow", "#8c8c8c"},
                                            {"not tried", "#d9d9d9"}};
 
 bool on_axis(const std::vector<double>& axis, double v) { return v >= axis.front() && v <= axis.back(); }
@@ -51,7 +51,7 @@ Decades decades_of(const std::string& what, const std::string& unit) {
                        : k == 5 ? fmt::format("{} to 1{}", what, unit)
                                 : fmt::format("{} to 1e{}{}", what, -10 + 2 * k, unit),
                        kColors[k]});
-  d.kinds.push_back({"did not reach its end", "#b5b5b5"});
+  d.kinds.push_back({"failed, too slow or not tried", "#b5b5b5"});
   return d;
 }
 

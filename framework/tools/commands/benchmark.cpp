@@ -304,11 +304,9 @@ std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Argument
   for (const WorkPrecisionRun& run : result->runs)
     if (run.interrupted) result->left_out.push_back(label(run));
   std::erase_if(result->runs, [](const WorkPrecisionRun& run) { return run.interrupted; });
+  if (args.all("--formulations").empty() && args.all("--solvers").empty())  // what nobody named is not missed
+    std::erase_if(result->unsuited, [](const auto& u) { return u.why.starts_with("formulation "); });
   return result;
-}
-
-std::string cost_text(double seconds, bool upper_bound) {
-  return fmt::format("{}{:.2g} s", upper_bound ? "<= " : "", seconds);
 }
 
 RunSettings settings_of(const RunSettings& scene, const WorkPrecisionRun& r, const Registry& registry) {

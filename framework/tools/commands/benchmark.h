@@ -67,9 +67,6 @@ const Fields<CostAtError>& cost_fields();
 /// All runs, the references and how well they agree, what was left out.
 const Fields<WorkPrecision>& measurement_fields();
 
-/// "<= 0.0021 s".
-std::string cost_text(double seconds, bool upper_bound);
-
 /// The run settings of a scene with the method and the setting of this run.
 RunSettings settings_of(const RunSettings&, const WorkPrecisionRun&, const Registry&);
 

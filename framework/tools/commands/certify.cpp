@@ -50,7 +50,7 @@ bool make_again(const Loaded& loaded, Repeat& repeat, double limit) {
 }
 
 Repeat tighter_of(RunSettings run, bool adaptive) {
-  const std::string name = run.integrator.type + " tighter";
+  const std::string name = "tighter " + run.integrator.type;
   if (adaptive) return at_tolerance(name, run, tightened(run));
   run.step *= kShorter;
   return {name, fmt::format("step {:.3g} s", run.step), run};
@@ -84,7 +84,7 @@ bool add(std::vector<Repeat>& repeats, const Loaded& loaded, Repeat repeat, doub
   return false;
 }
 
-std::string verdict(const Certificate& c, const std::vector<Repeat>& repeats) {
+std::string verdict(const Certificate& c, const std::vector<Repeat>& repeats, bool energies) {
   const CertifiedChannel* worst = nullptr;
   std::size_t n_zero = 0;
   for (const CertifiedChannel& channel : c.channels) {
@@ -94,6 +94,7 @@ std::string verdict(const Certificate& c, const std::vector<Repeat>& repeats) {
   std::string text = fmt::format("{} times compared", c.n_rows);
   if (c.cut) text += " (the runs ended at different times)";
   if (worst != nullptr) text += fmt::format("; fewest digits: {:.1f}, of {}", worst->worst().digits, worst->name);
+  if (energies) text += "; scale of energies: at least the energy exchanged";
   if (n_zero > 0) text += fmt::format("; {} {} only round-off", n_zero, n_zero == 1 ? "channel is" : "channels are");
   if (repeats.size() < 2) text += "; only one repeat was completed";
   return text + "\n";
@@ -138,16 +139,11 @@ CertifiedRun certificate_of(const Loaded& loaded, const Arguments& args, const R
     names.push_back(repeat.name);
     against.push_back(fmt::format("{} ({})", repeat.name, repeat.setting));
   }
-  const double exchanged = repeats.front().exchanged;
-  const Certificate c = certify(table, tables, exchanged);
+  const Certificate c = certify(table, tables, repeats.front().exchanged);
   const bool energies = std::ranges::any_of(table.columns(), [](const Column& column) { return column.unit == "J"; });
-  return {
-      text + fmt::format(
-                 "digits of each column that agree with {}: log10(largest / difference){}\n{}{}",
-                 lockstep::text::join(against),
-                 energies ? fmt::format("; for energies, largest is at least the {:.2g} J exchanged", exchanged) : "",
-                 certificate_text(c, names), verdict(c, repeats)),
-      doubt_of(c)};
+  return {text + fmt::format("verified digits, log10(scale / difference), by {}\n{}{}", lockstep::text::join(against),
+                             certificate_text(c, names), verdict(c, repeats, energies)),
+          doubt_of(c)};
 }
 
 }  // namespace

@@ -54,10 +54,11 @@ std::vector<Winner> winners_of(const WorkPrecision& result, Formulation base) {
         double most = 0;
         for (const WorkPrecisionRun& run : result.runs)
           if (has(run)) most = std::max(most, run.cpu);
-        winner.cost.push_back(best != costs.end() ? cost_text(best->run->cpu, best->upper_bound)
-                              : !open             ? "never"
-                              : most > 0          ? fmt::format("> {:.2g} s", most)
-                                                  : "not tried");
+        winner.cost.push_back(best != costs.end()
+                                  ? (best->upper_bound ? "<= " : "") + fmt::format("{:.2g} s", best->run->cpu)
+                              : !open    ? "never"
+                              : most > 0 ? fmt::format("> {:.2g} s", most)
+                                         : "not tried");
       }
     }
   }
@@ -85,7 +86,7 @@ void draw_all(const std::string& base, const WorkPrecision& result, const SceneB
     if (chart.panels.empty()) return;
     if (!caption.empty()) chart.remarks.push_back(caption);
     write_grid(base + name, chart);
-    files.push_back(base + name + ".png");
+    files.insert(files.end(), {base + name + ".png", base + name + ".svg"});
   };
   const std::string title = benchmark.title;
   write("", integrators_chart(result, title, benchmark.base, CostKind::cpu));
@@ -143,7 +144,6 @@ const Fields<Charted>& chart_fields() {
 
 Result chart_scene(const Arguments& args) {
   Loaded loaded = load(args);
-  loaded.scene = in_space(std::move(loaded.scene));  // as all formulations need
   const std::string base = base_of(args, "_chart");
   const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], base + ".csv", loaded.scene);
 
@@ -178,11 +178,11 @@ Command chart_command() {
             {kFolder,
              {"--caption", "TEXT", "last line of the pictures; default: version, date and machine; '': none"}}}),
       chart_scene,
-      R"(Each combination is run from coarse to fine settings; the run that is expected to be cheapest is always the next. A
+      R"(Each combination is run from coarse to fine settings; the next run is always the one expected to be cheapest. A
 combination ends when its error no longer decreases, when it costs a hundred times more than another for the same error,
 or when the time is spent. Errors are the largest differences from a reference solution at 101 times; a second method
-confirms that reference. Up to half of the time is used to bring every integrator, in the formulation of the scene, to an
-error of a thousandth of the motion. A run counts only if `lockstep run` would not report it as WRONG, and if all finer
+confirms that reference. Up to half of the remaining time brings every integrator, in the formulation of the scene, to
+an error of a thousandth of the motion. A run counts only if `lockstep run` would not report it as WRONG, and if all finer
 runs of its combination stay within twice its error.
 
 Example:

@@ -4,6 +4,8 @@
 
 #include <lockstep/explain.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/system_of.h"
+#include "framework/tools/commands/pose_columns.h"
 #include "framework/tools/commands/state_at.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/check_dependencies.h"
@@ -33,11 +35,13 @@ std::string contribution_text(const Json& c) {
   return vector_text(c["force"]) + " N, " + vector_text(c["moment"]) + " N m";
 }
 
-/// An account and its time.
+/// An account, its time and channels of the same thing.
 template <class Account>
 struct At {
   double t;
   Account account;
+  std::string contact{};  // of a one-sided joint
+  std::vector<PoseNumber> quantities{};
 };
 
 const Fields<BodyBalance>& balance_fields() {
@@ -67,6 +71,12 @@ std::string axes_text(const Json& axes) {
   return text;
 }
 
+// Empty without a drive.
+std::vector<double> of_drives(const LinkAccount& a, const Vec3& load) {
+  if (std::ranges::none_of(a.rows, &RowAccount::is_drive)) return {};
+  return {load[0], load[1], load[2]};
+}
+
 const Fields<LinkAccount>& link_fields() {
   using Account = LinkAccount;
   static const Fields<RowAccount> kRow{{"row", "", "constraint", &RowAccount::name},
@@ -90,11 +100,12 @@ const Fields<LinkAccount>& link_fields() {
       {"left_out", "", "dropped as redundant", &Account::left_out},
       {"force_on_p", "N", "force on P's body, world", [](const Account& a) { return a.joint.force; }},
       {"moment_on_p", "N m", "  moment about P", [](const Account& a) { return a.joint.moment; }},
-      {"drive_force_on_p", "N", "force of the drives", [](const Account& a) { return a.drives.force; }},
-      {"drive_moment_on_p", "N m", "  moment about P", [](const Account& a) { return a.drives.moment; }},
+      {"drive_force_on_p", "N", "force of the drives", [](const Account& a) { return of_drives(a, a.drives.force); }},
+      {"drive_moment_on_p", "N m", "  moment about P", [](const Account& a) { return of_drives(a, a.drives.moment); }},
+      {"incomplete", "", "incomplete", &Account::incomplete},
       {"laws", "laws", &Account::laws, law_fields()},
-      {"dependencies", "dependent constraints, which share loads arbitrarily", &Account::dependencies,
-       dependency_fields()}};
+      {"dependencies", "dependent constraints; the model does not determine how they share the load",
+       &Account::dependencies, dependency_fields()}};
   return kFields;
 }
 
@@ -121,13 +132,36 @@ using Balances = At<std::vector<BodyBalance>>;
 
 struct AccountFields {
   Fields<At<BodyBalance>> body = at_instant(balance_fields());
-  Fields<At<LinkAccount>> link = at_instant(link_fields());
-  Fields<At<ForceEffect>> force = at_instant(force_fields());
+  Fields<At<LinkAccount>> link =
+      at_instant(link_fields())
+          .with({{"contact", "", "state", &At<LinkAccount>::contact},
+                 {"quantities", "quantities, not in the sums above", &At<LinkAccount>::quantities, number_fields()}});
+  Fields<At<ForceEffect>> force =
+      at_instant(force_fields()).with({{"quantities", "quantities", &At<ForceEffect>::quantities, number_fields()}});
   Fields<Balances> bodies{{"t", "s", "t", &Balances::t}, {"bodies", "body", &Balances::account, balance_fields()}};
 };
 const AccountFields& account_fields() {
   static const AccountFields kFields;
   return kFields;
+}
+
+/// What a force shows, and of a joint its gap and its friction.
+std::vector<std::string> channels_of(const System& system, const std::string& thing) {
+  std::vector<std::string> all;
+  const Lock* joint = nullptr;
+  for (const auto& link : system.links()) {
+    if (link->name() != thing) continue;
+    joint = link.get();
+    if (joint->unilateral() != nullptr) all = {thing + ".gap", thing + ".impact_loss"};
+  }
+  for (const auto& force : system.forces()) {
+    const Reacting* reacting = force->reacting();
+    const bool rubs = reacting != nullptr && std::ranges::count(reacting->reads(), joint) > 0;
+    if ((force->name() != thing && !rubs) || (reacting == nullptr && force->observable() == nullptr)) continue;
+    for (const Quantity& q : reacting != nullptr ? reacting->quantities() : force->observable()->quantities())
+      all.push_back(force->name() + "." + q.name);
+  }
+  return all;
 }
 
 /// Objects that can be explained.
@@ -152,11 +186,24 @@ Result explain(const Arguments& args) {
   const State state = run_to(m, loaded.registry, instant_of(args));
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   note_not_unique(uniqueness(dynamics, state));
-  const auto at = [&]<class Account>(Account account) { return At<Account>{state.t, std::move(account)}; };
+  const StepReport none{};
+  const Sample sample(dynamics, state, none);
+  std::vector<PoseNumber> quantities;
+  for (const std::string& name : channels_of(system, thing)) {
+    const Channel channel = make_channel(system_of(m), name);
+    quantities.push_back({name, channel.unit, channel.value(sample)});
+  }
+  const auto at = [&]<class Account>(Account account, const char* contact = "") {
+    return At<Account>{state.t, std::move(account), contact, quantities};
+  };
   for (const Body& body : system.bodies())
     if (body.name == thing) return {loaded, account_fields().body, at(balance_of(dynamics, state, body))};
   for (const auto& link : system.links())
-    if (link->name() == thing) return {loaded, account_fields().link, at(account_of(dynamics, state, *link))};
+    if (link->name() == thing)
+      return {loaded, account_fields().link,
+              at(account_of(dynamics, state, *link), link->unilateral() == nullptr ? ""
+                                                     : state.modes[link->number()] ? "in contact"
+                                                                                   : "open")};
   for (const auto& force : system.forces())
     if (force->name() == thing) return {loaded, account_fields().force, at(account_of(dynamics, state, *force))};
   Balances all{state.t, {}};

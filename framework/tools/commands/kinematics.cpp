@@ -85,10 +85,10 @@ void refuse_integrated_columns(Mechanism& m) {
   }
 }
 
-/// Columns of all drives and reactions, in addition to those that the scene records.
+/// Columns of all drives and reactions, in addition to those that the scene records under these names.
 void record_reactions(Mechanism& m) {
   const auto add = [&](const std::string& channel) {
-    if (std::ranges::none_of(m.run.record, [&](const ChannelRequest& r) { return r.channel == channel; }))
+    if (std::ranges::none_of(m.run.record, [&](const ChannelRequest& r) { return r.column() == channel; }))
       m.run.record.push_back({channel, "", {}});
   };
   for (const auto& link : m.system.links()) {
@@ -110,16 +110,10 @@ void record_reactions(Mechanism& m) {
 
 /// The times of the poses: those that the scene lists, or the multiples of an interval and the end.
 std::vector<double> pose_times(const RunSettings& run) {
-  constexpr double kMostPoses = 1e8;
   const double until = run.until, interval = run.output > 0 ? run.output : until / kDefaultPoses;
   std::vector<double> times = run.times;
   if (!times.empty()) return times;
   const double whole = std::floor(until / interval * (1 + 1e-12));
-  if (!(whole <= kMostPoses))
-    throw UsageError(
-        fmt::format("{:.3g} poses, one every {:.6g} s up to {:.6g} s, are more than {:.0e}; use a longer "
-                    "interval, --output {:.6g}",
-                    whole, interval, until, kMostPoses, until / kDefaultPoses));
   for (double k = 0; k <= whole; ++k) times.push_back(std::min(k * interval, until));
   if (times.back() < until * (1 - 1e-12)) times.push_back(until);
   if (interval > until)
@@ -160,11 +154,12 @@ const Fields<Motion>& kinematics_fields() {
                                   {"peak", "", "peak", &Peak::value},
                                   {"t", "s", "at t", &Peak::t},
                                   {"values", "", "", [](const Peak& p) { return p.column.values; }}};
-  static const Fields<Motion> kFields{{"assembled", "", "assembled", &Motion::assembled},
-                                      {"poses", "", "poses", &Motion::poses},
-                                      {"solutions", "", "", &Motion::solutions},
-                                      {"seconds", "s", "computing time", &Motion::seconds},
-                                      {"columns", "columns", &Motion::peaks, kPeak}};
+  static const Fields<Motion> kFields{
+      {"assembled", "", "assembled", &Motion::assembled},
+      {"poses", "", "poses", &Motion::poses},
+      {"solutions", "", "", &Motion::solutions},
+      {"seconds", "s", "computed in", &Motion::seconds, [](const Json& s) { return time_text(s.get<double>()); }},
+      {"columns", "columns", &Motion::peaks, kPeak}};
   return kFields;
 }
 
@@ -209,10 +204,6 @@ Result follow(const Arguments& args, bool inverse) {
   Loaded loaded = load(args);
   const std::vector<std::string> without = inverse ? std::vector<std::string>{} : fill_masses(loaded.scene);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
-  if (!args["--output"].empty()) {
-    m.run.output = positive_number("--output", args["--output"], Unit::time);
-    m.run.times.clear();
-  }
   if (m.run.until <= 0)
     refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
            "the scene has no end time, or 0; add it, or give --until 5");
@@ -267,17 +258,16 @@ Result follow(const Arguments& args, bool inverse) {
 }
 
 Command driven_command(std::string_view name, Result (*run)(const Arguments&), std::string_view footer) {
-  return {
-      name,
-      join({scene_options(),
-            {kJson,
-             {"--until", "TIME", "end time, s; default: that of the scene"},
-             {"--output", "TIME", "interval of the poses, s; default: that of the scene, or a hundredth of the time"},
-             {"--record", "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here"},
-             {"--quiet", "", "print errors only"}}}),
-      run,
-      footer,
-      {&kinematics_fields().schema()}};
+  return {name,
+          join({scene_options(),
+                {kJson,
+                 {"--until", "TIME", "end time, in s or with a unit (\"50 ms\"); default: that of the scene"},
+                 {"--output", "TIME", "interval of the poses; default: that of the scene, or a hundredth of the time"},
+                 {"--record", "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here"},
+                 {"--quiet", "", "print errors only"}}}),
+          run,
+          footer,
+          {&kinematics_fields().schema()}};
 }
 
 }  // namespace

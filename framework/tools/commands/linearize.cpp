@@ -2,6 +2,8 @@
 // The command linearize: A, B, C, D with named inputs and outputs.
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+
 #include <lockstep/linearization.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/system_of.h"
@@ -45,7 +47,7 @@ std::string small_matrix(const Json& A) {
   const std::size_t columns = A.empty() ? 0 : A[0].size();
   if (columns == 0) return "";
   std::string text = fmt::format("{} x {}", A.size(), columns);
-  if (A.size() > most || columns > most) return text;
+  if (A.size() > most || columns > most) return text + " (numbers: --csv FILE.csv or --json)";
   for (const Json& row : A) {
     text += "\n ";
     for (const Json& x : row)
@@ -77,8 +79,12 @@ Result linearize_scene(const Arguments& args) {
   if (!args["--csv"].empty()) check_overwrites(args["--csv"], loaded.scene);
   MechanismWithInputs built = build_with_inputs(loaded.scene, loaded.registry, args.all("--inputs"));
   std::vector<Channel> outputs;
-  for (const std::string& name : args.all("--outputs"))
-    outputs.push_back(make_channel(system_of(*built.mechanism), name));
+  for (const std::string& name : args.all("--outputs")) {
+    const std::vector<ChannelRequest>& recorded = built.mechanism->run.record;
+    const auto own = std::ranges::find(recorded, name, &ChannelRequest::column);
+    outputs.push_back(make_channel(system_of(*built.mechanism), own != recorded.end() ? own->channel : name));
+    outputs.back().name = name;
+  }
   const MechanismAt at = motion_state(std::move(built.mechanism), loaded.registry, args);
   const StateSpace s = with_words_of_program(
       [&] { return linearize(*at.dynamics, at.state, built.inputs, outputs, motion_options(args)); });
@@ -96,7 +102,8 @@ Command linearize_command() {
                 {Option{"--inputs", "A,B",
                         "driven joints (A, or A.rz of several drives: value and its first two rates), forces (motor, "
                         "pad.x), laws (rope.length, table.translation.x)"},
-                 Option{"--outputs", "A,B", "channels, as `lockstep check SCENE --channels` lists them"},
+                 Option{"--outputs", "A,B",
+                        "recorded columns, or channels as `lockstep check SCENE --channels` lists them"},
                  {"--csv", "FILE.csv", "one table: rows x' and y, columns x and u"}}}),
           linearize_scene,
           R"(x' = A x + B u, y = C x + D u. The states are one displacement per degree of freedom, then their rates.

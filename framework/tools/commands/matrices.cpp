@@ -124,7 +124,8 @@ Command matrices_command() {
           {scene_options(),
            {kAt, kJson, {"--out", "DIR", "folder for M, D, K and J as Matrix Market, and rows.csv and unknowns.csv"}}}),
       find_matrices,
-      "M a + J^T lambda = f, J a = c. The numbers are printed by --json and written by --out.\n\nExample:\n  lockstep "
+      "M a + J^T lambda = f, J a = c. The unknowns are velocities in space, also for a planar motion. The numbers are\n"
+      "printed by --json and written by --out.\n\nExample:\n  lockstep "
       "matrices samples/scenes/four_bar.json --at 0.1 --out four_bar",
       {&matrix_fields().schema()}};
 }

@@ -16,6 +16,7 @@
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/report/modes_page.h"
+#include "framework/tools/report/page.h"
 
 namespace lockstep {
 namespace {
@@ -36,7 +37,7 @@ std::string stability_of(const Mode& m) {
   if (m.kind == Mode::Kind::rigid) return "no restoring force";
   if (m.is_marginal()) return m.kind == Mode::Kind::oscillation ? "undamped" : "zero within its error";
   if (m.value.real() > 0) return "UNSTABLE";
-  return m.kind == Mode::Kind::decay ? "overdamped" : "damped";
+  return m.kind == Mode::Kind::decay ? "aperiodic" : "damped";
 }
 
 // An amplitude: with its phase if it is not in phase with the largest.
@@ -115,7 +116,7 @@ const Fields<FoundModes>& modes_fields() {
       {"kind", "", "kind", [](const Shown& m) { return word(m.mode.kind); }},
       {"frequency", "Hz", "frequency [Hz]", [](const Shown& m) { return m.mode.frequency(); }, unless_zero},
       {"omega", "rad/s", "omega [rad/s]", [](const Shown& m) { return m.mode.omega(); }, unless_zero},
-      {"damping", "", "damping", [](const Shown& m) { return m.mode.damping(); },
+      {"damping", "", "damping ratio", [](const Shown& m) { return m.mode.damping(); },
        [](const Json& d) { return std::abs(d.get<double>()) < 1 ? number_text(d) : ""; }},
       {"decay_rate", "1/s", "decay rate",
        [](const Shown& m) { return m.mode.is_marginal() ? 0 : -m.mode.value.real(); }},
@@ -174,7 +175,8 @@ void write_modes_report(const std::string& file, const Arguments& args, const Lo
   for (const Finding& note : found.notes) text.facts.emplace_back("", note.text());
   std::vector<report::ShownMode> modes;
   for (std::size_t k = 0; k < std::min(found.modes.size(), kMost); ++k) modes.push_back(shown(found.modes[k], k + 1));
-  report::write_modes(file, text, Sample(*at.dynamics, at.state, StepReport{}), *at.mechanism, modes, found.length);
+  const Sample rest(*at.dynamics, at.state, StepReport{});
+  report::write_whole(file, report::modes_page(text, rest, *at.mechanism, modes, found.length));
 }
 
 Result analyse_modes(const Arguments& args) {

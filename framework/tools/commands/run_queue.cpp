@@ -27,8 +27,9 @@ std::optional<RunGroup> RunQueue::next() {
   return group;
 }
 
-void RunQueue::split(RunGroup group) {
+void RunQueue::split(RunGroup group, const std::string& why) {
   const std::lock_guard lock(mutex_);
+  why_split_.emplace(group.first, why);
   for (long k = group.first; k < group.first + group.n; ++k) alone_.push_back(k);
   --groups_out_;
   changed_.notify_all();
@@ -83,6 +84,11 @@ long RunQueue::n_finished() const {
 void RunQueue::rethrow() const {
   const std::lock_guard lock(mutex_);
   if (error_) std::rethrow_exception(error_);
+}
+
+std::string RunQueue::why_split() const {
+  const std::lock_guard lock(mutex_);
+  return why_split_.empty() ? "" : why_split_.begin()->second;
 }
 
 int available_processors() {

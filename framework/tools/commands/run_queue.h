@@ -11,6 +11,7 @@
 #include <mutex>
 #include <new>
 #include <optional>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -43,8 +44,8 @@ class RunQueue {
 
   /// The next runs to compute. Waits while a group in work may still be split; none: nothing is left, or stopped.
   std::optional<RunGroup> next();
-  /// Hands the runs of a group out again, one by one.
-  void split(RunGroup);
+  /// Hands the runs of a group out again, one by one, for the reason `why`.
+  void split(RunGroup, const std::string& why);
   void finish(std::vector<FinishedRun> group);
   void stop();
   bool stopped() const { return stopped_; }
@@ -60,12 +61,15 @@ class RunQueue {
   bool all_taken() const;
   long n_finished() const;
   void rethrow() const;
+  /// Why the first of the split groups was split; "" if none was.
+  std::string why_split() const;
 
  private:
   const long n_runs_, lanes_, fewest_;
   long next_, taken_, groups_out_ = 0;
   std::deque<long> alone_;  // handed back, to go out one by one
   std::map<long, FinishedRun> waiting_;
+  std::map<long, std::string> why_split_;  // by the first run
   std::atomic<bool> stopped_ = false;  // set under the mutex, read by every step
   std::exception_ptr error_;
   mutable std::mutex mutex_;

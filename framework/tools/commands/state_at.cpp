@@ -4,6 +4,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/tools/program/method_specs.h"
+#include "framework/tools/rank/cause.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
@@ -24,7 +25,12 @@ State run_to(Mechanism& m, const Registry& registry, double t) {
   loop.add_observer(*recorder);
   for (Event& event : events) loop.add_event(std::move(event));
   loop.set_state(std::move(start));
-  const SimulationReport& report = loop.run_until(t);
+  try {
+    loop.run_until(t);
+  } catch (const Error& error) {
+    rethrow_with(cause_of_stop(dynamics, loop.state(), loop.integrator().info().adaptive ? 0 : m.run.step), error);
+  }
+  const SimulationReport& report = loop.report();
   if (report.stopped)
     throw ModelError("the run ended at t = " + text::brief(loop.state().t) + " s, by '" + report.stopped_by +
                      "'; give a time --at before it");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The command statics: the equilibrium of a scene under its loads.
 #include <spdlog/fmt/fmt.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <lockstep/analysis.h>
 #include <lockstep/equilibrium.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/system_of.h"
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
@@ -26,20 +26,18 @@
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/rank/cause.h"
-#include "framework/tools/record/channel_entry.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {
 
-/// The lengths and angles that a scene records, but for places of bodies: those are printed in any case.
+/// The lengths and angles that a scene records.
 std::vector<Channel> lengths_and_angles(Mechanism& m) {
   std::vector<Channel> all;
   for (const ChannelRequest& request : m.run.record) {
     Channel c = channel_of(m, request.channel);
     c.name = request.column();
-    if (c.unit == "rad" || (c.unit == "m" && channels::owner_of(request.channel, m.system).first != "body"))
-      all.push_back(std::move(c));
+    if (c.unit == "rad" || c.unit == "m") all.push_back(std::move(c));
   }
   return all;
 }
@@ -115,7 +113,8 @@ struct AtRest {
   NamedPoses poses;
   std::vector<std::pair<std::string, NamedReaction>> reactions;
   std::vector<PoseNumber> quantities;
-  int found = 1;  // by how many starts
+  double energy = 0;          // potential, J
+  int number = 0, found = 0;  // of --all: its own; of starts that lead here
 };
 
 bool is_unique(const UniquenessReport& unique, const std::string& reaction) {
@@ -127,7 +126,9 @@ bool is_unique(const UniquenessReport& unique, const std::string& reaction) {
 
 /// `tells`: whether its notes are findings of the command.
 AtRest found_of(Resting& r, bool tells = true) {
-  AtRest found{r.report, poses_of(r.m.system, r.state), reactions_of(r.m.system, r.values()), r.quantities()};
+  const StepReport none{};
+  AtRest found{r.report, poses_of(r.m.system, r.state), reactions_of(r.m.system, r.values()), r.quantities(),
+               make_channel(system_of(r.m), "energy.potential").value(Sample(r.dynamics, r.state, none))};
   const UniquenessReport unique = uniqueness(r.dynamics, r.state);
   for (auto& [name, reaction] : found.reactions) {
     for (double& x : reaction.wrench.force) x = r.without_rounding(x, "N");
@@ -173,7 +174,7 @@ const Fields<EquilibriumReport>& report_fields() {
   static const Fields<Stability> kStability{
       {"stability", "", "stability", [](const Stability& s) { return to_string(s.kind); }},
       {"freedoms", "", "remaining degrees of freedom", &Stability::freedoms},
-      {"softest", "1/s^2", "lowest natural frequency", &Stability::softest, frequency_text},
+      {"lowest_eigenvalue", "1/s^2", "lowest natural frequency", &Stability::softest, frequency_text},
       {"growth_time", "s", "fastest growth", [](const Stability& s) { return growth_time(s.softest); }, growth_text},
       {"has_potential", "", "potential", &Stability::has_potential,
        [](const Json& v) { return v.get<bool>() ? std::string() : "none: damping may decide the stability"; }},
@@ -183,6 +184,7 @@ const Fields<EquilibriumReport>& report_fields() {
       {"method", "", "found by", &Report::method},
       {"by_friction", "", "held by friction", &Report::by_friction},
       {"relaxed", "", "", &Report::relaxed},
+      {"singular", "", "near a singular configuration", &Report::singular},
       {"iterations", "", "", &Report::iterations},
       {"relaxation_steps", "", "", &Report::relaxation_steps},
       {"unbalanced", "", "unbalanced force", &Report::unbalanced,
@@ -200,34 +202,69 @@ const Fields<EquilibriumReport>& report_fields() {
   return kFields;
 }
 
-Fields<AtRest> fields_at_rest(const char* label_of_found) {
-  return Fields<AtRest>{}
-      .with(&AtRest::report, report_fields())
-      .with({{"found", "", label_of_found, &AtRest::found},
-             {"bodies", "bodies", &AtRest::poses, pose_fields()},
-             {"quantities", "forces and recorded quantities", &AtRest::quantities, number_fields()},
-             {"reactions", "reactions at P, world", &AtRest::reactions, reaction_fields()}});
-}
 const Fields<AtRest>& rest_fields() {
-  static const Fields<AtRest> kFields = fields_at_rest("");
+  static const Fields<AtRest> kFields =
+      Fields<AtRest>{}
+          .with(&AtRest::report, report_fields())
+          .with({{"energy", "J", "potential energy", &AtRest::energy},
+                 {"found", "", "starts that lead here", &AtRest::found, unless_zero},
+                 {"bodies", "bodies", &AtRest::poses, pose_fields()},
+                 {"quantities", "forces and recorded quantities", &AtRest::quantities, number_fields()},
+                 {"reactions", "reactions at P, world", &AtRest::reactions, reaction_fields()}});
   return kFields;
 }
 
 /// Of --all.
 struct AllAtRest {
-  int starts = 0, failed = 0;
+  int starts = 0, failed = 0, unassembled = 0;
   std::vector<AtRest> all;
 };
+Fields<AllAtRest> fields_of_all(const char* label, const Fields<AtRest>& each) {
+  return {{"starts", "", "starts", &AllAtRest::starts,
+           [](const Json& n) {
+             return fmt::format("{} random ones, and the given one; there may be more equilibria", n.get<int>() - 1);
+           }},
+          {"failed", "", "", &AllAtRest::failed},
+          {"failures", "", "  failed",
+           [](const AllAtRest& a) {
+             std::vector<std::string> all;
+             if (a.unassembled > 0) all.push_back(fmt::format("{} not assembled", a.unassembled));
+             if (a.failed > a.unassembled) all.push_back(fmt::format("{} not converged", a.failed - a.unassembled));
+             return all.empty() ? "0" : text::join(all, ", ");
+           }},
+          Field<AllAtRest>("equilibria", label, &AllAtRest::all, each).whole()};
+}
 const Fields<AllAtRest>& all_fields() {
-  static const Fields<AtRest> kEach = fields_at_rest("starts that lead here");
-  static const Fields<AllAtRest> kFields{
-      {"starts", "", "starts", &AllAtRest::starts,
-       [](const Json& n) {
-         return fmt::format("{} random ones, and the given one; there may be more equilibria", n.get<int>() - 1);
-       }},
-      {"failed", "", "  failed", &AllAtRest::failed},
-      {"equilibria", "equilibrium", &AllAtRest::all, kEach}};
+  static const Fields<AllAtRest> kFields = fields_of_all("equilibrium", rest_fields());
   return kFields;
+}
+/// One line for each equilibrium, with the first quantities that differ between them.
+std::string overview_of(const AllAtRest& found) {
+  const auto words = [](const PoseNumber& n) { return fmt::format("{} {:.4g} {}", n.name, n.value, n.unit); };
+  const auto first = [&found, words](const AtRest& r) {
+    constexpr std::size_t kMost = 4;
+    std::vector<std::string> all;
+    for (std::size_t k = 0; k < r.quantities.size() && all.size() < kMost; ++k) {
+      const auto differs = [&](const AtRest& other) { return words(other.quantities[k]) != words(r.quantities[k]); };
+      if (found.all.size() == 1 || std::ranges::any_of(found.all, differs)) all.push_back(words(r.quantities[k]));
+    }
+    return text::join(all, ", ");
+  };
+  const Fields<AtRest> line{
+      {"number", "", "nr", &AtRest::number},
+      {"stability", "", "stability", [](const AtRest& r) { return to_string(r.report.stability.kind); }},
+      {"frequency", "Hz", "lowest frequency [Hz]",
+       [](const AtRest& r) { return std::sqrt(r.report.stability.softest) / kTwoPi; }, unless_zero},
+      {"growth_time", "s", "growth time constant",
+       [](const AtRest& r) { return growth_time(r.report.stability.softest); }},
+      {"energy", "J", "potential energy", &AtRest::energy},
+      {"found", "", "starts", &AtRest::found},
+      {"quantities", "", "quantities", first},
+      {"note", "", "note", [](const AtRest& r) {
+         return r.report.singular ? "near a singular configuration: reactions may have no limit" : "";
+       }}};
+  const Fields<AllAtRest> fields = fields_of_all("equilibria", line);
+  return text_of(fields.schema(), fields(found));
 }
 
 /// Of --vary.
@@ -248,15 +285,15 @@ std::vector<PoseNumber> numbers_of(Resting& r, bool brief = false) {
                         : s.kind == Stability::Kind::neutral                                    ? 0
                         : s.kind == Stability::Kind::unstable                                   ? -1
                                                                                                 : NAN;
-  std::vector<PoseNumber> all{{"stable", "", stable},
-                              {"softest", "1/s^2", s.softest},
-                              {"unbalanced", "", r.report.unbalanced},
-                              {"move", "m", r.report.largest_move}};
+  std::vector<PoseNumber> all{
+      {"stable", "", stable}, {"lowest_eigenvalue", "1/s^2", s.softest}, {"move", "m", r.report.largest_move}};
+  if (!brief) all.push_back({"unbalanced", "", r.report.unbalanced});
   std::vector<PoseNumber> recorded = r.quantities();
   if (!brief || recorded.empty())
     for (PoseNumber& n : pose_numbers(r.m.system, r.state, r.values()))
       n.value = r.without_rounding(n.value, n.unit), all.push_back(std::move(n));
-  for (PoseNumber& n : recorded) all.push_back(std::move(n));
+  for (PoseNumber& n : recorded)
+    if (std::ranges::find(all, n.name, &PoseNumber::name) == all.end()) all.push_back(std::move(n));
   return all;
 }
 
@@ -266,8 +303,8 @@ using Cells = std::vector<std::string>;
 void add_titles(Cells& line, const std::vector<PoseNumber>& numbers) {
   for (const PoseNumber& n : numbers) line.push_back(column_title({n.name, n.unit, {}}));
 }
-void add_values(Cells& line, const std::vector<PoseNumber>& numbers) {
-  for (const PoseNumber& n : numbers) line.push_back(text::number(n.value));
+void add_values(Cells& line, const std::vector<PoseNumber>& numbers, bool brief = false) {
+  for (const PoseNumber& n : numbers) line.push_back(brief ? fmt::format("{:.9g}", n.value) : text::number(n.value));
 }
 
 /// "another branch: ..." if the way back from an equilibrium does not lead to the one before, else "ok". `before` then
@@ -314,14 +351,14 @@ Result vary(const Arguments& args) {
     try {
       auto now = std::make_unique<Resting>(scenes.scene(run), scenes.loaded.registry);
       now->find(args, before ? &before->state : nullptr, false);
-      const std::vector<PoseNumber> numbers = numbers_of(*now, record.empty() && isatty(STDOUT_FILENO) != 0);
+      const std::vector<PoseNumber> numbers = numbers_of(*now, record.empty());
       const std::string status = before ? branch_status(args, *before, *now) : "ok";
       if (width == 0) {
         found_of(*now), note_friction(now->m.system);
         add_titles(lines[0], numbers), lines[0].emplace_back("status"), width = lines[0].size();
       }
       if (status != "ok") tell(fmt::format("warning: {}: {}\n", setting, status));
-      add_values(line, numbers), line.push_back(status);
+      add_values(line, numbers, record.empty()), line.push_back(status);
       ++varied.found, before = std::move(now);
     } catch (const Error& error) {
       ++varied.failed;
@@ -352,13 +389,15 @@ Result find_all(const Arguments& args) {
   Resting first(loaded.scene, loaded.registry);
   first.begin(args), note_friction(first.m.system);
   EquilibriaReport report = find_equilibria(first.dynamics, first.state, {.starts = starts});
-  AllAtRest found{report.starts, report.failed, {}};
+  AllAtRest found{report.starts, report.failed, report.unassembled, {}};
   for (Equilibrium& e : report.all) {
     first.state = std::move(e.state), first.report = std::move(e.report);
     found.all.push_back(found_of(first, found.all.empty()));
-    found.all.back().found = e.found;
+    found.all.back().number = static_cast<int>(found.all.size()), found.all.back().found = e.found;
   }
-  return {loaded, all_fields(), found};
+  Result result(loaded, all_fields(), found);
+  if (!args.has("--verbose")) result.brief = overview_of(found);
+  return result;
 }
 
 Result find_rest(const Arguments& args) {
@@ -387,23 +426,31 @@ Result find_rest(const Arguments& args) {
 Command statics_command() {
   return {
       "statics",
-      join({scene_options(),
-            {kJson,
-             {"--at", "TIME", "time of laws and drives, s; default 0"},
-             {"--nearest", "", "accept the first equilibrium found, stable or not"},
-             Option{"--all", "N", "find all equilibria, unstable ones too, from N random starts"}.without("--nearest"),
-             Option{"--vary", "NAME=...",
-                    "NAME=a:b:n, NAME=a:b:n:log or NAME=v1,v2,...: follow the equilibrium over a parameter, one CSV "
-                    "row each, without poses and reactions on a terminal; may be repeated"}
-                 .repeated(),
-             {"--record", "FILE.csv", "write poses, reactions, loads of forces and recorded quantities as CSV"}}}),
+      join(
+          {scene_options(),
+           {kJson,
+            {"--at", "TIME", "time of laws and drives, s; default 0"},
+            {"--nearest", "", "accept the first equilibrium found, stable or not"},
+            Option{
+                "--all", "N",
+                "look for all equilibria, unstable ones too, from N random starts; 200 is a good value, but the list "
+                "may be incomplete"}
+                .without("--nearest"),
+            Option{"--verbose", "", "print all details of each equilibrium"}.along("--all"),
+            Option{"--vary", "NAME=VALUES",
+                   "follow the equilibrium over a:b:n, a:b:n:log or v1,v2,... of a parameter, one CSV row each; may be "
+                   "repeated"}
+                .repeated(),
+            {"--record", "FILE.csv", "write poses, reactions, loads of forces and recorded quantities as CSV"}}}),
       find_rest,
       "Newton's method reduces the potential energy; if it fails, dynamic relaxation follows. Velocities are zero, "
       "drives hold their coordinates.\n\n"
       "Each value of --vary begins at the equilibrium of the value before. With several --vary each line of the grid\n"
       "begins at the start of the scene. A row with the status `another branch` does not lead back to the row before.\n"
-      "Columns of the CSV: `stable` is 1, 0 if neutral, -1 if unstable. `softest` is the square of the lowest natural\n"
-      "frequency. `unbalanced` is the remaining force relative to the largest. `move` is the longest way of a body.\n"
+      "Columns of the CSV: `stable` is 1, 0 if neutral, -1 if unstable. `lowest_eigenvalue` is the square of the "
+      "lowest\n"
+      "natural angular frequency. `move` is the largest displacement of a body. --record adds poses, reactions, and\n"
+      "`unbalanced`, the remaining force relative to the largest.\n"
       "`stable` and --all do not consider friction.\n\n"
       "Example:\n  lockstep statics samples/scenes/double_pendulum.json",
       {&rest_fields().schema(), &all_fields().schema(), &varied_fields().schema()}};

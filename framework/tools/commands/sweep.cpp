@@ -126,6 +126,10 @@ class Sweep {
     progress_.finish();
     while (const std::optional<FinishedRun> run = queue_.take_rest()) take(*run);
     queue_.rethrow();
+    if (tally_.in_lanes > 0)
+      tally_.alone.clear();
+    else if (tally_.alone.empty())
+      tally_.alone = queue_.why_split();
     return tally_;
   }
   /// All rows are complete and have their name.
@@ -206,13 +210,14 @@ class Sweep {
       const FindingScope unheard;
       for (long k = 0; k < group.n; ++k) scenes.push_back(plan_.scene(number(group.first + k)));
     } catch (const std::exception&) {
-      return queue_.split(group);
+      return queue_.split(group, "a run in the batch failed");
     }
+    std::string why;
     std::vector<Table> histories(scenes.size());
     std::vector<SweepRun> runs = sweep_lanes(scenes, plan_.loaded.registry, plan_.columns,
                                              watch_time(share, scenes.front().run.until, static_cast<double>(group.n)),
-                                             keeps_histories() ? &histories : nullptr);
-    if (runs.empty()) return queue_.split(group);
+                                             keeps_histories() ? &histories : nullptr, &why);
+    if (runs.empty()) return queue_.split(group, why);
     std::vector<FinishedRun> done;
     for (std::size_t i = 0; i < runs.size(); ++i) {
       const long k = group.first + static_cast<long>(i);
@@ -326,13 +331,13 @@ const Fields<Tally>& sweep_fields() {
                                      {"kept", "", "done before", &Tally::kept, unless_zero},
                                      {"in_lanes", "", "", &Tally::in_lanes},
                                      {"one_by_one", "", "one by one", &Tally::alone},
-                                     {"histories", "", "histories", &Tally::histories, unless_zero},
+                                     {"histories", "", "tables kept", &Tally::histories, unless_zero},
                                      {"notes", "", "report", &Tally::notes},
                                      {"runs", "", &Tally::runs, row_fields()}};
   return kFields;
 }
 
-// "3 runs, all succeeded (vectorised: 8 per batch)".
+// "9 runs, all succeeded (vectorised: 8 of 9)".
 std::string summary(const Tally& t) {
   std::string text = fmt::format("  {} run{}", t.asked, t.asked == 1 ? "" : "s");
   if (t.done < t.asked) text += fmt::format(", {} done", t.done);
@@ -340,8 +345,7 @@ std::string summary(const Tally& t) {
   if (t.wrong > 0) text += fmt::format(", {} wrong (energy or constraints)", t.wrong);
   if (t.done == t.asked && t.failed + t.wrong == 0) text += ", all succeeded";
   if (t.in_lanes > 0)
-    text += fmt::format(" (vectorised: {}{} per batch)",
-                        t.in_lanes < t.done ? fmt::format("{} of {}, ", t.in_lanes, t.done) : "", kLanes);
+    text += t.in_lanes < t.done ? fmt::format(" (vectorised: {} of {})", t.in_lanes, t.done) : " (vectorised)";
   if (t.unchecked > 0) text += fmt::format("; energy of {} not checked (--lanes off checks it)", t.unchecked);
   return text + "\n";
 }
@@ -364,10 +368,22 @@ Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
   }
 }
 
+// The table with its values in the units of --vary.
+std::string shown_table(const SweepPlan& plan, const std::string& csv) {
+  std::string text = sweep_header(plan.shown, plan.columns);
+  const std::vector<std::string> lines = lines_of(csv);
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const long n = std::stol(lines[i]);
+    const std::vector<std::size_t> choice = plan.grid.at(n);
+    text += row_begin(n, plan.shown, choice) + lines[i].substr(row_begin(n, plan.variables, choice).size()) + "\n";
+  }
+  return text;
+}
+
 // The first variable of numbers against the first result.
 void write_report(const SweepPlan& plan, const Tally& tally, const std::string& csv, const std::string& report,
                   const report::Histories* motions, std::vector<std::string>& notes) {
-  const Variable& v = plan.variables.front();
+  const Variable& v = plan.shown.front();
   const std::vector<Column>& columns = plan.columns.columns();
   const Column result = columns.size() > 1 ? columns[1] : columns.front();
   ReportText text = text_of(plan.arguments, plan.loaded);
@@ -380,7 +396,7 @@ void write_report(const SweepPlan& plan, const Tally& tally, const std::string& 
   if (motions != nullptr && tally.kept > 0)
     text.facts.emplace_back(
         "", fmt::format("The curves of {} runs before the interruption are in the folder only.", tally.kept));
-  write_runs_report(report, text, contents_of(csv), column_title({v.path, plan.plain_headers ? "" : v.unit, {}}),
+  write_runs_report(report, text, shown_table(plan, contents_of(csv)), column_title({v.path, v.unit, {}}),
                     column_title({result.name + " final", result.unit, {}}), false, motions);
   if (!left_out.empty()) notes.push_back("of the histories, it has " + left_out);
   if (motions != nullptr && tally.kept > 0)
@@ -404,10 +420,6 @@ Result sweep_scene(const Arguments& args) {
   tally.asked = sweep.n_runs();
   if (plan.shard.count > 1)
     tally.share = fmt::format("{}/{} of {}", plan.shard.index, plan.shard.count, plan.grid.n_runs());
-  if (tally.in_lanes > 0)
-    tally.alone.clear();
-  else if (tally.alone.empty() && tally.done - tally.kept >= kFewestLanes)
-    tally.alone = "their ends, outputs or settings differ, or some fail";
   const bool interrupted = tally.done < sweep.n_runs();  // its results replace nothing then
   const std::string table = interrupted && csv != "-" ? rows.partial() : csv;
   if (!report.empty())
@@ -431,48 +443,42 @@ Result sweep_scene(const Arguments& args) {
 Command sweep_command() {
   return {
       "sweep",
-      join({settings_options(),
-            {Option{"--vary", "NAME=...",
-                    "NAME=a:b:n (n values from a to b), NAME=a:b:n:log or NAME=v1,v2,...; may be repeated"}
-                 .needed()
-                 .repeated(),
-             {"--shard", "i/n", "every n-th run, beginning with run i (from 1)"},
-             {"--record", "FILE.csv",
-              "the CSV file; default: <scene>_sweep.csv or <scene>_sweep_<i>of<n>.csv, in LOCKSTEP_OUTPUT or here; "
-              "-: standard output, messages to standard error"},
-             {"--report", "FILE.html",
-              "one HTML file with a scatter plot of all runs; with --histories, a click shows curves and motion"},
-             Option{"--lanes", "MODE", "auto: vectorised, eight runs per batch, if possible; off: one by one"}.among(
-                 "auto,off"),
-             {"--jobs", "N",
-              "threads, 1 to 1024; default: the available processors, 1 with --shard. Plugins that share data among "
-              "runs need --jobs 1"},
-             {"--histories", "DIR", "folder for the columns of each run, <its number>.csv with leading zeros"},
-             kHeaders,
-             {"--quiet", "", "print errors only"},
-             kJson.without("--quiet"),
-             Option{"--resume", "", "continue the same sweep after an interruption; existing rows stay"}.without(
-                 "--json")}}),
+      join(
+          {settings_options(),
+           {Option{"--vary", "NAME=...",
+                   "NAME=a:b:n (n values from a to b), NAME=a:b:n:log or NAME=v1,v2,...; may be repeated"}
+                .needed()
+                .repeated(),
+            {"--shard", "i/n", "only every n-th run, beginning with run i (from 1); the default of --jobs is then 1"},
+            {"--record", "FILE.csv",
+             "the CSV file; default: <scene>_sweep.csv or <scene>_sweep_<i>of<n>.csv, in LOCKSTEP_OUTPUT or here; "
+             "-: standard output, messages to standard error"},
+            {"--report", "FILE.html",
+             "one HTML file with a scatter plot of all runs; with --histories, a click on a point shows its curves and "
+             "motion"},
+            Option{"--lanes", "MODE", "auto (default): eight runs per vectorised batch, if possible; off: one by one"}
+                .among("auto,off"),
+            {"--jobs", "N",
+             "threads, 1 to 1024; default: the available processors. Plugins that share data among runs need --jobs 1"},
+            {"--histories", "DIR", "folder for the table of each run: 01.csv, 02.csv, ..."},
+            kHeaders,
+            {"--quiet", "", "print errors only"},
+            kJson.without("--quiet"),
+            Option{"--resume", "", "continue the same sweep after an interruption, after the lines that exist"}.without(
+                "--json")}}),
       sweep_scene,
       R"(NAME is a parameter of the scene, or a path into it: bodies.arm.mass, joints.A.drive.law.slope, gravity.1,
 run.tolerance. An item of a list has its name, or its number from 0. Units are those of scenes:
-bodies.arm.mass=200g:1kg:5. Several --vary give the full grid. Each run is one row: number, values, final, min and max
-of each recorded column, energy verdict and imbalance, largest violation, steps, CPU seconds, status. A run that fails is
-a row with its reason, and the exit code is 1. Equal reasons are printed once, with the range of their values. The exit
-code is 9 if the energy error or the constraint violation of a run is beyond its limit. In vectorised batches the energy
-is not checked if a law may move a joint (--lanes off). Ctrl-C keeps the rows so far.
+bodies.arm.mass=200g:1kg:5. Several --vary give the full grid.
+Each run is one line of the table: number, values, final, min and max of each recorded column, energy verdict and
+imbalance, largest violation, steps, CPU seconds, status.
+If a run fails, its status is the reason, and the exit code is 1. The exit code is 9 if no run failed, but the energy
+error or the constraint violation of one is beyond its limit.
+In vectorised batches the energy is not checked if a law may move a joint (--lanes off). Ctrl-C keeps the lines so far.
+The page sweep.md shows shards on several machines.
 
 Example:
-  lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --vary gravity.1=-9.81,-1.62 --record moon.csv
-Runs are distributed over all available processors (--jobs), and by shards over several machines.
-With GNU parallel, eight shards (units without blanks):
-  parallel lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --quiet --shard {}/8 --record mass_{}.csv ::: $(seq 8)
-Under Slurm, sbatch of a script with these lines:
-  #SBATCH --array=1-8
-  i=$SLURM_ARRAY_TASK_ID n=$SLURM_ARRAY_TASK_COUNT
-  lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --quiet --shard $i/$n --record mass_$i.csv
-All shards have the same header. This makes one table in the order of the grid:
-  awk 'FNR > 1 || NR == 1' mass_*.csv | sort -t , -k 1,1n > mass.csv)",
+  lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --vary gravity.1=-9.81,-1.62 --record moon.csv)",
       {&sweep_fields().schema()}};
 }
 

@@ -70,12 +70,26 @@ void warn_left_behind(const std::vector<Variable>& variables, const Loaded& load
 void refuse_varied_options(const Arguments& args, const std::vector<Variable>& variables) {
   for (const Variable& v : variables) {
     for (const std::string name :
-         {"integrator", "solver", "step", "tolerance", "until", "formulation", "stabilization"})
+         {"integrator", "solver", "step", "tolerance", "until", "output", "formulation", "stabilization"})
       if (!args["--" + name].empty() && (v.place == "run." + name || v.place.starts_with("run." + name + ".")))
         throw UsageError(fmt::format("--{}: \"{}\" varies; leave one of the two out", name, v.path));
     if ((!args["--planar"].empty() || args.has("--full")) && v.place == "planar")
       throw UsageError("--planar: \"planar\" varies; leave one of the two out");
   }
+}
+
+// In the unit that `text`, NAME=..., gives: six digits.
+Variable as_written(Variable v, const std::string& text) {
+  double size = 1, x = 0;
+  for (const std::string& word : words_at(text.find(':') < text.size() ? ':' : ',', text.substr(text.find('=') + 1))) {
+    const char* end = std::from_chars(word.data(), word.data() + word.size(), x).ptr;
+    const std::string written(text::trimmed(std::string_view(end, word.data() + word.size())));
+    const Measured one = in_si(1, written);
+    if (end != word.data() && !written.empty() && one.problem.empty()) v.unit = written, size = one.value;
+  }
+  for (Value& value : v.values)
+    if (value.number() != nullptr) value = Value(*number_in<double>(fmt::format("{:.6g}", *value.number() / size)));
+  return v;
 }
 
 }  // namespace
@@ -85,9 +99,13 @@ VariedScene read_varied(const Arguments& args) {
   return as_usage("--vary", [&] {
     std::vector<Variable> variables = read_variables(args.all("--vary"), loaded.scene, loaded.registry);
     refuse_varied_options(args, variables);
+    std::vector<Variable> shown;
     std::vector<std::size_t> sizes;
-    for (const Variable& v : variables) sizes.push_back(v.values.size());
-    return VariedScene{args, std::move(loaded), std::move(variables), Grid(sizes)};
+    for (const Variable& v : variables) {
+      shown.push_back(as_written(v, args.all("--vary")[sizes.size()]));
+      sizes.push_back(v.values.size());
+    }
+    return VariedScene{args, std::move(loaded), std::move(variables), std::move(shown), Grid(sizes)};
   });
 }
 
@@ -97,38 +115,18 @@ Scene VariedScene::scene(long run) const {
   return s;
 }
 
-std::string VariedScene::values_text(long run) const {
-  std::string all;
-  const std::vector<std::string> given = arguments.all("--vary");
-  for (std::size_t k = 0; k < variables.size(); ++k) {
-    const Value& value = variables[k].values[grid.at(run)[k]];
-    std::string unit = variables[k].unit;
-    double size = 1, x = 0;
-    for (const std::string& word :
-         words_at(given[k].find(':') < given[k].size() ? ':' : ',', given[k].substr(given[k].find('=') + 1))) {
-      const char* end = std::from_chars(word.data(), word.data() + word.size(), x).ptr;
-      const std::string written(text::trimmed(std::string_view(end, word.data() + word.size())));
-      const Measured one = in_si(1, written);
-      if (end != word.data() && !written.empty() && one.problem.empty()) unit = written, size = one.value;
-    }
-    all += (k == 0 ? "" : ", ") + variables[k].path + " = " +
-           (value.number() != nullptr ? fmt::format("{:.6g}", *value.number() / size) : plain_text(value)) +
-           (unit.empty() ? "" : " " + unit);
-  }
-  return all;
-}
-
 std::string SweepPlan::runs_text(const std::vector<long>& runs) const {
-  if (runs.size() == 1) return fmt::format("run {} ({})", runs[0], setting_text(variables, grid.at(runs[0])));
+  if (runs.size() == 1) return fmt::format("run {} ({})", runs[0], setting_text(shown, grid.at(runs[0])));
   std::string ranges;
-  for (std::size_t k = 0; k < variables.size(); ++k) {
-    const Variable& v = variables[k];
+  for (std::size_t k = 0; k < shown.size(); ++k) {
+    const Variable& v = shown[k];
     double least = HUGE_VAL, most = -HUGE_VAL;
     for (const long run : runs)
       if (const double* x = v.values[grid.at(run)[k]].number()) least = std::min(least, *x), most = std::max(most, *x);
     if (!(least <= most)) continue;  // words
     ranges += fmt::format("{}{} = {:.4g}", ranges.empty() ? " (" : ", ", v.path, least) +
-              (least < most ? fmt::format(" ... {:.4g}", most) : "") + (v.unit.empty() ? "" : " " + v.unit);
+              (least < most ? fmt::format("{}{:.4g}", runs.size() == 2 ? " and " : " ... ", most) : "") +
+              (v.unit.empty() ? "" : " " + v.unit);
   }
   return fmt::format("{} runs{}", runs.size(), ranges.empty() ? "" : ranges + ")");
 }
@@ -147,7 +145,7 @@ bool keeps_motion(const Arguments& args) { return !args["--histories"].empty() &
 
 std::string why_alone(const SweepPlan& plan) {
   if (plan.arguments["--lanes"] == "off") return "as requested";
-  if (keeps_motion(plan.arguments)) return "the report keeps their motion";
+  if (keeps_motion(plan.arguments)) return "the report keeps the motion of each run";
   if (!plan.arguments["--histories"].empty() && plan.loaded.scene.run.at_jumps)
     return "the histories have rows at jumps (at_jumps)";
   if (plan.grid.n_runs(plan.shard) == 0) return {};

@@ -15,13 +15,11 @@ namespace lockstep {
 struct VariedScene {
   const Arguments& arguments;
   Loaded loaded;
-  std::vector<Variable> variables;
+  std::vector<Variable> variables, shown;  ///< in SI units; in the units of --vary
   Grid grid;
 
   /// The scene of a run of the grid, from 1, with the settings of the command line.
   Scene scene(long run) const;
-  /// Its values in the units of --vary: "crank = 55 mm, ratio = 0.4".
-  std::string values_text(long run) const;
 };
 /// Reads the scene and --vary. Throws UsageError, also if a setting that varies is given by an option, too.
 VariedScene read_varied(const Arguments&);
@@ -32,7 +30,7 @@ struct SweepPlan : VariedScene {
   Table columns{};  ///< of each run, without rows; with plain headers without units
   bool plain_headers = false;
 
-  /// "run 2 (crank = 0.1 m)", "12 runs (crank = 0.1 ... 0.15 m)".
+  /// "run 2 (crank = 100 mm)", "12 runs (crank = 100 ... 150 mm)".
   std::string runs_text(const std::vector<long>& runs) const;
 };
 

@@ -32,8 +32,8 @@ void SweepResults::add(long run, const SweepRun& done) {
 std::string SweepResults::extremes() const {
   std::vector<ColumnEnds> all = ends_;
   for (ColumnEnds& c : all) {
-    c.at_least = " (" + plan_.values_text(static_cast<long>(c.t_least)) + ")";
-    c.at_most = " (" + plan_.values_text(static_cast<long>(c.t_most)) + ")";
+    c.at_least = " (" + setting_text(plan_.shown, plan_.grid.at(static_cast<long>(c.t_least))) + ")";
+    c.at_most = " (" + setting_text(plan_.shown, plan_.grid.at(static_cast<long>(c.t_most))) + ")";
   }
   drop_rounding(all, plan_.loaded.scene.run.tolerance.relative);
   return results_text(all, "in the table");
@@ -43,7 +43,7 @@ std::string SweepResults::table() const {
   std::vector<std::vector<std::string>> columns{{plan_.variables.front().path}};
   std::vector<ColumnEnds> cells;
   for (const auto& [run, ranges] : runs_) {
-    const std::string value = plan_.values_text(run);
+    const std::string value = setting_text(plan_.shown, plan_.grid.at(run));
     columns[0].push_back(value.substr(value.find('=') + 2));
     for (std::size_t k = 0; k < ends_.size(); ++k)
       cells.push_back({{ranges.empty() ? ColumnRange() : ranges[k]}, ends_[k].name, ends_[k].unit});

@@ -69,14 +69,13 @@ Certificate certify(const Table& run, const std::vector<const Table*>& repeats, 
   }
   for (std::size_t k = 1; k < run.n_columns(); ++k) {
     const Column& column = run.columns()[k];
-    CertifiedChannel channel{column.name, column.unit, largest(column.values, c.n_rows)};
-    const double size = column.unit == "J" ? std::max(channel.size, exchanged) : channel.size;
-    double most = channel.size;
+    double most = largest(column.values, c.n_rows);
+    CertifiedChannel channel{column.name, column.unit, column.unit == "J" ? std::max(most, exchanged) : most};
     for (const Table* repeat : repeats) {
       const std::vector<double>& other = repeat->columns()[k].values;
       const double difference = largest(column.values, c.n_rows, &other);
       most = std::max(most, largest(other, c.n_rows));
-      channel.by.push_back({difference, digits_of(size, difference)});
+      channel.by.push_back({difference, digits_of(channel.size, difference)});
     }
     channel.zero =
         most == 0 || (most <= kNothing * std::max(1.0, of_unit[column.unit]) && channel.worst().digits < kFewDigits);
@@ -103,7 +102,7 @@ std::string certificate_text(const Certificate& c, const std::vector<std::string
     return fmt::format("{}{:.1f}", a.digits >= kMostDigits ? ">= " : "", std::min(a.digits, kMostDigits));
   };
   std::string text =
-      fmt::format("  {:<{}}  {:<{}}  {:>10}  {:>10}", "channel", width, "unit", unit, "largest", "difference");
+      fmt::format("  {:<{}}  {:<{}}  {:>10}  {:>10}", "channel", width, "unit", unit, "scale", "difference");
   for (const std::string& name : names) text += fmt::format("  {:>{}}", name, std::max<std::size_t>(15, name.size()));
   text += "\n";
   for (const CertifiedChannel& channel : c.channels) {

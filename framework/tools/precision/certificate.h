@@ -12,12 +12,12 @@ namespace lockstep {
 /// One channel of one repeat against the run.
 struct Agreement {
   double difference = 0;  ///< largest over the times, in the channel's unit
-  double digits = 0;  ///< log10(size / difference), of energies at least the energy exchanged; 17 if nothing differs
+  double digits = 0;      ///< log10(size / difference); 17 if nothing differs
 };
 
 struct CertifiedChannel {
   std::string name, unit;
-  double size = 0;                       ///< largest magnitude in the run
+  double size = 0;                       ///< largest magnitude in the run, of energies at least the energy exchanged
   bool zero = false;                     ///< it is only round-off: digits are meaningless
   std::vector<Agreement> by{};           ///< one per repeat
   LOCKSTEP_API Agreement worst() const;  ///< largest difference and fewest digits of all repeats

@@ -11,6 +11,7 @@
 
 #include <lockstep/error.h>
 #include "framework/foundation/math/limits.h"
+#include "framework/tools/charts/chart_style.h"
 
 namespace lockstep {
 namespace {
@@ -30,17 +31,19 @@ bool like(const WorkPrecisionRun& run, const WorkPrecisionRun& base, ChartBy by)
 
 double drawn(double error) { return std::max(error, kLeast); }
 
-// An error many times the size of the motion: the run is drawn as a failure.
+// It failed, or its error is many times the size of the motion: it is drawn in the strip.
 bool useless(const WorkPrecision& result, const WorkPrecisionRun& run, ErrorKind kind) {
   const double size = std::max(result.size.of(kind), result.agreement.of(kind));
   return !run.done() || !(run.error.of(kind) <= 30 * size);
 }
 
+// All runs as a line, those that count as points, or those that do not as rings.
 Series curve_of(const WorkPrecision& result, const std::string& label, ErrorKind kind, CostKind by,
-                const Wanted& wanted) {
-  Series s{label, {}, {}, SeriesStyle::linespoints};
+                const Wanted& wanted, SeriesStyle style = SeriesStyle::lines) {
+  Series s{label, {}, {}, style};
   for (const WorkPrecisionRun& run : result.runs)
-    if (wanted(run) && !useless(result, run, kind))
+    if (wanted(run) && !useless(result, run, kind) &&
+        (style == SeriesStyle::lines || counts(result, run, kind) == (style == SeriesStyle::points)))
       s.x.push_back(cost(run, by)), s.y.push_back(drawn(run.error.of(kind)));
   return s;
 }
@@ -56,41 +59,34 @@ Series front_of(const WorkPrecision& result, ErrorKind kind, CostKind by) {
   return s;
 }
 
-Range extent(const std::vector<Series>& all, bool of_x) {
-  Range r{HUGE_VAL, 0};
-  for (const Series& s : all)
-    for (const double v : of_x ? s.x : s.y)
-      if (v > 0 && std::isfinite(v)) r.first = std::min(r.first, v), r.second = std::max(r.second, v);
-  return r;
-}
-
 // A line at the difference of the two references: smaller errors are meaningless.
 void add_floor(const WorkPrecision& result, GridPanel& panel, ErrorKind kind) {
   const double floor = result.agreement.of(kind);
-  const Range x = extent(panel.series, true);
-  if (!(floor > 0) || !std::isfinite(floor) || !(x.second > 0)) return;
+  const chart_style::Extent x = chart_style::extent_of(panel.series, &Series::x, true);
+  if (!(floor > 0) || !std::isfinite(floor) || !x.any) return;
   panel.series.push_back(
-      {"difference of the references", {x.first, x.second}, {floor, floor}, SeriesStyle::dashes, "#888888"});
+      {"difference of the references", {x.low, x.high}, {floor, floor}, SeriesStyle::dashes, "#888888"});
 }
 
-// A shaded strip above all data, with a cross at its cost for each run that failed.
+// A shaded strip above all data, with a cross at its cost for each run that failed, and a ring for one off the scale.
 void add_failures(const WorkPrecision& result, GridPanel& panel, CostKind by, const Curves& curves, ErrorKind kind) {
-  Range y = extent(panel.series, false);
-  if (!(y.second > 0)) return;
-  const double decade = std::max(1.0, std::log10(y.second / y.first)), from = y.second * std::pow(10.0, 0.05 * decade);
+  const chart_style::Extent y = chart_style::extent_of(panel.series, &Series::y, true);
+  if (!y.any) return;
+  const double decade = std::max(1.0, std::log10(y.high / y.low)), from = y.high * std::pow(10.0, 0.05 * decade);
   bool any = false;
-  for (const auto& [label, wanted] : curves) {
-    Series failed{label, {}, {}, SeriesStyle::crosses};
-    for (const WorkPrecisionRun& run : result.runs)
-      if (wanted(run) && !run.given_up && useless(result, run, kind))
-        failed.x.push_back(by == CostKind::cpu ? std::max(run.cpu, 1e-6) : std::max(1.0, cost(run, by))),
-            failed.y.push_back(from * std::pow(10.0, 0.05 * decade));
-    if (failed.x.empty()) continue;
-    panel.series.push_back(failed);
-    any = true;
-  }
+  for (const auto& [label, wanted] : curves)
+    for (const SeriesStyle style : {SeriesStyle::crosses, SeriesStyle::rings}) {
+      Series failed{label, {}, {}, style};
+      for (const WorkPrecisionRun& run : result.runs)
+        if (wanted(run) && !run.given_up && useless(result, run, kind) && run.done() == (style == SeriesStyle::rings))
+          failed.x.push_back(by == CostKind::cpu ? std::max(run.cpu, 1e-6) : std::max(1.0, cost(run, by))),
+              failed.y.push_back(from * std::pow(10.0, 0.05 * decade));
+      if (failed.x.empty()) continue;
+      panel.series.push_back(failed);
+      any = true;
+    }
   if (any) panel.strip_from = from;
-  panel.y_range = {y.first / std::pow(10.0, 0.05 * decade), any ? from * std::pow(10.0, 0.1 * decade) : from};
+  panel.y_range = {y.low / std::pow(10.0, 0.05 * decade), any ? from * std::pow(10.0, 0.1 * decade) : from};
 }
 
 // A ring at the last point of each curve that could continue: its next setting was not tried, which is no failure.
@@ -175,12 +171,19 @@ std::optional<GridPanel> panel_of(const WorkPrecision& result, const std::string
                                   const Curves& curves) {
   GridPanel panel{title, cost_label(by), {}};
   panel.series.push_back(front_of(result, kind, by));
-  for (const auto& [label, wanted] : curves) panel.series.push_back(curve_of(result, label, kind, by, wanted));
+  for (const auto& [label, wanted] : curves)
+    for (const SeriesStyle style : {SeriesStyle::lines, SeriesStyle::points})
+      panel.series.push_back(curve_of(result, label, kind, by, wanted, style));
+  const Wanted any = [&](const auto& run) {
+    return std::ranges::any_of(curves, [&](const auto& curve) { return curve.second(run); });
+  };
+  panel.series.push_back(curve_of(result, "does not count", kind, by, any, SeriesStyle::rings));
+  panel.series.back().color = "#a8a8a8";
   if (std::all_of(panel.series.begin() + 1, panel.series.end(), [](const Series& s) { return s.x.empty(); }))
     return std::nullopt;
-  const Range y = extent(panel.series, false);
+  const chart_style::Extent y = chart_style::extent_of(panel.series, &Series::y, true);
   // This error is zero or round-off: no joints, no energy.
-  if (!(y.second > 2 * kLeast) || !(result.size.of(kind) > kNegligible)) return std::nullopt;
+  if (!(y.high > 2 * kLeast) || !(result.size.of(kind) > kNegligible)) return std::nullopt;
   add_floor(result, panel, kind);
   add_failures(result, panel, by, curves, kind);
   add_open_ends(result, panel, kind, by, curves);
@@ -194,7 +197,7 @@ GridSpec chart_of(const WorkPrecision& result, const std::string& title, std::ve
                   CostKind by) {
   if (result.runs.empty()) throw ModelError("chart \"" + title + "\" has no runs; give it more time (--budget)");
   GridSpec chart{title};
-  chart.strip_label = "grey: failed";
+  chart.strip_label = "grey: failed or off scale";
   chart.open_label = "finer settings not tried";
   Curves all;
   for (const auto& [name, curves] : groups) {
@@ -249,15 +252,20 @@ GridSpec forms_chart(const WorkPrecision& result, const std::string& title, cons
   for (const std::string& integrator : integrators) {
     WorkPrecisionRun own = base;
     own.integrator = integrator;
+    std::string same;  // the formulation that automatic chose
+    for (const WorkPrecisionRun& run : result.runs)
+      if (run.done() && run.integrator == integrator && run.formulation == Formulation::automatic)
+        same = to_string(run.used);
     Curves curves;
     for (const std::string& value : values_of(result, by)) {
-      own.solver = solver_for(result, own, by, value);
+      own.solver = base.solver, own.solver = solver_for(result, own, by, value);
+      if (by == ChartBy::formulation && value == same && own.solver != base.solver) continue;  // it is in that curve
       const std::string other = own.solver != base.solver ? "; " + value + ": " + own.solver : std::string();
       if (solvers.find(other) == std::string::npos) solvers += other;
-      curves.emplace_back(value, [value, own, by](const WorkPrecisionRun& run) {
+      const bool chosen = value == to_string(Formulation::automatic) && !same.empty();
+      curves.emplace_back(chosen ? value + " = " + same : value, [value, own, by](const WorkPrecisionRun& run) {
         return value_of(run, by) == value && like(run, own, by);
       });
-      own.solver = base.solver;
     }
     groups.emplace_back(integrator, std::move(curves));
   }

@@ -40,11 +40,21 @@ std::string ratio(const MaybeCost& ours, const MaybeCost& peer, bool any_peer) {
   return ours->guess || peer->guess ? "(" + std::string(text) + ")" : mark + text;
 }
 
-void write_markdown(std::ostream& out, const Costs& table, const std::string& title, ErrorOf error) {
-  out << "\n## " << title << "\n\n| mechanism | error |";
+/// "dop853{fixed:true;stages:auto}+dense" as the program spells it: "dop853:fixed=true:stages=auto+dense".
+std::string spelled(std::string method) {
+  std::erase(method, '}');
+  for (char& c : method) c = c == ':' ? '=' : c == '{' || c == ';' ? ':' : c;
+  return method;
+}
+
+/// As `--integrator` takes it: without the mark of its own interpolation.
+std::string as_option(const std::string& method) { return spelled(method.substr(0, method.find("+dense"))); }
+
+void write_markdown(std::ostream& out, const Costs& table) {
+  out << "\n## Largest error over the run, at 101 times\n\n| mechanism | error [m] |";
   for (const std::string& system : table.systems()) out << ' ' << system << " |";
-  out << " best other engine / lockstep | lockstep's method |\n|---|---|";
-  for (std::size_t i = 0; i < table.systems().size() + 2; ++i) out << "---|";
+  out << " best other engine / lockstep | lockstep's method | its step [s] or tolerance |\n|---|---|";
+  for (std::size_t i = 0; i < table.systems().size() + 3; ++i) out << "---|";
   out << '\n';
   for (const std::string& m : table.mechanisms())
     for (const double limit : kLimits) {
@@ -52,11 +62,11 @@ void write_markdown(std::ostream& out, const Costs& table, const std::string& ti
       bool any_peer = false;
       for (const std::string& system : table.systems()) {
         any_peer |= system != kOurs && table.tried(m, system);
-        out << ' ' << shown(table.cheapest(m, system, limit, error), table.tried(m, system)) << " |";
+        out << ' ' << shown(table.cheapest(m, system, limit, &Line::error), table.tried(m, system)) << " |";
       }
-      const MaybeCost ours = table.cheapest(m, kOurs, limit, error);
-      out << ' ' << ratio(ours, table.best_peer(m, limit, error), any_peer) << " | "
-          << (ours && !ours->guess ? ours->method + " @ " + rounded(ours->setting) : "") << " |\n";
+      const MaybeCost ours = table.cheapest(m, kOurs, limit, &Line::error);
+      out << ' ' << ratio(ours, table.best_peer(m, limit, &Line::error), any_peer) << " | "
+          << (ours && !ours->guess ? as_option(ours->method) + " | " + rounded(ours->setting) : " |") << " |\n";
     }
 }
 
@@ -85,7 +95,8 @@ void write_growth(std::ostream& out, const Costs& table) {
   if (chains.empty()) return;
   out << "\n## Cost of a body and step\nThis table shows how the cost of one body and step grows with the length of a "
          "chain, in microseconds of CPU time. In brackets: the cost of one body and evaluation. Each value is the "
-         "median of the runs of the method.\n\n| system, method |";
+         "median of the runs of the method. The mark `+dense` means that the method itself interpolated the output.\n\n"
+         "| system, method |";
   for (const auto& m : chains) out << ' ' << m.name << " |";
   out << "\n|---|";
   for (std::size_t i = 0; i < chains.size(); ++i) out << "---|";
@@ -103,7 +114,7 @@ void write_growth(std::ostream& out, const Costs& table) {
     }
     for (const auto& [method, text] : cells)
       if (text.find_first_not_of(" |") != std::string::npos)
-        out << "| " << system << ' ' << method << " |" << text << '\n';
+        out << "| " << system << ' ' << spelled(method) << " |" << text << '\n';
   }
 }
 
@@ -143,21 +154,23 @@ int main(int argc, char** argv) {
   markdown
       << "# Comparison with other engines: the results\n"
          "This page lists the CPU time that lockstep and other engines need for the same mechanisms and errors. It is "
-         "for readers who compare engines. [The method](../peers/README.md) describes mechanisms, engines and "
-         "measurement.\n\nMeasured: "
+         "for readers who compare "
+         "engines.\n[Benchmarks](../../../framework/docs/charts.md#comparison-with-other-engines) "
+         "has a summary, and the limits of the comparison. [The method](../peers/README.md) describes mechanisms, "
+         "engines and measurement.\n\nMeasured: "
       << argv[1]
-      << "\n\n| entry of the first two tables | meaning |\n|---|---|\n"
-         "| error | limit of the error in m, the largest over the bodies |\n"
-         "| a number of an engine | user CPU time in s for one simulated second: the cheapest run within the error |\n"
+      << "\n\nA line of the first table is one mechanism with one limit of the error, the largest over the bodies. "
+         "Each engine has a column with the user CPU time in s for one simulated second, in its cheapest run within "
+         "that error.\nThe next column divides the time of the best other engine by that of lockstep. The last two "
+         "give lockstep's method as `--integrator` takes it, and its setting. The setting is the step of a method with "
+         "fixed steps (`fixed=true`, `rk4`), otherwise the tolerance.\nIn `flyball`, the limit of stability sets the "
+         "steps of `dop853`: "
+         "its cost does not depend on the error.\n\n| entry | meaning |\n|---|---|\n"
          "| a number in brackets | extrapolated beyond the budget |\n"
-         "| `<=` | upper bound: the next coarser run was not made |\n"
-         "| `never` | no run of any method met the error |\n"
-         "| empty | not run |\n"
-         "| name of a method | integrator and its options, such as `dop853{fixed:true}` for fixed steps |\n"
-         "| `+dense` | the output was interpolated by the method itself |\n"
-         "| `@` | before the step in s of a method with fixed steps, or the tolerance of others |\n";
-  write_markdown(markdown, table, "Largest error over the run, at 101 times", &Line::error);
-  write_markdown(markdown, table, "Error at the end of the run", &Line::error_end);
+         "| `never` | no run of the engine met the error |\n"
+         "| `only lockstep` | no run of any other engine met the error |\n"
+         "| empty | not run; in the last two columns: extrapolated |\n";
+  write_markdown(markdown, table);
   write_growth(markdown, table);
   markdown << "\nNext: [the method](../peers/README.md), [benchmarks](../../../framework/docs/charts.md).\n";
   write_csv(csv, table);
