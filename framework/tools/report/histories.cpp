@@ -55,11 +55,6 @@ void Histories::add(long run, const Table& table, const Frames& frames, const Me
   runs_.push_back(std::move(json));
 }
 
-long Histories::n_kept() const {
-  const std::scoped_lock lock(adding_);
-  return static_cast<long>(runs_.size());
-}
-
 std::string Histories::left_out() const {
   const std::scoped_lock lock(adding_);
   std::string words;

@@ -37,7 +37,6 @@ class LOCKSTEP_API Histories {
   /// Adds a run: its columns, and its motion if it has begun.
   void add(long run, const Table&, const Frames&, const Mechanism&);
 
-  long n_kept() const;  ///< runs that were added
   /// The kept part of the runs: "1 run in 5, 1 row in 3, 1 frame in 4, no motion of 7 of them"; "" if it is all. Rows and
   /// frames are those of the run that has most of them left out.
   std::string left_out() const;

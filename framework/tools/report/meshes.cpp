@@ -4,33 +4,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 namespace lockstep::report {
 namespace {
 
 constexpr float kMost = 65535;
 
-struct Extents {
-  std::array<float, 3> low, size;
-};
-
-Extents extents_of(const TriangleMesh& mesh) {
-  Extents e{mesh.points.front(), mesh.points.front()};
-  for (const auto& p : mesh.points)
-    for (std::size_t k = 0; k < 3; ++k) e.low[k] = std::min(e.low[k], p[k]), e.size[k] = std::max(e.size[k], p[k]);
-  for (std::size_t k = 0; k < 3; ++k) e.size[k] -= e.low[k];
-  return e;
-}
-
 nlohmann::ordered_json json_of(const TriangleMesh& mesh, Numbers& numbers) {
-  const Extents e = extents_of(mesh);
+  Eigen::AlignedBox3f box;
+  for (const auto& p : mesh.points) box.extend(Eigen::Vector3f::Map(p.data()));
+  const Eigen::Vector3f low = box.min(), size = box.sizes();
   std::vector<std::uint16_t> points;
   points.reserve(3 * mesh.points.size());
   for (const auto& p : mesh.points)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const float part = e.size[k] > 0 ? (p[k] - e.low[k]) / e.size[k] : 0;
+    for (int k = 0; k < 3; ++k) {
+      const float part = size[k] > 0 ? (p[k] - low[k]) / size[k] : 0;
       points.push_back(static_cast<std::uint16_t>(std::lround(kMost * std::clamp(part, 0.0F, 1.0F))));
     }
-  nlohmann::ordered_json json{{"low", e.low}, {"size", e.size}};
+  nlohmann::ordered_json json{{"low", {low[0], low[1], low[2]}}, {"size", {size[0], size[1], size[2]}}};
   json["points"] = numbers.add(std::span<const std::uint16_t>(points));
   const auto corners = [&]<class Number>(Number) {
     std::vector<Number> all;

@@ -57,13 +57,7 @@ std::string modes_page(const ReportText& text, const Sample& rest, const Mechani
                              {"frequency", mode.frequency},
                              {"damping", mode.damping},
                              {"shape", shape_json(frames.bodies(), mode)}});
-  const std::string title = text.title.empty() ? "lockstep modes" : text.title;
-  return page_with(title, json.dump(-1, ' ', false, Json::error_handler_t::replace), numbers.base64());
-}
-
-void write_modes(const std::string& file, const ReportText& text, const Sample& rest, const Mechanism& m,
-                 const std::vector<ShownMode>& modes, double length) {
-  write_whole(file, modes_page(text, rest, m, modes, length));
+  return page_with(json, numbers);
 }
 
 }  // namespace lockstep::report

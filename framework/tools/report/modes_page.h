@@ -30,8 +30,5 @@ struct ShownMode {
 /// `length`, m.
 LOCKSTEP_API std::string modes_page(const ReportText&, const Sample& rest, const Mechanism&,
                                     const std::vector<ShownMode>&, double length);
-/// Writes it. Throws FileError.
-LOCKSTEP_API void write_modes(const std::string& file, const ReportText&, const Sample& rest, const Mechanism&,
-                              const std::vector<ShownMode>&, double length);
 
 }  // namespace lockstep::report

@@ -3,11 +3,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <boost/archive/iterators/base64_from_binary.hpp>
+#include <boost/archive/iterators/transform_width.hpp>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
-#include <nlohmann/json.hpp>
-#include <type_traits>
 
 #include "framework/tools/charts/chart_style.h"
 
@@ -25,21 +23,6 @@ bool fits_single(double v) {
 
 }  // namespace
 
-template <class Number>
-nlohmann::ordered_json Numbers::append(std::span<const Number> values) {
-  bytes_.resize((bytes_.size() + 7) / 8 * 8);
-  const std::size_t at = bytes_.size();
-  bytes_.resize(at + values.size_bytes());
-  if (!values.empty()) std::memcpy(bytes_.data() + at, values.data(), values.size_bytes());
-  nlohmann::ordered_json place{{"at", at}, {"n", values.size()}, {"bits", 8 * sizeof(Number)}};
-  if (std::is_integral_v<Number>) place["whole"] = true;
-  return place;
-}
-nlohmann::ordered_json Numbers::add(std::span<const float> values) { return append(values); }
-nlohmann::ordered_json Numbers::add(std::span<const double> values) { return append(values); }
-nlohmann::ordered_json Numbers::add(std::span<const std::uint16_t> values) { return append(values); }
-nlohmann::ordered_json Numbers::add(std::span<const std::uint32_t> values) { return append(values); }
-
 nlohmann::ordered_json Numbers::add_column(std::span<const double> values) {
   if (!std::ranges::all_of(values, fits_single)) return add(values);
   chart_style::Extent e{};
@@ -55,16 +38,11 @@ nlohmann::ordered_json Numbers::add_column(std::span<const double> values) {
 }
 
 std::string Numbers::base64() const {
-  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes_.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes_.size(); i += 3) {
-    const std::size_t n = std::min<std::size_t>(3, bytes_.size() - i);
-    unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = (group << 8) | (k < n ? bytes_[i + k] : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= n ? kDigits[(group >> (18 - 6 * k)) & 63] : '=';
-  }
-  return text;
+  namespace iterators = boost::archive::iterators;
+  using Digits = iterators::base64_from_binary<iterators::transform_width<const unsigned char*, 6, 8>>;
+  const auto* const begin = reinterpret_cast<const unsigned char*>(bytes_.data());
+  std::string text{Digits(begin), Digits(begin + bytes_.size())};
+  return text.append((4 - text.size() % 4) % 4, '=');
 }
 
 }  // namespace lockstep::report

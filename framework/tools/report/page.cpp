@@ -25,11 +25,13 @@ void put(std::string& page, std::string_view mark, const std::string& value) {
 }  // namespace
 
 // From the end, so that no mark is found in what was put in. In JSON only texts hold "<".
-std::string page_with(const std::string& title, const std::string& json, const std::string& numbers) {
-  std::string page;
+std::string page_with(const nlohmann::ordered_json& json, const Numbers& numbers) {
+  std::string page, title = json["text"]["title"];
+  if (title.empty()) title = "lockstep report";
   for (const std::string_view piece : page_pieces()) page += piece;
-  put(page, "@lockstep-numbers@", numbers);
-  put(page, "@lockstep-json@", boost::replace_all_copy(json, "<", "\\u003c"));
+  const std::string text = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  put(page, "@lockstep-numbers@", numbers.base64());
+  put(page, "@lockstep-json@", boost::replace_all_copy(text, "<", "\\u003c"));
   put(page, "@lockstep-title@", boost::replace_all_copy(boost::replace_all_copy(title, "&", "&amp;"), "<", "&lt;"));
   return page;
 }

@@ -20,9 +20,7 @@ struct Points {
   const Histories* histories = nullptr;  ///< of the runs, by the column "run"; null: none are shown
 };
 
-/// Writes the page. Throws FileError.
-LOCKSTEP_API void write_points(const std::string& file, const Points&);
-/// The same page as text.
+/// The page as text.
 LOCKSTEP_API std::string points_page(const Points&);
 
 }  // namespace lockstep::report

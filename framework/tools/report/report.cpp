@@ -42,8 +42,7 @@ std::string Report::page(const ReportText& text) const {
   json["meshes"] = meshes.list();
   json.update(report::frames_json(frames, numbers));
   json["table"] = report::table_json(recorder_.table(), kMostCells, 100, numbers);
-  const std::string title = text.title.empty() ? "lockstep report" : text.title;
-  return report::page_with(title, json.dump(-1, ' ', false, Json::error_handler_t::replace), numbers.base64());
+  return report::page_with(json, numbers);
 }
 
 void Report::write(const std::string& file, const ReportText& text) const { report::write_whole(file, page(text)); }

@@ -3,8 +3,9 @@
 import uPlot from 'uplot';
 import { button, make } from './dom.js';
 import { pngOf } from './export.js';
+import { padded } from './marks.js';
 import { axisStyle, drawnBy, facets, titleOf } from './plots.js';
-import { isCubic, slopesOf, valueAt } from './slopes.js';
+import { cubics, slopesOf, valueAt } from './slopes.js';
 import { theme } from './theme.js';
 
 export class Against {
@@ -89,39 +90,17 @@ export class Against {
       for (let i = 0; i < xs.length; i += every)
         points.push(Number.isFinite(xs[i]) && Number.isFinite(ys[i]) ? place(xs[i], ys[i]) : null);
       const smooth = xs.length < 1500;
-      const known = smooth && this.slopes.every((s) => s);
-      const path = known ? this.cubics(xs, ys, points, place) : curve(points, smooth);
+      const known = smooth && this.slopes.every((s) => s),
+        { marks, table } = this.data;
+      const path = known
+        ? cubics(points, place, [xs, ys], this.slopes, table.columns[0].values, marks)
+        : curve(points, smooth);
       u.ctx.strokeStyle = series.stroke();
       u.ctx.lineWidth = series.width * devicePixelRatio;
       u.ctx.lineJoin = 'round';
       u.ctx.stroke(path);
     });
   }
-
-  // By the rates of both columns.
-  cubics(xs, ys, points, place) {
-    const path = new Path2D(),
-      times = this.data.table.columns[0].values,
-      [sx, sy] = this.slopes;
-    points.forEach((p, i) => {
-      if (!p) return;
-      if (!points[i - 1]) path.moveTo(...p);
-      else if (this.slopes.every((s) => isCubic(s, this.data.marks, times, i))) {
-        const h = (times[i] - times[i - 1]) / 3;
-        path.bezierCurveTo(
-          ...place(xs[i - 1] + h * sx.after[i - 1], ys[i - 1] + h * sy.after[i - 1]),
-          ...place(xs[i] - h * sx.before[i], ys[i] - h * sy.before[i]),
-          ...p,
-        );
-      } else path.lineTo(...p);
-    });
-    return path;
-  }
-}
-
-function padded(u, low, high) {
-  const more = 0.05 * (high - low) || 0.05 * Math.abs(low) || 1;
-  return [low - more, high + more];
 }
 
 // A path through points, where null is a gap; `smooth`: by cubic pieces, whose slopes are those from neighbour to neighbour.

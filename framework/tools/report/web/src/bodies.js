@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bodies: their solids; where a scene gives only an inertia, bars between their joints, or the ellipsoid of the inertia.
-import { Group, LineBasicMaterial, LineLoop, Object3D, Quaternion, Vector3 } from 'three';
+import { BufferGeometry, EllipseCurve, Group, LineBasicMaterial, LineLoop, Object3D, Quaternion, Vector3 } from 'three';
 import { freedoms } from './freedoms.js';
 import { cornersOf, Meshes } from './meshes.js';
-import { bar, box, centerMark, cylinder, geometryOf, material, plate, sphere, unpicked } from './shapes.js';
+import { along, bar, box, centerMark, cylinder, material, plate, sphere, unpicked } from './shapes.js';
 import { theme } from './theme.js';
 
 const point = (p) => new Vector3().fromArray(p);
@@ -62,16 +62,9 @@ function ellipsoid(body, mats, size) {
 }
 
 function greatCircle(axis, color) {
-  const numbers = [];
-  for (let i = 0; i < 64; ++i) {
-    const a = (2 * Math.PI * i) / 64,
-      p = [0, 0, 0];
-    p[(axis + 1) % 3] = 1.003 * Math.cos(a);
-    p[(axis + 2) % 3] = 1.003 * Math.sin(a);
-    numbers.push(...p);
-  }
+  const circle = new BufferGeometry().setFromPoints(new EllipseCurve(0, 0, 1.003, 1.003).getPoints(64));
   const mat = new LineBasicMaterial({ color, transparent: true, opacity: 0.4 });
-  return unpicked(new LineLoop(geometryOf(numbers), mat));
+  return along(unpicked(new LineLoop(circle, mat)), axis);
 }
 
 // Corners of the convex hull of points in a plane, in order; `normal` is set.

@@ -126,18 +126,8 @@ export class Views {
   // Turns the view about its target: angles to the right and upwards, rad.
   turn(right, up) {
     this.fitted = false;
-    const { camera, controls, frame } = this;
-    const arm = camera.position.clone().sub(controls.target);
-    const side = new Vector3().crossVectors(frame.up, arm);
-    arm.applyAxisAngle(frame.up, right);
-    side.applyAxisAngle(frame.up, right);
-    // A positive angle about this side leads the arm away from "up"; never straight from above.
-    const slope = frame.up.angleTo(arm),
-      least = 0.02,
-      wanted = Math.min(Math.PI - least, Math.max(least, slope - up));
-    if (side.length() > 0) arm.applyAxisAngle(side.normalize(), wanted - slope);
-    camera.position.copy(controls.target).add(arm);
-    this.update();
+    this.controls.rotateLeft(-right);
+    this.controls.rotateUp(up);
   }
 
   // Moves the view by parts of its height, to the right and upwards.
@@ -156,12 +146,7 @@ export class Views {
 
   zoom(factor) {
     this.fitted = false;
-    const { camera, controls } = this;
-    if (this.isOrthographic) {
-      camera.zoom *= factor;
-      camera.updateProjectionMatrix();
-    } else camera.position.sub(controls.target).divideScalar(factor).add(controls.target);
-    this.update();
+    this.controls.dollyIn(1 / factor);
   }
 
   // Keeps an object where it is in the picture; null: none.

@@ -67,11 +67,6 @@ export class Clock extends EventTarget {
     this.playing ? this.pause() : this.play();
   }
 
-  switchLoop() {
-    this.loop = !this.loop;
-    this.tell('state');
-  }
-
   tick(now) {
     if (!this.playing) return;
     const passed = Math.min(0.1, Math.max(0, now - this.last) / 1000);

@@ -1,29 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A table from CSV text: quoted cells may hold commas, line ends and doubled quotes.
 
+const CELL = /(?:"((?:[^"]|"")*)"|([^,\n]*?))(,|\r?\n|$)/g;
+
 function cells(text) {
   const rows = [[]];
-  let cell = '',
-    quoted = false;
-  const end = () => {
-    rows[rows.length - 1].push(cell);
-    cell = '';
-  };
-  for (let i = 0; i < text.length; ++i) {
-    const c = text[i];
-    if (quoted) {
-      if (c !== '"') cell += c;
-      else if (text[i + 1] === '"') cell += text[++i];
-      else quoted = false;
-    } else if (c === '"') quoted = true;
-    else if (c === ',') end();
-    else if (c === '\n') {
-      end();
-      rows.push([]);
-    } else if (c !== '\r') cell += c;
+  for (const [, quoted, plain, end] of text.matchAll(CELL)) {
+    rows.at(-1).push(quoted?.replaceAll('""', '"') ?? plain);
+    if (end !== ',') rows.push([]);
   }
-  if (cell !== '' || rows[rows.length - 1].length > 0) end();
-  return rows.filter((row) => row.length > 0);
+  return rows.filter((row) => row.length > 1 || row[0]);
 }
 
 // Columns with their titles; those of numbers alone, with NaN for an empty cell, have `numbers`.

@@ -18,6 +18,25 @@ export function button(text, act, properties = {}) {
 
 export const press = (element, on) => element.setAttribute('aria-pressed', String(on));
 
+// Makes a button switch a property of an object on and off.
+export function toggles(element, object, key, changed = () => {}) {
+  press(element, object[key]);
+  element.addEventListener('click', () => {
+    object[key] = !object[key];
+    press(element, object[key]);
+    changed();
+  });
+}
+
+// A press of the mouse that is no drag.
+export function whenClicked(element, act) {
+  let down = null;
+  element.addEventListener('pointerdown', (e) => (down = e));
+  element.addEventListener('click', (e) => {
+    if (down && Math.hypot(e.clientX - down.clientX, e.clientY - down.clientY) < 4) act(e);
+  });
+}
+
 // A table of two columns: names and values.
 export function factsTable(rows) {
   const table = make('table');

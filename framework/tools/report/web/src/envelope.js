@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Envelope: of a long column the least and the largest value in each pixel, so that drawing stays fast.
+import { indexAt } from './motion.js';
 
 // Columns over x, reduced to about `pixels` pairs between from and to; short ones stay as they are. All share one x.
 export function envelope(x, columns, from, to, pixels) {
-  let first = 0,
-    last = x.length;
-  while (first < x.length - 1 && x[first + 1] < from) ++first;
-  while (last > first + 1 && x[last - 2] > to) --last;
-  const n = last - first;
+  const first = indexAt(x, from),
+    last = Math.min(x.length, indexAt(x, to) + 2),
+    n = last - first;
   if (n <= 4 * pixels) return [x.slice(first, last), ...columns.map((y) => y.slice(first, last))];
   const run = Math.ceil(n / pixels);
   const buckets = Math.ceil(n / run);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Frame: how the mechanism lies in space: its size, its centre, up, and the plane in which it moves.
-import { Box3, Vector3 } from 'three';
+import { Box3, Quaternion, Vector3 } from 'three';
 
 // Instants, evenly spread, at which the motion is looked at.
 export function instants(motion, most) {
@@ -9,16 +9,7 @@ export function instants(motion, most) {
   return Array.from({ length }, (_, i) => times[Math.round((i * (times.length - 1)) / Math.max(1, length - 1))]);
 }
 
-const AXES = [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)];
-
-// The world's axes as a body sees them: the rows of its rotation matrix.
-function axesOf([x, y, z, w]) {
-  return [
-    [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-    [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-    [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-  ];
-}
+export const AXES = [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)];
 
 // The normal of the plane to which all bodies keep: none leaves it or turns out of it.
 function planeOf(data, motion, size) {
@@ -29,9 +20,10 @@ function planeOf(data, motion, size) {
     motion.seek(t);
     for (let i = 0; i < motion.nBodies; ++i) {
       const x = motion.bodies.slice(7 * i, 7 * i + 3),
-        axes = axesOf(motion.bodies.subarray(7 * i + 3, 7 * i + 7));
+        back = new Quaternion().fromArray(motion.bodies, 7 * i + 3).conjugate(),
+        axes = AXES.map((axis) => axis.clone().applyQuaternion(back)); // as the body sees them
       first[i] ??= { x, axes };
-      const turned = (n) => axes[n].some((c, k) => Math.abs(c - first[i].axes[n][k]) > 1e-4);
+      const turned = (n) => axes[n].distanceTo(first[i].axes[n]) > 1e-4;
       for (const n of left) if (Math.abs(x[n] - first[i].x[n]) > 1e-5 * size || turned(n)) left.delete(n);
     }
     if (left.size === 0) return -1;

@@ -16,7 +16,7 @@ import {
 import { markerOf } from './bodies.js';
 import { freedoms } from './freedoms.js';
 import { extentOf } from './marks.js';
-import { box, cylinder, geometryOf, inked, sphere, tube, unpicked } from './shapes.js';
+import { along, box, cylinder, geometryOf, inked, sphere, tube, unpicked } from './shapes.js';
 import { theme } from './theme.js';
 
 // Kinds by the numbers of axes along which they slide and about which they turn.
@@ -33,13 +33,6 @@ function kindOf(link) {
   if (['universal', 'screw'].includes(link.type)) return link.type;
   const { slides, turns } = freedoms(link.mask);
   return KINDS[slides.length]?.[turns.length] ?? 'other';
-}
-
-// Turns an object whose axis is z so that it is the axis k.
-function along(object, k) {
-  if (k === 0) object.rotation.set(0, Math.PI / 2, 0);
-  if (k === 1) object.rotation.set(-Math.PI / 2, 0, 0);
-  return object;
 }
 
 function axisLine(length, mats) {

@@ -29,8 +29,8 @@ export function addKeys(page) {
       '+': () => page.views?.zoom(1.2),
       '-': () => page.views?.zoom(1 / 1.2),
       o: () => page.orthographic(),
-      n: () => page.names(),
-      l: () => page.clock.switchLoop(),
+      n: () => page.elements.names.click(),
+      l: () => page.elements.loop.click(),
       Escape: () => page.select(-1),
     }[e.key];
     if (!act || (e.target.getAttribute?.('role') === 'tab' && e.key.startsWith('Arrow'))) return;

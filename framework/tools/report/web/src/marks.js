@@ -30,6 +30,12 @@ export function extentOf(values, members) {
 // Whether more than rounding lies between two numbers.
 export const varies = (low, high) => high - low > 1e-9 * Math.max(Math.abs(low), Math.abs(high));
 
+// A little more than the points for an axis of uPlot. What only rounding tells apart is no range.
+export function padded(u, low, high) {
+  const more = varies(low, high) ? 0.05 * (high - low) : 0.05 * Math.abs(low) || 1;
+  return [low - more, high + more];
+}
+
 export function colorFor(value, [low, high]) {
   return Number.isFinite(value) ? shade((value - low) / (high - low || 1)) : theme.is.ground;
 }

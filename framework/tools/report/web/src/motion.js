@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Motion: poses and loads at any time, between the frames by cubic polynomials through poses and velocities.
 
+import { Quaternion } from 'three';
+
 const BODY = 13,
   MARKER = 7,
   LOAD = 6;
@@ -23,11 +25,8 @@ function weights(u, h) {
   return [v * v * (1 + 2 * u), u * u * (3 - 2 * u), u * v * v * h, -u * u * v * h];
 }
 
-// Puts a quaternion, scalar first, at a place: scalar last, of length 1.
-function putTurn(to, at, e) {
-  const n = Math.hypot(...e) || 1;
-  for (let c = 0; c < 4; ++c) to[at + c] = e[(c + 1) & 3] / n;
-}
+// Puts a quaternion at a place, with length 1.
+const putTurn = (to, at, e) => new Quaternion(...e).normalize().toArray(to, at);
 
 export class Motion {
   constructor(data) {
@@ -92,18 +91,13 @@ export class Motion {
     this.turn(a, b, [p, q, r, s], endIsAfterJump ? h : 0, out + 3);
   }
 
-  // The quaternion, scalar first in the frames: its rate is half the angular velocity times itself.
+  // The quaternion, whose rate is half the angular velocity times itself.
   turn(a, b, [p, q, r, s], secant, out) {
     const { rows, bodies } = this;
     const [q0, q1] = this.turnsOf(a, b);
     const rate = (at, e) => {
-      const x = rows[at + 10],
-        y = rows[at + 11],
-        z = rows[at + 12],
-        [w, i, j, k] = e;
-      return [-x * i - y * j - z * k, x * w + y * k - z * j, y * w + z * i - x * k, z * w + x * j - y * i].map(
-        (c) => 0.5 * c,
-      );
+      const w = new Quaternion(rows[at + 10], rows[at + 11], rows[at + 12], 0);
+      return [...w.multiply(new Quaternion(...e))].map((c) => 0.5 * c);
     };
     const d0 = rate(a, q0),
       d1 = secant ? q1.map((c, i) => (c - q0[i]) / secant) : rate(b, q1);
@@ -111,9 +105,9 @@ export class Motion {
     putTurn(bodies, out, between);
   }
 
-  // The quaternions of two poses, scalar first, on the same side.
+  // The quaternions of two poses, on the same side; scalar last, which is first in the frames.
   turnsOf(a, b) {
-    const [q0, q1] = [a, b].map((at) => Array.from(this.rows.subarray(at + 3, at + 7)));
+    const [q0, q1] = [a, b].map((at) => [4, 5, 6, 3].map((c) => this.rows[at + c]));
     return [q0, q0.reduce((sum, c, i) => sum + c * q1[i], 0) < 0 ? q1.map((c) => -c) : q1];
   }
 

@@ -3,6 +3,7 @@
 import { Vector3 } from 'three';
 import { ROUND, roundDown } from './arrows.js';
 import { make } from './dom.js';
+import { AXES } from './frame.js';
 
 const SVG = 'http://www.w3.org/2000/svg';
 
@@ -21,12 +22,6 @@ function lengthText(metres) {
   if (metres >= 1e-3) return `${short(metres * 1e3)} mm`;
   return `${short(metres * 1e6)} \u00b5m`;
 }
-
-const AXES = [
-  ['x', new Vector3(1, 0, 0)],
-  ['y', new Vector3(0, 1, 0)],
-  ['z', new Vector3(0, 0, 1)],
-];
 
 export class Overlay {
   constructor(data, world, elements) {
@@ -84,7 +79,7 @@ export class Overlay {
       size = 30;
     svg.replaceChildren();
     const back = camera.quaternion.clone().invert();
-    const arms = AXES.map(([name, axis]) => [name, axis.clone().applyQuaternion(back)]);
+    const arms = AXES.map((axis, k) => ['xyz'[k], axis.clone().applyQuaternion(back)]);
     arms.sort(([, a], [, b]) => a.z - b.z);
     const g = new Vector3(...this.data.mechanism.gravity);
     if (g.length() > 0) arms.push(['g', g.normalize().applyQuaternion(back)]);

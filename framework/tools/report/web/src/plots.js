@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Plots: the recorded columns over time, one panel per unit or as the scene asks; their cursor is the page's time.
 import uPlot from 'uplot';
-import { button, make, press } from './dom.js';
+import { button, make, press, whenClicked } from './dom.js';
 import { envelope } from './envelope.js';
 import { pngOf, saveCsv } from './export.js';
 import { indexAt } from './motion.js';
@@ -175,8 +175,8 @@ export class Plots {
   // Few rows are joined without corners: by their rates where these are known, else by a guess.
   pathsOf(group, i) {
     if (this.x.length >= SMOOTH) return uPlot.paths.linear();
-    const slopes = group.log ? null : slopesOf(this.data, group.members[i]);
-    return slopes ? hermite(slopes, this.data.marks) : uPlot.paths.spline();
+    const slopes = [0, group.members[i]].map((k) => slopesOf(this.data, k));
+    return slopes[1] && !group.log ? hermite(slopes, this.data.marks) : uPlot.paths.spline();
   }
 
   makePlot(group, body) {
@@ -221,12 +221,8 @@ export class Plots {
       group.log ? list.map((y, i) => (i === 0 ? y : Array.from(y, (v) => (v > 0 ? v : null)))) : list;
     group.data = (range) => positive(this.dataOf(group, range));
     const plot = new uPlot(options, group.data(this.range), body);
-    let down = NaN;
-    plot.over.addEventListener('mousedown', (e) => (down = e.clientX));
-    plot.over.addEventListener('click', (e) => {
-      if (Math.abs(e.clientX - down) > 3) return;
-      this.clock.stopAt(plot.posToVal(e.clientX - plot.over.getBoundingClientRect().left, 'x'));
-    });
+    const timeAt = (e) => plot.posToVal(e.clientX - plot.over.getBoundingClientRect().left, 'x');
+    whenClicked(plot.over, (e) => this.clock.stopAt(timeAt(e)));
     plot.over.addEventListener('mouseleave', () => this.showTime());
     return plot;
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page of many runs: each is a point of a plot whose axes and colour are columns of their table.
 import { readTable } from './csv.js';
-import { button, byId as $, factsTable, make, press, titledTable } from './dom.js';
+import { button, byId as $, factsTable, make, press, titledTable, toggles } from './dom.js';
 import { pngOf, saveCsv } from './export.js';
 import { keptRun } from './histories.js';
 import { extentOf, shade, varies } from './marks.js';
@@ -142,18 +142,13 @@ class Points {
   }
 
   addToggles() {
-    const toggle = (id, object, key) => {
-      press($(id), object[key]);
-      $(id).addEventListener('click', () => {
-        object[key] = !object[key];
-        press($(id), object[key]);
-        this.keep();
-        this.draw();
-      });
+    const changed = () => {
+      this.keep();
+      this.draw();
     };
-    toggle('points-log-x', this.log, 'x');
-    toggle('points-log-y', this.log, 'y');
-    toggle('points-join', this, 'joined');
+    toggles($('points-log-x'), this.log, 'x', changed);
+    toggles($('points-log-y'), this.log, 'y', changed);
+    toggles($('points-join'), this, 'joined', changed);
     $('points-png').addEventListener('click', () => this.scatter.plot && pngOf(this.scatter.plot, 'runs.png'));
     $('points-csv').addEventListener('click', () => saveCsv('runs.csv', this.data.csv));
   }

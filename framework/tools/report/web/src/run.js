@@ -2,6 +2,7 @@
 // The page of a run: its parts, and what the reader may do with them.
 import { Against } from './against.js';
 import { Clock } from './clock.js';
+import { whenClicked } from './dom.js';
 import { addKeys } from './keys.js';
 import { Motion } from './motion.js';
 import { isBad, Panel } from './panel.js';
@@ -73,13 +74,8 @@ export class RunPage {
       this.plots.build();
     });
     // A click picks a body; a drag turns the view.
-    const { canvas } = this.elements;
-    let down = null;
-    canvas.addEventListener('pointerdown', (e) => (down = [e.clientX, e.clientY]));
-    canvas.addEventListener('pointerup', (e) => {
-      if (!this.stage || !down || Math.hypot(e.clientX - down[0], e.clientY - down[1]) > 4) return;
-      const box = canvas.getBoundingClientRect();
-      this.select(this.stage.pick(e.clientX - box.left, e.clientY - box.top));
+    whenClicked(this.elements.canvas, (e) => {
+      this.select(this.stage?.pick(e.offsetX, e.offsetY) ?? -1);
       if (this.selected >= 0) this.showTab('bodies-tab');
     });
   }
@@ -98,11 +94,6 @@ export class RunPage {
 
   orthographic() {
     this.views?.use(!this.views.isOrthographic);
-    this.tools.show();
-  }
-
-  names() {
-    if (this.stage) this.stage.overlay.names.bodies = !this.stage.overlay.names.bodies;
     this.tools.show();
   }
 

@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A scatter plot: points by two columns, coloured by group or by a third column.
 import uPlot from 'uplot';
-import { make } from './dom.js';
-import { cellOf, colorFor, drawLine, drawMarks, extentOf, varies } from './marks.js';
+import { make, whenClicked } from './dom.js';
+import { cellOf, colorFor, drawLine, drawMarks, extentOf, padded } from './marks.js';
 import { axisStyle, drawnBy, facets } from './plots.js';
 
 const NEAR = 14; // pixels
 
-// A little more than the points. What only rounding tells apart is no range.
-function range(log) {
-  if (log) return (u, low, high) => [low / 1.6, high * 1.6];
-  return (u, low, high) => {
-    const more = varies(low, high) ? 0.05 * (high - low) : 0.05 * Math.abs(low) || 1;
-    return [low - more, high + more];
-  };
-}
-
+const range = (log) => (log ? (u, low, high) => [low / 1.6, high * 1.6] : padded);
 const scale = (log) => ({ time: false, distr: log ? 3 : 1, range: range(log) });
 const axis = (title, size) => ({ ...axisStyle(), label: title.slice(0, 80), labelSize: 18, size });
 
@@ -69,16 +61,12 @@ export class Scatter {
     );
     this.ring = make('div', undefined, { className: 'ring', hidden: true });
     plot.over.append(this.ring);
-    plot.over.addEventListener('mousemove', (e) => {
+    const telling = (call) => (e) => {
       const i = this.nearest(e);
-      if (i >= 0) this.onPoint(i);
-    });
-    let down = null;
-    plot.over.addEventListener('mousedown', (e) => (down = [e.clientX, e.clientY]));
-    plot.over.addEventListener('click', (e) => {
-      const i = this.nearest(e);
-      if (i >= 0 && down && Math.hypot(e.clientX - down[0], e.clientY - down[1]) < 4) this.onClick(i);
-    });
+      if (i >= 0) call(i);
+    };
+    plot.over.addEventListener('mousemove', telling(this.onPoint));
+    whenClicked(plot.over, telling(this.onClick));
     return plot;
   }
 

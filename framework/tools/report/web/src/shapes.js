@@ -48,6 +48,13 @@ export const inked = (name, options) => theme.tinted(name, material(theme.is[nam
 // What a click passes through.
 export const unpicked = (object) => Object.assign(object, { raycast: () => {} });
 
+// Turns an object whose axis is z so that it is the axis k.
+export function along(object, k) {
+  if (k === 0) object.rotation.set(0, Math.PI / 2, 0);
+  if (k === 1) object.rotation.set(-Math.PI / 2, 0, 0);
+  return object;
+}
+
 export function edges(geometry, color) {
   if (!edgesOf.has(geometry)) edgesOf.set(geometry, new EdgesGeometry(geometry, 40));
   const mat = new LineBasicMaterial({ color, transparent: true, opacity: 0.35 });

@@ -91,25 +91,33 @@ export function valueAt(data, slopes, index, t) {
   return straight + u * v * (v * (a - rise) - u * (b - rise));
 }
 
-// A path of uPlot through these slopes; an interval in which something acted, or whose slopes are not known, is straight.
+// A path through the points of two columns, where null is a gap: by cubics with these slopes, or straight where they are
+// not known. `place`: the point of two numbers.
+export function cubics(points, place, columns, slopes, times, marks) {
+  const path = new Path2D();
+  points.forEach((p, i) => {
+    if (!p) return;
+    if (!points[i - 1]) path.moveTo(...p);
+    else if (slopes.every((s) => isCubic(s, marks, times, i))) {
+      const h = (times[i] - times[i - 1]) / 3;
+      path.bezierCurveTo(
+        ...place(...columns.map((values, k) => values[i - 1] + h * slopes[k].after[i - 1])),
+        ...place(...columns.map((values, k) => values[i] - h * slopes[k].before[i])),
+        ...p,
+      );
+    } else path.lineTo(...p);
+  });
+  return path;
+}
+
+// The same as a path of uPlot over time.
 export function hermite(slopes, marks) {
-  return (u, seriesIdx, first, last) => {
-    const stroke = new Path2D();
+  return (u, seriesIdx) => {
+    let stroke = null;
     uPlot.orient(u, seriesIdx, (series, xs, ys, scaleX, scaleY, toX, toY, left, top, wide, high) => {
       const place = (x, y) => [toX(x, scaleX, wide, left), toY(y, scaleY, high, top)];
-      for (let i = first; i <= last; ++i) {
-        if (ys[i] === null || ys[i] === undefined) continue;
-        const here = place(xs[i], ys[i]);
-        if (i === first || ys[i - 1] === null || ys[i - 1] === undefined) {
-          stroke.moveTo(...here);
-          continue;
-        }
-        const h = (xs[i] - xs[i - 1]) / 3,
-          [a, b] = [slopes.after[i - 1], slopes.before[i]];
-        if (!isCubic(slopes, marks, xs, i)) stroke.lineTo(...here);
-        else
-          stroke.bezierCurveTo(...place(xs[i - 1] + h, ys[i - 1] + h * a), ...place(xs[i] - h, ys[i] - h * b), ...here);
-      }
+      const points = Array.from(ys, (y, i) => ((y ?? null) === null ? null : place(xs[i], y)));
+      stroke = cubics(points, place, [xs, ys], slopes, xs, marks);
     });
     return { stroke };
   };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The bar of time: play, step, scrub, speed, loop; events and impacts as marks.
 import { SPEEDS } from './clock.js';
-import { button, press } from './dom.js';
+import { button, toggles } from './dom.js';
 import { number } from './plots.js';
 
 const TICKS = 100000; // of the slider
@@ -14,7 +14,7 @@ export class Timebar {
     back.addEventListener('click', () => clock.step(-1));
     forward.addEventListener('click', () => clock.step(1));
     first.addEventListener('click', () => clock.seek(clock.start));
-    loop.addEventListener('click', () => clock.switchLoop());
+    toggles(loop, clock, 'loop');
     slider.max = TICKS;
     const place = () => clock.start + (slider.value / TICKS) * (clock.end - clock.start);
     slider.addEventListener('input', () => clock.stopAt(place()));
@@ -61,7 +61,6 @@ export class Timebar {
     const { clock, elements } = this;
     elements.play.textContent = clock.playing ? '\u275a\u275a' : '\u25b6';
     elements.play.setAttribute('aria-label', clock.playing ? 'Pause' : 'Play');
-    press(elements.loop, clock.loop);
     elements.speed.value = clock.speed;
   }
 }

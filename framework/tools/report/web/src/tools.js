@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The buttons above the picture, and those for the selected body.
-import { press } from './dom.js';
+import { press, toggles } from './dom.js';
 import { download } from './export.js';
 
 export class Tools {
@@ -9,23 +9,20 @@ export class Tools {
     this.centers = false;
     const { elements, world, stage, plots, data } = page;
     const on = (id, act) => elements[id].addEventListener('click', act);
-    const flip = (id, object, key) =>
-      on(id, () => {
-        object[key] = !object[key];
-        this.show();
-      });
     on('fit', () => page.views?.fit());
     on('parallel', () => page.orthographic());
-    on('names', () => page.names());
     on('follow', () => page.follow(!page.following));
     on('trail', () => page.trail());
     on('csv', () => plots.saveCsv());
     on('picture', () => this.savePicture());
-    flip('joints', stage?.overlay.names ?? {}, 'links');
-    flip('centers', this, 'centers');
-    flip('trails', world.trails, 'shown');
-    flip('forces', world.arrows.shown, 'force');
-    flip('reactions', world.arrows.shown, 'reaction');
+    const flips = (id, object, key) => toggles(elements[id], object, key, () => this.show());
+    const names = stage?.overlay.names ?? { bodies: false, links: false };
+    flips('names', names, 'bodies');
+    flips('joints', names, 'links');
+    flips('centers', this, 'centers');
+    flips('trails', world.trails, 'shown');
+    flips('forces', world.arrows.shown, 'force');
+    flips('reactions', world.arrows.shown, 'reaction');
     elements.forces.hidden = !data.mechanism.loads.some((load) => !load.reaction);
     elements.reactions.hidden = !data.mechanism.loads.some((load) => load.reaction);
     elements.arrows.parentElement.hidden = data.mechanism.loads.length === 0;
@@ -43,12 +40,6 @@ export class Tools {
   show() {
     const { elements, world, stage, selected, following, clock } = this.page;
     world.bodies.showCenters(this.centers, selected);
-    press(elements.centers, this.centers);
-    press(elements.forces, world.arrows.shown.force);
-    press(elements.reactions, world.arrows.shown.reaction);
-    press(elements.trails, world.trails.shown);
-    press(elements.names, stage?.overlay.names.bodies ?? false);
-    press(elements.joints, stage?.overlay.names.links ?? false);
     press(elements.parallel, stage?.views.isOrthographic ?? false);
     press(elements.follow, following);
     press(elements.trail, world.trails.lines.has(`body ${selected}`));

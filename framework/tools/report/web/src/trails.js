@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Trails: the ways of points of bodies during the run; the part that lies behind is drawn stronger.
 import { Line, LineBasicMaterial } from 'three';
+import { indexAt } from './motion.js';
 import { geometryOf, material, movePoints, sphere, unpicked } from './shapes.js';
 
 // Instants for a smooth way: every frame, and some between them where there are few.
@@ -70,9 +71,7 @@ export class Trails {
   seek(t) {
     for (const { times, whole, past, dot } of this.lines.values()) {
       whole.visible = past.visible = dot.visible = this.shown;
-      let n = 0;
-      while (n < times.length && times[n] <= t) ++n;
-      past.geometry.setDrawRange(0, Math.max(n, 1));
+      past.geometry.setDrawRange(0, indexAt(times, t) + 1);
     }
   }
 
