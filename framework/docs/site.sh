@@ -78,7 +78,12 @@ lost() {
 lost | while read -r from to; do
   name="$(basename "$to")"
   case "$name" in
-    *.md) page="md_framework_docs_${name%.md}.html"; [ -e "$page" ] && sed -i "s|\"$to|\"$page|g" "$from" ;;
+    *.md)
+      path="${to#"$source/"}" path="${path##*../}" path="${path%.md}"
+      for page in "md_${path//\//_}.html" "md_framework_docs_${name%.md}.html"; do
+        if [ -e "$page" ]; then sed -i "s|\"$to|\"$page|g" "$from"; break; fi
+      done
+      ;;
     *)
       file="$(find "$source/framework" "$source/tests" "$source/samples" -name "$name" -type f | head -n 1)"
       if [ -n "$file" ]; then cp "$file" . && sed -i "s|\"$to\"|\"$name\"|g" "$from"; fi
