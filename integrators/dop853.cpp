@@ -84,8 +84,4 @@ Dop853::Dop853(EmbeddedOptions options) : EmbeddedRungeKutta(kScheme, options) {
 
 Dop853::Dop853(bool fixed) : Dop853(EmbeddedOptions{fixed}) {}
 
-IntegratorInfo Dop853::info() const {
-  return {"dop853", 8, false, !fixed(), kStages, true, passes_singular()};
-}
-
 }  // namespace lockstep

@@ -40,8 +40,4 @@ Dopri5::Dopri5(EmbeddedOptions options) : EmbeddedRungeKutta(kScheme, options) {
 
 Dopri5::Dopri5(bool fixed) : Dopri5(EmbeddedOptions{fixed}) {}
 
-IntegratorInfo Dopri5::info() const {
-  return {"dopri5", 5, false, !fixed(), kStages, true, passes_singular()};
-}
-
 }  // namespace lockstep

@@ -56,7 +56,10 @@ EmbeddedRungeKutta::EmbeddedRungeKutta(const EmbeddedScheme& scheme, const Embed
       watch_(scheme.stability) {}
 EmbeddedRungeKutta::~EmbeddedRungeKutta() = default;
 
-bool EmbeddedRungeKutta::passes_singular() const { return passage_->when() != StagesWhen::plain; }
+IntegratorInfo EmbeddedRungeKutta::info() const {
+  const bool passes_singular = passage_->when() != StagesWhen::plain;
+  return {scheme_.name, scheme_.tableau.order, false, !fixed(), scheme_.tableau.n_stages, true, passes_singular};
+}
 
 const EmbeddedScheme* EmbeddedRungeKutta::scheme() const {
   return (scheme_.error && fixed()) || passage_->when() == StagesWhen::manifold ? nullptr : &scheme_;

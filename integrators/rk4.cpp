@@ -17,6 +17,4 @@ TypeInfo Rk4::type_info() { return {"rk4", "Runge-Kutta of order 4, fixed step: 
 
 Rk4::Rk4() : EmbeddedRungeKutta(kScheme, {.fixed = true}) {}
 
-IntegratorInfo Rk4::info() const { return {"rk4", 4, false, false, 4, true}; }
-
 }  // namespace lockstep

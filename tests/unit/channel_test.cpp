@@ -422,7 +422,7 @@ TEST_CASE("unknown channels are rejected with the closest and all names", "[unit
   check_words(refusal("arm.q"), {"body 'arm' has no \"q\"; it has x, y, z, vx, ..."});
   check_words(refusal("A.drive.torque_on_p_link"), {"joint 'A'", "or \"drive.torque_on_p_link_z\"?"});
   check_words(refusal("A.FX"), {"did you mean \"force_on_p_world_x\"?"});
-  check_words(refusal("A.force"), {"did you mean \"force_on_p_world_x\"?"});
+  check_words(refusal("A.force"), {"it has components only; did you mean \"force_on_p_world_x\"?"});
   check_words(refusal("B.drive.work"), {"joint 'B' has no drive; add one"});
   check_words(refusal("arm"), {"this is body 'arm'; add a quantity, such as \"arm.x\""});
   // the words of drives, stops and starts

@@ -79,7 +79,7 @@ TEST_CASE("csv: a law's table is rejected at a wrong quote or number of cells", 
   check_words(refused("t;y\n0;0\n0,2;\"1\"1\n"), {file + ":3:8: ", "text after the closing quote"});
   check_words(refused("t,y\n0,0\n0.2,0,02\n"),
               {file + ":3:7: has 3 cells, the first line has 2"});  // the first surplus
-  check_words(refused("t,y\n0,0\n 0.25 \r\n"), {file + ":3:6: has 1 cells, the first line has 2"});  // the end
+  check_words(refused("t,y\n0,0\n 0.25 \r\n"), {file + ":3:6: has 1 cell, the first line has 2"});  // the end
   CHECK(refused("\"t\",\"y\"\n\"0\",\"0\"\n\"1\", \"2\" \n") == "no error");
   CHECK(read_columns(file, "t", {"y"}).y(1, 0) == 2);
   CHECK(refused("t,y\n# a \" in a remark\n0,0\n1,1\n") == "no error");

@@ -83,7 +83,7 @@ TEST_CASE("a label is put behind the place, once", "[unit][errors]") {
   named.attribute(kPlugins, kPlugins.label());
   CHECK(std::string(named.what()) == "a.json:2:3: force 'F' (wind of plugin weather): is of no use");
   SceneError made("a.json:2:3: force 'F', speed: is 0", "a.json", 2, 3);
-  made.attribute({.kind = "force", .type = "wind", .origin = "weather"}, "force 'wind' (plugin weather)");
+  made.attribute({.kind = "force", .type = "wind", .origin = "weather"}, "force 'F' (wind of plugin weather)");
   CHECK(std::string(made.what()) == "a.json:2:3: force 'F' (wind of plugin weather), speed: is 0");
 }
 

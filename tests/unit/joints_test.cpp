@@ -394,7 +394,13 @@ TEST_CASE("impossible joints are rejected by name, value and next move", "[unit]
 
   Revolute& hinge = system.add<Revolute>("hinge", *pair.p, *pair.s, kJoint);
   CHECK(says(model_error([&] { hinge.drive(Axis::x, law); }),
-             {"'hinge'", "drive on x", "constraint x", "x y z e1 e2", "drive a free axis (rz)"}));
+             {"'hinge'", "drive on x", "holds this coordinate", "drive a free one (rz)", "z of its marker S"}));
+  try {
+    hinge.drive(Axis::x, law);
+  } catch (const ModelError& error) {
+    CHECK(error.thing.label() == "joint 'hinge' (revolute)");
+    CHECK(error.problem == "drive on x: the joint holds this coordinate");
+  }
   CHECK(says(model_error([&] { hinge.drive(Axis::rz, nullptr); }), {"'hinge'", "rz", "no law", "give it one"}));
   hinge.drive(Axis::rz, law);
   CHECK(says(model_error([&] { hinge.drive(Axis::rz, law); }), {"'hinge'", "rz", "driven already", "one law"}));

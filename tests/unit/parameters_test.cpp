@@ -214,6 +214,7 @@ TEST_CASE("an unknown name that varies is answered by the parameters, a joint by
     return message_of<ModelError>([&] { read_variable(text, scene, builtin()); });
   };
   check_words(said("Q=1,2"), {"\"Q\" is not a parameter of the scene; known: ", "crank"});
+  check_words(said("tolerance=1,2"), {"\"tolerance\" is not a parameter of the scene; did you mean \"run.tolerance\"?"});
   check_words(said("joints.Q.at.0=1,2"), {"\"joints\" has no \"Q\""});
 }
 

@@ -241,8 +241,8 @@ TEST_CASE("joints, bodies and laws reject impossible numbers", "[unit][refusals]
   check_refusals({
       {"no law",
        [&] { Distance("rope", p, s, LawPtr<MotionLaw>()); },
-       {"joint 'rope'", "no law for its length", "give one, or a number"}},
-      {"a stop", [&] { TurnStop("stop", p, s, {.limit = inf}); }, {"joint 'stop'", "the limit inf of a stop", "finite"}},
+       {"joint 'rope'", "no law for its length", "give one"}},
+      {"a stop", [&] { TurnStop("stop", p, s, {.limit = inf}); }, {"joint 'stop'", "limit is inf", "finite"}},
       {"a speed of rest",
        [&] { Distance("rope", p, s, 1.0).set_unilateral({.rest_speed = 0}); },
        {"joint 'rope' is one-sided with rest_speed 0", "above zero"}},

@@ -121,7 +121,7 @@ TEST_CASE("a run whose system was changed since its last step is not saved", "[u
   Snapshot out;
   swing.run.loop().save(out);
   REQUIRE(swing.run.loop().state().coordinates);
-  swing.system.add_body("more", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+  swing.system.changed();
   swing.system.setup();
   check_words(message_of<ModelError>([&] { swing.run.loop().save(out); }),
               {"the run cannot be saved", "the system has changed since its last step", "continue the run first"});

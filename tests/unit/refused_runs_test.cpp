@@ -75,7 +75,7 @@ TEST_CASE("a grid and a recorded run reject late and excessive data", "[unit][re
   run.record({"door.x"});
   run.run_until(0.1);
   check_refusals({
-      {"columns", [&] { run.record({"door.y"}); }, {"record() after the start of the run", "before run_until()"}},
+      {"columns", [&] { run.record({"door.y"}); }, {"record() after the start of the run", "directly after the Simulation is made"}},
       {"runs",
        [] {
          Grid({100'000, 100'000});

@@ -151,7 +151,32 @@ TEST_CASE("a maker that returns nothing is rejected", "[unit][plugin]") {
   registry.forces.set_origin("storm");
   check_words(
       message_of<PluginError>([&] { registry.forces.make("wind", Attachment{}, Params{}, nullptr, "force 'w'"); }),
-      {"force 'w'", "'wind' (plugin storm)", "returned null"});
+      {"force 'w' (wind of plugin storm): its maker returned null"});
+}
+
+TEST_CASE("errors of parameters have object, type and key as data", "[unit][plugin]") {
+  Registry registry;
+  registry.forces.add({"wind", "", {{"speed", Form::number, Unit::speed, kRequired, ""}}}, &no_force);
+  registry.forces.set_origin("storm");
+  for (const auto& [params, key] : {std::pair{Params{}, "speed"}, std::pair{Params{{"speed", "3 kg"}}, "speed"},
+                                    std::pair{Params{{"speed", 3}, {"sped", 3}}, "sped"}}) {
+    try {
+      registry.forces.make("wind", Attachment{"w", {}}, params, nullptr, "force 'w'");
+      FAIL("no error");
+    } catch (const SceneError& error) {
+      check_words(error.what(), {"force 'w' (wind of plugin storm)"});
+      CHECK(error.thing.label() == "force 'w' (wind of plugin storm)");
+      CHECK(error.key == key);
+    }
+  }
+  try {
+    registry.forces.make("wnd", Attachment{"w", {}}, Params{}, nullptr, "force 'w'");
+    FAIL("no error");
+  } catch (const SceneError& error) {
+    CHECK(error.thing.name == "w");
+    CHECK(error.problem == "unknown force \"wnd\"");
+    CHECK(error.advice == "did you mean \"wind\"?");
+  }
 }
 
 TEST_CASE("entries keep their origin", "[unit][plugin]") {

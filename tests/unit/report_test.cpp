@@ -193,7 +193,7 @@ TEST_CASE("hostile names stay text", "[report]") {
   CHECK(page.data["text"]["title"] == shown);
   CHECK(page.column("t").back() == 0.2);
   // The page has the elements of any other, and no more.
-  const std::string plain = report::page_with("", "{}", "");
+  const std::string plain = report::page_with({{"text", {{"title", ""}}}}, report::Numbers());
   const auto count = [](const std::string& text, const std::string& part) {
     std::size_t n = 0;
     for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
@@ -272,7 +272,7 @@ TEST_CASE("every scene of the samples gives a report", "[report]") {
         }
     most = std::max(most, page.text.size());
   }
-  CHECK(report::page_with("", "{}", "").size() < 1'000'000);  // without data
+  CHECK(report::page_with({{"text", {{"title", ""}}}}, report::Numbers()).size() < 1'000'000);  // without data
   CHECK(most < 2'000'000);
 }
 

@@ -336,10 +336,32 @@ TEST_CASE("a law that jumps in position is rejected by name, with every stabilis
   guide.drive(Axis::z, laws::sequence({{0.5, laws::constant(0)}, {10, laws::constant(1)}}));
   Dynamics dynamics(system, std::make_unique<SchurSolver>(), {formulation, {.kind = kind}});
   StepLoop run(dynamics, std::make_unique<Dopri5>());
-  const std::string said = message_of<AssemblyError>([&] { run.run_until(1); });
-  check_words(said, {"drive z of joint 'guide' jumps in position at t = 0.5 s by 1 m", "ramp"});
+  try {
+    run.run_until(1);
+    FAIL("no error");
+  } catch (const AssemblyError& error) {
+    check_words(error.what(), {"drive z of joint 'guide' jumps in position at t = 0.5 s by 1 m", "ramp"});
+    CHECK(error.thing.label() == "joint 'guide' (prismatic)");
+    CHECK(error.t == Approx(0.5));
+  }
   if (kind == Stabilization::Kind::project) CHECK(run.report().findings.empty());
   CHECK(run.state().t <= 0.5);
+}
+
+TEST_CASE("a law that ends is an error of its number, with joint and time", "[unit][dynamics]") {
+  System system;
+  Body& slide = system.add_body("slide", shapes::box(1, {1, 1, 1}));
+  auto& guide = system.add<Prismatic>("guide", slide, system.ground(), pose_at(Vec3::Zero()));
+  guide.drive(Axis::z, laws::law([](auto t) { return sqrt(0.25 - t * t) - 0.5; }));
+  Dynamics dynamics = dynamics_of(system);
+  StepLoop run(dynamics, std::make_unique<Dopri5>());
+  try {
+    run.run_until(1);
+    FAIL("no error");
+  } catch (const NonFiniteError& error) {
+    CHECK(error.thing.name == "guide");
+    CHECK(error.t == Approx(0.5));
+  }
 }
 
 TEST_CASE("fixed steps with large rotations give one warning, with the angle", "[unit][dynamics]") {

@@ -113,6 +113,12 @@ TEST_CASE("errors of the settings of a run are reported together", "[unit][scene
   check_lines(refusal_of(R"({"lockstep": 1, "run": 3})"), {{"run", "expected an object"}});
 }
 
+TEST_CASE("errors are in the order of their lines", "[unit][scene]") {
+  check_lines(refusal_of("{\"lockstep\": 1, \"run\": {\"integrator\": \"rk5\"},\n"
+                         "\"bodies\": [{\"name\": \"a\", \"particle\": 0}]}"),
+              {{"bad.json:1:", "run.integrator"}, {"bad.json:2:", "body 'a'"}});
+}
+
 TEST_CASE("unknown channels are reported together, of a record and of events", "[unit][scene]") {
   const std::string body = R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1}], )";
   check_lines(refusal_of(body + R"("run": {"record": ["a.x", "a.xx", {"u": "b.x"}]}})"),

@@ -80,6 +80,22 @@ TEST_CASE("A simulation assembles its start, or rejects it if assembly is off", 
   testing::check_words(message_of<AssemblyError>([&] { run.set_state(start); }), {"hinge", "0.001"});
 }
 
+TEST_CASE("A body or joint is rejected while a run of its system exists", "[simulation]") {
+  System system = pendulum();
+  Body& rod = system.body("rod");
+  {
+    Simulation run(system);
+    run.run_until(0.1);
+    CHECK(message_of<ModelError>([&] {
+            system.add_particle("late", 1, {0, 0, 0});
+          }) == "body 'late': the run of its system has begun; add it before the run, or build the system again");
+    CHECK(says(message_of<ModelError>([&] { system.add<Revolute>("late", rod, system.ground(), pose_at({})); }),
+               {"joint 'late': the run of its system has begun"}));
+    run.run_until(0.2);
+  }
+  system.add_particle("later", 1, {0, 0, 0});
+}
+
 TEST_CASE("A simulation rejects impossible settings, with the next move", "[simulation]") {
   System system = pendulum();
   CHECK(says(message_of<Error>([&] { Simulation bad(system, {.integrator = "dopri"}); }), {"did you mean \"dopri5\""}));
@@ -90,7 +106,7 @@ TEST_CASE("A simulation rejects impossible settings, with the next move", "[simu
   Simulation run(system, {.integrator = "rk4", .step = 1e-3});
   run.run_until(0.01);
   CHECK(run.loop().report().steps == 10);
-  CHECK(says(message_of<Error>([&] { run.record({"rod.x"}); }), {"before run_until"}));
+  CHECK(says(message_of<Error>([&] { run.record({"rod.x"}); }), {"call it directly after the Simulation is made"}));
 }
 
 }  // namespace short_way_test

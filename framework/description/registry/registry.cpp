@@ -15,6 +15,15 @@ std::string origin_words(const std::string& origin) {
   return origin == "built in" ? " (built in)" : " (plugin " + origin + ")";
 }
 
+// The name of what is made; laws and methods have none.
+std::string made_name() { return {}; }
+std::string made_name(const Attachment& attachment) { return attachment.name; }
+
+ErrorContext of_maker(Thing made, const std::string& owner) {
+  std::string label = owner.empty() ? made.label() : owner + " (" + made.type + of_plugin(made.origin) + ")";
+  return {.thing = std::move(made), .refuses = true, .label = std::move(label)};
+}
+
 // The law of an object with "type"; anything but an object is the value of the law "constant".
 template <class L>
 LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value& v, const Registry& laws, const std::string& owner) {
@@ -82,19 +91,17 @@ Product Shelf<Product, Args...>::make(const std::string& name, Args... args, con
                                       const std::string& owner) const {
   const Entry* entry = find(name);
   if (entry == nullptr)
-    refuse(params.where(), owner, "unknown " + kind_ + " \"" + name + "\"" + text::suggestion(name, names()));
-  return make_checked(name, std::forward<Args>(args)..., checked_params(params, entry->info, owner, laws));
+    refuse(params.where(), owner, "unknown " + kind_ + " \"" + name + "\"" + text::suggestion(name, names()),
+           {.thing = {.kind = kind_, .name = made_name(args...), .type = name}});
+  const auto context = [&] { return of_maker({kind_, made_name(args...), name, entry->origin}, owner); };
+  const Params checked = in_context(context, [&] { return checked_params(params, entry->info, owner, laws); });
+  return make_checked(name, std::forward<Args>(args)..., checked);
 }
 
 template <class Product, class... Args>
 Product Shelf<Product, Args...>::make_checked(const std::string& name, Args... args, const Params& params) const {
   const Entry* entry = find(name);
-  const auto context = [&] {
-    return ErrorContext{.thing = {.kind = kind_, .type = name, .origin = entry->origin},
-                        .refuses = true,
-                        .label = kind_ + " '" + name + "'" + origin_words(entry->origin),
-                        .before = (params.owner().empty() ? "" : params.owner() + ": ") + "the maker of "};
-  };
+  const auto context = [&] { return of_maker({kind_, made_name(args...), name, entry->origin}, params.owner()); };
   Product product = in_context(context, [&]() -> Product {
     try {
       return entry->make(args..., params);
@@ -105,7 +112,7 @@ Product Shelf<Product, Args...>::make_checked(const std::string& name, Args... a
   });
   if (!product) {
     const ErrorContext whose = context();
-    throw PluginError(whose.before + whose.label + " returned null; return the new object, or throw an error",
+    throw PluginError(whose.label + ": its maker returned null; return the new object, or throw an error",
                       {.thing = whose.thing});
   }
   if constexpr (requires { labelled(product, LawLabel{}); })

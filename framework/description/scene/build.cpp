@@ -106,7 +106,7 @@ void SceneErrors::note(const Value& read, const SceneError* error) {
 
 // Not what follows from the failure of another thing.
 bool SceneErrors::is_own(const Value& read, const SceneError& error) const {
-  if (misnamed_ && !error.value.empty() && error.problem.find("; known: ") != std::string::npos) return false;
+  if (misnamed_ && !error.value.empty() && error.advice.find("known: ") != std::string::npos) return false;
   if (const Value* at = refused_value(read, error)) return !names_one(*at, failed_);
   return !names_one(read, failed_) && !names_one(read, stand_ins_);
 }

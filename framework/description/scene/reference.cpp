@@ -14,9 +14,12 @@ namespace {
 // In a cell of a table a bar would end it.
 std::string cell(const std::string& text) { return boost::replace_all_copy(text, "|", "\\|"); }
 
+// The object of a joint has its older name in the tables.
+std::string shown_object(const std::string& object) { return object == "link" ? "joint" : object; }
+
 std::string form_cell(const Key& key, const std::vector<Part>& parts) {
   const std::string words = form_words(key, parts);
-  return cell(words.substr(0, words.find(": see ")));
+  return words == "any" ? "as described" : cell(words.substr(0, words.find(": see ")));
 }
 
 std::string default_cell(const Key& key) {
@@ -28,7 +31,8 @@ std::string default_cell(const Key& key) {
 // Where the objects under a key are described.
 std::string seen_cell(const Key& key, const std::vector<Part>& parts) {
   for (const Part& part : parts)
-    if (part.key == key.name && !part.table.empty() && !part.names_type()) return " (*" + part.table + "*)";
+    if (part.key == key.name && !part.table.empty() && !part.names_type())
+      return " (*" + shown_object(part.table) + "*)";
   return "";
 }
 
@@ -42,7 +46,8 @@ void write_keys(std::ostream& out, const std::vector<Key>& keys, const std::vect
 
 void write_type(std::ostream& out, const Description& d) {
   const std::string kind = d.shelf.substr(0, d.shelf.find("_laws"));
-  out << "\n### " << d.info.name << (kind != d.shelf ? " (" + kind + " law)" : "") << "\n" << d.info.help << ".";
+  out << "\n### " << shown_object(d.info.name) << (kind != d.shelf ? " (" + kind + " law)" : "") << "\n"
+      << d.info.help << ".";
   if (d.origin != "built in") out << " From plugin `" << d.origin << "`.";
   out << "\n";
   write_keys(out, d.info.keys, d.parts);
@@ -65,7 +70,7 @@ struct Chapter {
   const char *name, *heading, *text;
 };
 constexpr Chapter kChapters[] = {
-    {"links", "Joints and couplings", "Under `joints` of the scene. Each also has the keys of *link*."},
+    {"links", "Joints and couplings", "Under `joints` of the scene. Each also has the keys of *joint*."},
     {"forces", "Forces", "Under `forces` of the scene. Each also has the keys of *force*."},
     {"laws", "Laws", "Functions of time, for every key that holds a law. `y` has the unit of that key."},
     {"integrators", "Integrators", "`run.integrator`: the name, or an object with its `type` and keys."},
@@ -85,7 +90,8 @@ std::string scene_reference(const Registry& registry) {
   std::ostringstream out;
   out << "# Scene reference\nEvery object, type and key of a scene file, for authors of scenes; "
          "[Scenes](scenes.md) explains the format. "
-         "Values are in SI units (m, rad), unless a text gives another unit. `lockstep describe NAME` shows one entry, "
+         "A value is in SI units (m, kg, s, rad), unless it is a text with another unit. A name in italics, such as "
+         "*joint*, is an object with its own section. `lockstep describe NAME` shows one entry, "
          "`lockstep reference` all of them. "
       << coverage_words(registry) << "\n";
   out << "\n## Objects\n";
@@ -98,8 +104,8 @@ std::string scene_reference(const Registry& registry) {
     for (const Description& d : shelf_contents(registry, shelf.name)) write_type(out, d);
   }
   out << "\n## Values\n";
-  for (const char* form : {"number", "vector3", "axis", "orientation", "law", "translation law", "rotation law",
-                           "formula", "channel", "unit"})
+  for (const char* form : {"number", "quantity", "vector3", "axis", "orientation", "law", "translation law",
+                           "rotation law", "formula", "channel", "unit"})
     write_form(out, form, describe_word(registry, form));
   out << "\n| quantity | SI unit | example |\n|---|---|---|\n";
   for (const Unit unit : units())

@@ -119,7 +119,7 @@ at_p | vector3; length | | position of the new marker P at the start, world
 at_s | vector3; length | | position of the new marker S at the start, world
 axis | axis | | z axis of the new markers at the start, world; their x axis is as close as possible to x of the world, or to y if z is along x
 orientation | orientation | | orientation of the new markers at the start, world
-## link | links | an object of "joints": a joint, a coupling or another constraint between bodies
+## link | links | an object of "joints": a joint, a coupling or another constraint; in channels, "_link_" means the axes of marker S
 name | text | ! | name, unique in the scene
 type | text | ! | type, see `lockstep list joints`
 < attachment
@@ -130,7 +130,7 @@ turn | rotation law; angle | | prescribed rotation of P relative to S
 active | boolean | true | true: active from the start
 hold | boolean | false | true: when activated, the joint locks its constrained coordinates at their present values
 start | object; start | | initial conditions of the free coordinates
-unilateral | object; unilateral | | one-sided: the single constraint can push but not pull, C >= 0 instead of C = 0
+unilateral | object; unilateral | | makes a joint of one constraint one-sided: it pushes but does not pull, so that its markers can separate
 stops | list of objects; travel | | limits of the free coordinates; each is a one-sided joint named "A.stop_rz_low", ...
 friction | object; friction | | friction caused by the joint's own reaction; a force named "A.friction"
 ## pair | | an object of "pairs": two markers whose relative motion is coupled
@@ -176,10 +176,10 @@ rx ry rz | number; angular speed | | about % of S
 ## start_position | | coordinates of P relative to S at the start, S axes
 x y z | number; length | | along % of S
 rx ry rz | number; angle | | about % of S
-## unilateral | | impacts of a one-sided joint
+## unilateral | | the free side of a one-sided joint, and its impacts
 restitution | number | 0 | ratio of the speed after an impact to the speed before, from 0 to 1
 rest_speed | number; quantity | 0.001 | an impact with a lower rebound speed ends at rest, m/s or rad/s
-side | choice; above; below | "above" | free side of the constraint: C >= 0 (above), or C <= 0 (below) as for a rope
+side | choice; above; below | "above" | free side: a value above the one that the joint holds, as for a floor, or below it, as for a rope
 ## travel | | an object of "stops": limits of one coordinate of a joint
 axis | choice; x; y; z; rx; ry; rz | ! | coordinate of P relative to S
 low | number; quantity | | lower limit, m or rad

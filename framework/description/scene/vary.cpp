@@ -97,10 +97,15 @@ ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, co
     std::vector<std::string> names;
     for (const SceneParameter& p : scene.parameters) names.push_back(p.name);
     const bool is_name = path.find('.') == std::string::npos;
-    const std::string near = is_name ? text::closest_name(path, names) : "";
+    std::string near = is_name ? text::closest_name(path, names) : "";
     if (near == path)
       throw ModelError("\"" + path + "\" is a vector; name a component (" + path +
                        ".x), or set all by a formula: " + "--set " + path + "=\"=[1, 2, 3]\"");
+    try {
+      Value trial = before;
+      if (is_name && near.empty()) find_place(trial, "run." + path, registry), near = "run." + path;
+    } catch (const ModelError&) {  // no key of "run"
+    }
     const bool has_hint = std::string_view(error.what()).find("did you mean") != std::string_view::npos;
     if (is_name && near.empty() && !names.empty() && !has_hint && scene.root.find(path) == nullptr) {
       names.emplace_back("or a path such as bodies.NAME.mass");

@@ -19,6 +19,9 @@ constexpr Word kForms[] = {
     {"number",
      R"_(a number in SI units, a text with a unit, or a formula of the scene's parameters
   0.012    "12 mm"    "=2*crank + 5 mm")_"},
+    {"quantity",
+     R"_(a number whose unit depends on the object: m for a translation, rad for a rotation, and the units of their rates
+  0.1    "100 mm"    "30 deg"    "=2*gap")_"},
     {"vector3",
      R"_(three numbers in SI units or texts with units, the name of one of the scene's "points", or a formula
   [0, 0.2, 0]    [0, "20 cm", 0]    "A"    "=A + [crank, 0, 0]")_"},

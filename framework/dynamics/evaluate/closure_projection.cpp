@@ -11,7 +11,7 @@ void Dynamics::Tree::gather(System& system, const State& state) {
   motions.resize(system.n_slots() + 1);
   coordinates->motions(state, motions);
   passes::gather_rows(system, inputs(state), closure_rows);
-  closures().residuals(motions, closure_rows, C, Cd);
+  find_residuals(closure_rows, motions, C, Cd);
 }
 
 double Dynamics::Tree::violation(System& system, const State& state) {
@@ -43,7 +43,7 @@ MatX Dynamics::Tree::rows_transposed(System& system, const State& state) {
   for (Eigen::Index i = 0; i < moved.v.size(); ++i) {
     moved.v[i] = 1;
     coordinates->motions(moved, motions);
-    closures().residuals(motions, closure_rows, C, Cd);
+    find_residuals(closure_rows, motions, C, Cd);
     Jt.row(i) = Cd - Ct;
     moved.v[i] = 0;
   }
@@ -94,7 +94,7 @@ double Dynamics::Tree::velocities(State& state, bool factored, double goal) {
     recursion->correct(Cd, correction);
     state.v += correction;
     coordinates->motions(state, motions);
-    closures().residuals(motions, closure_rows, C, Cd);
+    find_residuals(closure_rows, motions, C, Cd);
     const double last = left;
     left = closures().norm(Cd);
     if (old && !(left <= 0.1 * last))

@@ -5,9 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include <spdlog/fmt/fmt.h>
-#include <spdlog/fmt/ranges.h>
-
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/joint_coordinates.h"  // complete where a Dynamics is made
@@ -44,8 +41,7 @@ std::string to_string(Formulation f) {
 Formulation formulation_from(std::string_view word) {
   for (const auto& [formulation, name] : kFormulations)
     if (word == name) return formulation;
-  throw ModelError("unknown formulation '" + std::string(word) + "'; use one of " +
-                   fmt::format("{}", fmt::join(formulation_names(), ", ")));
+  throw ModelError("unknown formulation '" + std::string(word) + "'; use " + text::join(formulation_names(), " or "));
 }
 
 std::vector<std::string> formulation_names() {

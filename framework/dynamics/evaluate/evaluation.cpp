@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/dynamics.h>
 
+#include <array>
 #include <cmath>
 
 #include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/scales.h"
+#include "framework/dynamics/tree/closure_rows.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -13,24 +15,6 @@ namespace lockstep {
 namespace {
 
 std::span<const double> view(const VecX& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
-
-// Cd = Jh v + Ct of every row; velocity(slot): its linear and angular velocity.
-template <class Velocity>
-void put_rates(const RowTable& rows, Velocity&& velocity, VecX& Cd) {
-  Cd.resize(rows.n_rows);
-  for (const RowEntry& e : rows.entries) {
-    const RowView block = rows.block(e);
-    for (int k = 0; k < e.m; ++k) {
-      double cd = block.Ct(k);
-      for (int i = 0; i < e.slots.n; ++i) {
-        const auto r = block.J(i, k);
-        const auto [v, w] = velocity(e.slots[i]);
-        cd += r[0] * v[0] + r[1] * v[1] + r[2] * v[2] + r[3] * w[0] + r[4] * w[1] + r[5] * w[2];
-      }
-      Cd[e.first_row + k] = cd;
-    }
-  }
-}
 
 }  // namespace
 
@@ -77,23 +61,21 @@ void Evaluation::rows_at(const State& state) {
 
 void Evaluation::check() const { check_finite(system_, inputs(), rows_, f_); }
 
-void Evaluation::residuals(VecX& C, VecX& Cd) const {
-  C.resize(rows_.n_rows);
-  for (const RowEntry& e : rows_.entries) {
-    const RowView block = rows_.block(e);
-    for (int k = 0; k < e.m; ++k) C[e.first_row + k] = block.C(k);
-  }
-  const auto velocity = [&](int slot) {
-    const Motion& O = inputs().slot(slot);
-    return std::pair{O.v.data(), O.w.data()};
-  };
-  put_rates(rows_, velocity, Cd);
-}
+void Evaluation::residuals(VecX& C, VecX& Cd) const { find_residuals(rows_, inputs().motions, C, Cd); }
 
 void Evaluation::velocity_residual(const VecX& v, VecX& Cd) const {
   check_size("Evaluation::velocity_residual: a vector", v.size(), f_.size());
-  put_rates(
-      rows_, [&](int slot) { return std::pair(v.data() + 6 * slot, v.data() + 6 * slot + 3); }, Cd);
+  Cd.resize(rows_.n_rows);
+  for (const RowEntry& e : rows_.entries) {
+    const RowView block = rows_.block(e);
+    for (int k = 0; k < e.m; ++k) {
+      double& cd = Cd[e.first_row + k] = block.Ct(k);
+      for (int i = 0; i < e.slots.n; ++i) {
+        const std::array<double, 6> J = block.J(i, k);
+        cd += Eigen::Map<const Vec6>(J.data()).dot(v.segment<6>(6 * e.slots[i]));
+      }
+    }
+  }
 }
 
 double Evaluation::norm(const VecX& c) const {

@@ -27,6 +27,7 @@ struct NewtonMatrix::Work : NewtonNumbers {
   void check_slots(Eigen::Index size) const {
     check_size("NewtonMatrix: a vector of the bodies", size, 6 * std::ssize(mass));
   }
+  void add_times(const Mat6& (TangentSum::*block)(std::size_t) const, const VecX& x, VecX& y) const;
   void check_rows(Eigen::Index size) const { check_size("NewtonMatrix: a vector of the constraints", size, m); }
 };
 
@@ -111,6 +112,12 @@ void NewtonMatrix::Work::update_scales() {
   for (const RowEntry& e : entries) average_scales(s.data() + e.first_row, e.m, KindBits(e.kind, e.m));
 }
 
+void NewtonMatrix::Work::add_times(const Mat6& (TangentSum::*block)(std::size_t) const, const VecX& x, VecX& y) const {
+  check_slots(x.size()), check_slots(y.size());
+  for (std::size_t p = 0; p < tangents.pairs().size(); ++p)
+    y.segment<6>(6 * tangents.pairs()[p].row) += (tangents.*block)(p)*x.segment<6>(6 * tangents.pairs()[p].column);
+}
+
 NewtonMatrix::NewtonMatrix() : work_(std::make_unique<Work>()) {}
 NewtonMatrix::~NewtonMatrix() = default;
 
@@ -163,18 +170,8 @@ void NewtonMatrix::add_M_times(const VecX& x, VecX& y) const {
   work_->check_slots(x.size()), work_->check_slots(y.size());
   for (std::size_t k = 0; k < work_->mass.size(); ++k) work_->mass[k].add_times(x.segment<6>(6 * k), y.segment<6>(6 * k));
 }
-void NewtonMatrix::add_D_times(const VecX& x, VecX& y) const {
-  work_->check_slots(x.size()), work_->check_slots(y.size());
-  const TangentSum& sum = work_->tangents;
-  for (std::size_t p = 0; p < sum.pairs().size(); ++p)
-    y.segment<6>(6 * sum.pairs()[p].row) += sum.D(p) * x.segment<6>(6 * sum.pairs()[p].column);
-}
-void NewtonMatrix::add_K_times(const VecX& x, VecX& y) const {
-  work_->check_slots(x.size()), work_->check_slots(y.size());
-  const TangentSum& sum = work_->tangents;
-  for (std::size_t p = 0; p < sum.pairs().size(); ++p)
-    y.segment<6>(6 * sum.pairs()[p].row) += sum.K(p) * x.segment<6>(6 * sum.pairs()[p].column);
-}
+void NewtonMatrix::add_D_times(const VecX& x, VecX& y) const { work_->add_times(&TangentSum::D, x, y); }
+void NewtonMatrix::add_K_times(const VecX& x, VecX& y) const { work_->add_times(&TangentSum::K, x, y); }
 void NewtonMatrix::add_J_times(const VecX& x, VecX& y) const {
   work_->check_slots(x.size()), work_->check_rows(y.size());
   work_->for_each_row(work_->J, [&](int row, int slot, const double* r) {

@@ -222,7 +222,7 @@ double Dynamics::joint_law_power(Tree& t) {
     power += O.v.dot(force) + O.w.dot(moment);
   }
   if (t.closures().empty()) return power;
-  t.closures().residuals(t.motions, t.closure_rows, t.C, t.Cd);
+  find_residuals(t.closure_rows, t.motions, t.C, t.Cd);
   return power + t.closures().lambda().dot(t.Cd);
 }
 
@@ -361,7 +361,7 @@ const Solution* Dynamics::joint_accelerations(Tree& t, const State& state, const
   passes::gather_rows(system_, in, t.closure_rows);
   recursion.read(t.motions, t.closure_rows);
   if (const Stabilization& s = options_.stabilization; s.kind == Stabilization::Kind::baumgarte) {
-    closures.residuals(t.motions, t.closure_rows, t.C, t.Cd);
+    find_residuals(t.closure_rows, t.motions, t.C, t.Cd);
     t.correction = 2.0 * s.alpha * t.Cd + s.beta * s.beta * t.C;
     closures.subtract(t.correction);
   }

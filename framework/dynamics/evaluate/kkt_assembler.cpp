@@ -4,12 +4,6 @@
 #include <lockstep/error.h>
 
 namespace lockstep {
-namespace {
-
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Block = Eigen::Map<RowMajor>;
-
-}  // namespace
 
 void KktAssembler::lay_out_direct(const RowTable& rows) {
   KktPattern& p = kkt_.pattern;
@@ -78,7 +72,7 @@ void KktAssembler::write_mass(int slot, const Motion& O) {
   const Mat34 G = G_matrix(O.e);
   const Vec4 q = O.e.coefficients();
   const double c = 4.0 / 3.0 * mass.J().trace();
-  Block M7(M, 7, 7), inverse7(inverse, 7, 7);
+  Eigen::Map<Eigen::Matrix<double, 7, 7>> M7(M), inverse7(inverse);  // symmetric
   M7.topLeftCorner<3, 3>() = mass.m() * Mat3::Identity();
   inverse7.topLeftCorner<3, 3>() = 1.0 / mass.m() * Mat3::Identity();
   M7.bottomRightCorner<4, 4>() = G.transpose() * mass.J() * G + c * q * q.transpose();

@@ -47,9 +47,10 @@ bool loses_rank(Dynamics& dynamics, const State& state) {
   const bool held = dynamics.holds_rows();
   const int beside = dynamics.redundancy(slots).rows;
   const Evaluation& e = dynamics.gather_rows(slots);
-  const MatX Jt = e.rows().n_rows > kDenseRows ? MatX() : rows_transposed(e);
+  const int n = e.rows().n_rows;
+  const MatX Jt = n > kDenseRows ? MatX() : rows_transposed(e);
   if (!held) dynamics.forget_rows(state);
-  return beside < 0 || Jt.size() == 0 || Jt.cols() - RowSpace(Jt.sparseView()).rank(kNearlyDependent) > beside;
+  return beside < 0 || n > kDenseRows || (n > 0 && n - RowSpace(Jt.sparseView()).rank(kNearlyDependent) > beside);
 }
 
 bool Dynamics::is_assembled(const State& state) {

@@ -107,6 +107,7 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after) {
     dynamics.normalize(then);
     return in_words(dynamics, state, from, given_at(dynamics, then), after);
   } catch (const Error& error) {
+    if (error.kind() == Error::Kind::non_finite) throw;
     return error.what();
   }
 }

@@ -10,8 +10,8 @@
 namespace lockstep {
 
 /// For the end of a message: the constraint that contradicts others at this state; or the force or joint that changes
-/// most within `after` seconds from it, with its values and the place; "" if nothing changes much. If an evaluation
-/// throws, the text of its error.
+/// most within `after` seconds from it, with its values and the place; "" if nothing changes much. A NonFiniteError
+/// of an evaluation is rethrown; of another error the text.
 LOCKSTEP_API std::string who_varies(Dynamics&, const State&, double after);
 
 /// The constraint that is violated most at this state, "constraint z of joint 'H' by 1e-05 m"; "" if there is none.

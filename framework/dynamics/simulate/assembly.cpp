@@ -176,8 +176,8 @@ void add_warnings(Dynamics& dynamics, const State& given, const State& assembled
       {&finding::start_speed_lost, "",
        fmt::format(
            "assembly removed {:.3g} J of the {:.3g} J of the start velocities, which the joints do not allow: {}", lost,
-           report.kinetic_before, missing.empty() ? "no such motion is free" : missing),
-       missing.empty() ? "lockstep check counts the degrees of freedom"
+           report.kinetic_before, missing.empty() ? "no free motion has this direction" : missing),
+       missing.empty() ? "lockstep check --verbose lists the free motions"
                        : "give compatible ones, or one start speed of a joint (\"start\")",
        lost, kMuch * report.kinetic_before, "J"});
 }
@@ -223,7 +223,9 @@ LOCKSTEP_API std::string AssemblyReport::text() const {
   if (largest_move > start_limit()) text += fmt::format("; moved '{}' by {:.3g} m", moved_most, largest_move);
   if (largest_turn > start_limit()) text += fmt::format("; rotated '{}' by {:.3g} rad", turned_most, largest_turn);
   if (before_v > start_limit())
-    text += fmt::format("; velocities set to fit joints and drives (the given ones were off by {:.2g} m/s)", before_v);
+    text += kinetic_before == 0
+                ? "; velocities follow from joints and drives"
+                : fmt::format("; the given velocities violated the constraints by {:.2g} m/s", before_v);
   if (!is_moved()) text += "; positions unchanged";
   if (std::abs(kinetic_after - kinetic_before) > kLittle * std::max(kinetic_before, kinetic_after))
     text += fmt::format("; kinetic energy {:.3g} J, now {:.3g} J", kinetic_before, kinetic_after);

@@ -120,8 +120,8 @@ void check_velocities(Dynamics& dynamics, const State& state, double left, doubl
   const Evaluation& at = dynamics.gather_rows(state);
   throw AssemblyError(fmt::format(
       "{} at t = {:.9g} s leaves inconsistent velocities: they violate the constraints by {:.3g} m/s (limit {:.3g} "
-      "m/s), worst: {}; two laws may drive one coordinate{}, or a drive is in a limit position (dead centre): {}check "
-      "the drives of these joints",
+      "m/s), worst: {}; two laws may drive one coordinate{}, nearly redundant constraints may lock a drive, or it is in "
+      "a limit position (dead centre): {}check the axes and drives of these joints",
       cause, state.t, left, limit, worst_rows(at, row_sizes(at, Residuals(at).Cd)),
       or_against_stops(dynamics.system(), at.rows()), advice));
 }
@@ -205,25 +205,27 @@ bool PositionJump::changes_rows(Dynamics& dynamics, const State& state) const {
   return Residuals(dynamics.gather_rows(state)) != before_;
 }
 
-std::string PositionJump::refusal(Dynamics& dynamics, const State& state, double limit) const {
+std::optional<AssemblyError> PositionJump::refusal(Dynamics& dynamics, const State& state, double limit) const {
   const Evaluation& at = dynamics.gather_rows(state);
   const VecX C = Residuals(at).C - before_.C;
   const double jump = at.norm(C);
-  if (jump <= limit) return "";
+  if (jump <= limit) return {};
   Eigen::Index worst = 0;
   row_sizes(at, C).maxCoeff(&worst);
   const System& system = dynamics.system();
-  std::string who = "a law of " + thing_of_row(system, at.rows(), static_cast<int>(worst)).words(),
-              far = fmt::format("{:.3g} m", jump);
+  Thing thing = thing_of_row(system, at.rows(), static_cast<int>(worst));
+  std::string who = "a law of " + thing.words(), far = fmt::format("{:.3g} m", jump);
   double most = limit;
   for (std::size_t k = 0; const Prescribed& now : prescribed(system, state))
     if (const double by = std::abs(now.y - prescribed_[k++].y); by > most) {
       const Quantity of = now.link->driven()->drive(now.drive);
-      most = by, who = fmt::format("drive {} of joint '{}'", of.name, now.link->name());
+      most = by, thing = thing_of(*now.link), who = fmt::format("drive {} of {}", of.name, thing.words());
       far = fmt::format("{:.4g} {}", by, of.unit);
     }
-  return fmt::format("{} jumps in position at t = {:.9g} s by {}; use a continuous law (ramp, cycloid, spline)", who,
-                     state.t, far);
+  return AssemblyError(
+      fmt::format("{} jumps in position at t = {:.9g} s by {}; use a continuous law (ramp, cycloid, spline)", who,
+                  state.t, far),
+      {.thing = std::move(thing), .t = state.t});
 }
 
 }  // namespace lockstep

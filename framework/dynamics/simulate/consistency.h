@@ -3,6 +3,7 @@
 // and m/s.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,9 +65,8 @@ class LOCKSTEP_API PositionJump {
   PositionJump(Dynamics&, const State&);
   /// After it, at the same state: whether it changes a row's residual, or its rate, by any number.
   bool changes_rows(Dynamics&, const State&) const;
-  /// After it: why no motion follows, naming the drive or joint that jumped most, if one did by more than the limit; else
-  /// "".
-  std::string refusal(Dynamics&, const State&, double limit) const;
+  /// After it: why no motion follows, naming the drive or joint that jumped most, if one did by more than the limit.
+  std::optional<AssemblyError> refusal(Dynamics&, const State&, double limit) const;
 
  private:
   Residuals before_;

@@ -67,7 +67,7 @@ void ContactManager::check_side(std::size_t i, const State& state, const std::st
     };
     throw AssemblyError(
         fmt::format("{} lies {} beyond the stop '{}': the coordinate is {}, its limit is {}; widen its range (\"low\", "
-                    "\"high\"), or start within it (a joint placed by \"at\" is at 0 as drawn)",
+                    "\"high\"), or start within it (\"start\": {{\"position\": ...}}; with \"at\" it is 0 as drawn)",
                     cause, shown(std::abs(g.c)), contact.link->name(), shown(end.limit + end.sign * contact.sign * g.c),
                     shown(end.limit)));
   };

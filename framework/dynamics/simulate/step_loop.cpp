@@ -118,8 +118,8 @@ Event& StepLoop::add_event(Event event) {
 
 const SimulationReport& StepLoop::run_until(double t) {
   if (!std::isfinite(t) || t < state_.t)
-    throw ModelError(
-        fmt::format("the end time of {} s must be finite and not before the present time of {} s", t, state_.t));
+    throw ModelError(fmt::format(
+        "run_until: the end time of {} s must be finite and not before the present time of {} s", t, state_.t));
   exclusively("run_until", [&] {
     try {
       go_to(t, true);
@@ -265,9 +265,12 @@ void StepLoop::make_step(double limit, double largest) {
       return ask();
     } catch (const StepError& error) {
       const double tolerance = p.clock.adaptive() ? options_.tolerance.relative : HUGE_VAL;
-      const std::string said = error.what(), why = p.why_steps_end(dynamics_, state_, tolerance);
-      if (!why.starts_with("; t = ")) throw StepError(said + why, state_.t);
-      throw StepError(why.substr(2) + " (" + said.substr(0, said.find("; ")) + ")", state_.t);  // its error first
+      const std::string said = error.what();
+      try {
+        throw StepError(said + p.why_steps_end(dynamics_, state_, tolerance), state_.t);
+      } catch (const NonFiniteError& cause) {
+        throw NonFiniteError(cause.what() + (" (" + said.substr(0, said.find("; ")) + ")"), cause);
+      }
     }
   };
   explained([&] { p.clock.check(state_.t, report_.steps); });
@@ -304,7 +307,7 @@ const Inputs* StepLoop::end_step(double wanted) {
     const bool touched = p.contacts.meet(state_), met = p.events.meet(state_, is_cut);
     if ((met || touched) && state_.t < target.reach) landed = false;
     const bool jump = landed && target.jump;
-    std::string refusal = jump ? cross_jump(target.t) : "";
+    std::optional<AssemblyError> refusal = jump ? cross_jump(target.t) : std::nullopt;
     const Inputs* const seen = dynamics_.accept(state_);
     if (landed || met || touched) p.clock.set_anchor(state_.t);
     p.fall_due(Due::rows);
@@ -338,7 +341,7 @@ void StepLoop::note_step(double t0, const Sample& sample) {
 
 // Crosses the last part of a step to a jump with the rates on its left side; the error is quadratic in its length. What
 // the laws of a tree do on that side becomes the bodies' own.
-std::string StepLoop::cross_jump(double t) {
+std::optional<AssemblyError> StepLoop::cross_jump(double t) {
   if (state_.coordinates && !state_.coordinates->followed().empty()) parts_->to_slots(dynamics_, state_);
   const PositionJump jump(dynamics_, state_);
   cross_rest(dynamics_, state_, t, parts_->crossing);

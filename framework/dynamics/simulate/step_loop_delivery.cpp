@@ -82,7 +82,7 @@ void StepLoop::hand_over(Delivery& now, const Sample& sample) {
       });
     case Due::jump:
       if (!p.change.jump) return;
-      if (!p.change.refusal.empty()) throw AssemblyError(p.change.refusal);
+      if (p.change.refusal) throw AssemblyError(*p.change.refusal);
       make_consistent("the jump of a law");
       return to_coordinates(p.before_change);
     case Due::events:
@@ -198,7 +198,7 @@ void StepLoop::warn_of_turns() {
 
 void StepLoop::warn_of_drift(double largest_before) {
   const double limit = options_.limits.of(system().length()).violation, now = report_.largest_violation;
-  if (now <= limit || !(largest_before <= limit) || !parts_->change.refusal.empty()) return;
+  if (now <= limit || !(largest_before <= limit) || parts_->change.refusal) return;
   add_finding({&finding::violated_in_run, "",
                fmt::format("{}: the constraint violation is {:.2g} m after the step to t = {:.9g} s (limit {:.2g} m), "
                            "so the result is wrong",

@@ -5,6 +5,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,7 +50,7 @@ struct StateChange {
   bool acted = false;     ///< something did,
   bool jump = false;      ///< a law jumps
   std::string cause{};    ///< and what, in words
-  std::string refusal{};  ///< why no motion follows the jump of a law; "" if one does
+  std::optional<AssemblyError> refusal{};  ///< why no motion follows the jump of a law
 };
 
 struct StepLoop::Parts {
@@ -80,7 +81,7 @@ struct StepLoop::Parts {
   void fall_due(Due first, StateChange at_end) { change = std::move(at_end), due = {first}; }
   /// Likewise, and nothing changed the state.
   void fall_due(Due first) {
-    change.acted = change.jump = false, change.cause.clear(), change.refusal.clear(), due = {first};
+    change.acted = change.jump = false, change.cause.clear(), change.refusal.reset(), due = {first};
   }
   /// Calls `act`; what it throws leaves the state as it was.
   template <class Act>

@@ -40,7 +40,7 @@ void ClosureRows::subtract(const VecX& x) {
     l_[fronts_.place_of(row)] += x[static_cast<Eigen::Index>(row)];
 }
 
-void ClosureRows::residuals(std::span<const Motion> motions, const RowTable& table, VecX& C, VecX& Cd) const {
+void find_residuals(const RowTable& table, std::span<const Motion> motions, VecX& C, VecX& Cd) {
   C.resize(table.n_rows), Cd.resize(table.n_rows);
   for (const RowEntry& e : table.entries) {
     const RowView block = table.block(e);

@@ -12,14 +12,15 @@ namespace lockstep {
 
 inline constexpr double kStalledRows = 0.3;  ///< of a residual: a correction that leaves more is the last one
 
+/// The residuals C and J v + Ct of rows gathered at these motions, one per row of the table.
+void find_residuals(const RowTable&, std::span<const Motion> motions, VecX& C, VecX& Cd);
+
 /// Right sides, scales, multipliers and residuals of the rows of closures.
 class LOCKSTEP_API ClosureRows {
  public:
   bool empty() const { return fronts_.sources.empty(); }
   /// c <- c - x; after the rows were read.
   void subtract(const VecX& x);
-  /// The residuals C and J v + Ct of rows gathered at these motions, one per row of the table.
-  void residuals(std::span<const Motion> motions, const RowTable&, VecX& C, VecX& Cd) const;
   /// The largest number of c, one per row: as Evaluation::norm measures it.
   double norm(const VecX& c) const;
   double residual() const { return worst_; }  ///< the largest as found last, relative to its scale

@@ -21,15 +21,6 @@ Quat exponential(const Vec3& th) {
   return {c, s * th[0], s * th[1], s * th[2]};
 }
 
-// (1.12)
-Vec3 rotation_vector(const Quat& q) {
-  const double sign = q.w < 0 ? -1.0 : 1.0;
-  const Vec3 v = sign * q.vec();
-  const double n = v.norm();
-  if (n < 1e-8) return 2.0 * v;  // atan2(n, w)/n -> 1/w -> 1, the error is n^2/6
-  return 2.0 * std::atan2(n, sign * q.w) / n * v;
-}
-
 Quat axis_angle(const Vec3& n, double angle) {
   const double s = std::sin(0.5 * angle) / n.norm();
   return {std::cos(0.5 * angle), s * n[0], s * n[1], s * n[2]};

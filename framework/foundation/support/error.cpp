@@ -43,12 +43,12 @@ void Error::attribute(const Thing& whose, const std::string& label) {
   labelled_ = true;
   const std::string place = place_words(*this);
   const std::size_t at = sentence_.starts_with(place) ? place.size() : 0;
-  const std::string words = whose.words(), one = whose.kind + " '";
+  const std::string words = whose.words(), owner = label.substr(0, label.rfind(" ("));
   if (!whose.name.empty() && label.ends_with(whose.label()) &&
       sentence_.compare(at, words.size() + 1, words + ":") == 0)
     sentence_.replace(at, words.size(), label);
-  else if (whose.name.empty() && !whose.type.empty() && sentence_.compare(at, one.size(), one) == 0)  // what is made
-    sentence_.insert(sentence_.find('\'', at + one.size()) + 1, " (" + whose.type + of_plugin(whose.origin) + ")");
+  else if (sentence_.compare(at, owner.size(), owner) == 0)  // of what is made
+    sentence_.replace(at, owner.size(), label);
   else
     sentence_.insert(at, label + ": ");
   if (const auto* outer = dynamic_cast<const std::nested_exception*>(this); outer != nullptr && outer->nested_ptr())

@@ -28,7 +28,7 @@ void attribute_at(Error& error, const ErrorContext& context, const std::string& 
   const std::string said = what_of(error);
   if (std::isnan(error.t)) error.t = context.t;
   std::string front = said.starts_with("t = ") || std::isnan(error.t) ? "" : "t = " + text::number(error.t) + " s";
-  if (!said.starts_with(context.thing.words())) front += (front.empty() ? "" : ": ") + context.before + label;
+  if (!said.starts_with(context.thing.words())) front += (front.empty() ? "" : ": ") + label;
   error.attribute(context.thing, front);
 }
 
@@ -85,12 +85,12 @@ void rethrow_in(const ErrorContext& context) {
     if (context.refuses) rethrow_refusal(error, context, label);
     if (!foreign && from_our_law(error)) {
       ModelError refused(sound ? what_of(error) : context.fault, {.thing = thing, .t = context.t});
-      refused.attribute(thing, at_time(context.t) + context.before + label);
+      refused.attribute(thing, at_time(context.t) + label);
       std::throw_with_nested(refused);
     }
     if (!sound && error.kind() == Error::Kind::non_finite)
-      std::throw_with_nested(NonFiniteError(at_time(context.t) + context.before + label + ": " + context.fault,
-                                            {.thing = thing, .t = context.t}));
+      std::throw_with_nested(
+          NonFiniteError(at_time(context.t) + label + ": " + context.fault, {.thing = thing, .t = context.t}));
     if (sound && ours && !kept) {
       error.attribute(thing, "");
       throw;
@@ -101,8 +101,7 @@ void rethrow_in(const ErrorContext& context) {
   }
   const std::string words =
       context.fault.empty() ? " threw: " + thrown_words(std::current_exception()) : ": " + context.fault;
-  std::throw_with_nested(
-      UserCodeError(at_time(context.t) + context.before + label + words, {.thing = thing, .t = context.t}));
+  std::throw_with_nested(UserCodeError(at_time(context.t) + label + words, {.thing = thing, .t = context.t}));
 }
 
 }  // namespace lockstep

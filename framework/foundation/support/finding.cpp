@@ -53,7 +53,8 @@ void report_finding(const Finding& f) {
     scope->found.push_back(f);
     if (!scope->hands_on_) return;
   }
-  (f.severity() == Severity::note ? log_info : log_warning)(std::string(f.code()) + ": " + f.text());
+  const bool listed = f.severity() == Severity::doubt && innermost != nullptr;
+  (f.severity() == Severity::note || listed ? log_info : log_warning)(std::string(f.code()) + ": " + f.text());
 }
 
 FindingScope::FindingScope(bool hands_on) : hands_on_(hands_on), outer_(innermost) { innermost = this; }

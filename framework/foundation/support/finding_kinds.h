@@ -9,9 +9,10 @@ namespace lockstep::finding {
 // -- the result is wrong
 inline constexpr FindingKind energy_not_conserved{
     "energy-not-conserved", Severity::wrong,
-    "The energy balance does not close. Steps are too coarse, a singular configuration was passed, or the potential, "
-    "dissipation or supply of a force does not fit its load.",
-    "Reduce the tolerance (--tolerance) or the step (--step). Test custom forces by check_force() in C++."};
+    "The energy balance does not close. Steps are too coarse, a singular configuration was passed, a custom joint or "
+    "law has a wrong derivative, or the potential, dissipation or supply of a force does not fit its load.",
+    "First test custom types in C++: check_lock(), check_law(), check_force(). Otherwise reduce the tolerance "
+    "(--tolerance) or the step (--step)."};
 inline constexpr FindingKind constraints_drifted{
     "constraints-drifted", Severity::wrong,
     "The constraint violation exceeds the limit; without projection it accumulates.",
@@ -94,8 +95,10 @@ inline constexpr FindingKind start_missed{"start-missed", Severity::warning,
                                           "\"assembled\": \"free\" for its bodies."};
 inline constexpr FindingKind singular_start{
     "singular-start", Severity::warning,
-    "Loops that no drive moves start in a singular configuration, so they may continue in several ways.",
-    "Start near that configuration, or give a velocity along one of the possible motions."};
+    "Loops start in a singular configuration, from which they can continue in several ways, also if a drive moves "
+    "them. "
+    "More than 300 constraints in loops are not tested.",
+    "Start near that configuration. Without drives, a velocity along one of the possible motions is enough."};
 inline constexpr FindingKind no_freedom{
     "no-freedom", Severity::warning,
     "The constraints leave no degree of freedom, and no law moves the mechanism. A drive with a constant law holds its "
@@ -133,7 +136,7 @@ inline constexpr FindingKind energy_suspect{
     "energy-suspect", Severity::note,
     "A possible cause of the energy error of the run: a force, a singular configuration, the constraint violation, the "
     "work of drives, or long steps.",
-    "Correct the force that it names, use projection, or shorten the steps."};
+    "If it names a force, correct the force. Otherwise use projection, or shorten the steps."};
 inline constexpr FindingKind event_missed{"event-missed", Severity::note, "An event did not happen.",
                                           "Extend the run, or use a value that is reached."};
 inline constexpr FindingKind stiff{"stiff", Severity::note,

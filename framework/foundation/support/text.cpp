@@ -48,7 +48,7 @@ constexpr std::string_view kSynonyms =
     "rsda=torsion_spring_damper force=applied_force torque=applied_torque motor=torque_motor,drive "
     "actuator=force_motor,drive friction=joint_friction motion=drive input=drive motors=drive joints=links "
     "constraints=joints parts=bodies colour=visual color=visual limits=stops range=stops limit=stops body1=p body2=s "
-    "i=p j=s parent=s child=p base=s follower=p density=mass weight=mass origin=at,position rest_length=free_length "
+    "i=p j=s parent=s child=p base=s follower=p density=mass weight=mass diameter=radius origin=at,position rest_length=free_length "
     "location=at anchor=at pos=position quat=orientation euler=orientation rotation=orientation vel=velocity "
     "angular_velocity=omega_world dt=step timestep=step duration=until stop_time=until end=until tend=until time=until "
     "tol=tolerance rtol=tolerance k=stiffness c=damping d=damping rk45=dopri5 ode45=dopri5 dopri=dopri5 "

@@ -18,7 +18,8 @@ enum class SeriesStyle {
   points,       ///< marks alone
   linespoints,  ///< a line with marks
   band,         ///< a broad line, under other curves
-  crosses       ///< crosses alone, for points that failed
+  crosses,      ///< crosses alone, for points that failed
+  rings         ///< hollow points alone, for points that do not count
 };
 
 /// One curve of a chart.

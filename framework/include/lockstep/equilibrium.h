@@ -84,6 +84,9 @@ struct EquilibriumReport {
   std::string moved_most;            ///< its body; "" if none moved
   VecX lambda;                       ///< multipliers, 1 per active constraint
   Stability stability;               ///< of the equilibrium
+  /// Whether constraints nearly lose rank there, within 1e-3: reactions may have no limit. Not found beyond 300
+  /// constraints.
+  bool singular = false;
   std::vector<std::string> left;     ///< unstable equilibria that were found and left, by the motion that grew
   std::vector<std::string> pressed;  ///< one-sided joints that carry load
   std::vector<std::string> free;     ///< one-sided joints that are free
@@ -119,15 +122,17 @@ struct Equilibrium {
 /// The equilibria found from many starts.
 struct EquilibriaReport {
   int starts = 0,                ///< all of them, the given one included
-      failed = 0;                ///< those without an equilibrium
-  std::vector<Equilibrium> all;  ///< stable ones first
+      failed = 0,                ///< those without an equilibrium,
+      unassembled = 0;           ///< of these, those that could not be assembled
+  std::vector<Equilibrium> all;  ///< stable ones first, those near a singular configuration last
 };
 
 /// Options of the search for several equilibria.
 struct EquilibriaOptions {
   int starts = 100;    ///< random ones
   unsigned seed = 1;   ///< of the random numbers
-  double same = 1e-6;  ///< poses closer than this share of System::length() are the same
+  /// Poses closer than this share of System::length() are the same; near a singular configuration, within 2e-3.
+  double same = 1e-6;
 };
 
 /// Searches a stable equilibrium from this state, then from random assembled poses, alternately with and without

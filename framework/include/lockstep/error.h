@@ -194,7 +194,6 @@ struct ErrorContext {
   std::string fault{};                                  ///< what is wrong with one of its laws; "" when nothing is
   bool refuses = false;  ///< its Errors reject a model and keep their type: makers, setup, integrators
   std::string label{};   ///< its name in messages; "": thing.label()
-  std::string before{};  ///< in front of the label in a UserCodeError: "joint 'A', law: the maker of "
 };
 
 /// To be called in a catch block: rethrows the exception in flight with the name of the code that threw it.

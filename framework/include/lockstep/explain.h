@@ -32,7 +32,7 @@ struct BodyBalance {
   Contribution rate;                ///< of momentum, m a, and of angular momentum about the centre of mass
   double left_force = 0,            ///< |sum - rate|, N; round-off, unless a force or joint is wrong
       left_moment = 0;              ///< the same of the moments, N m
-  std::string incomplete;           ///< which moments are left out, in a plane; "" if none
+  std::string incomplete;           ///< which loads are not computed, in a plane; "" if none
 };
 
 /// The balance of a body at a state in the slots' own coordinates. Throws ModelError for a body that does not move, and
@@ -72,6 +72,7 @@ struct LinkAccount {
   std::vector<std::string> left_out;     ///< names of constraints that were left out (System::leave_out)
   LinkWrench joint,                      ///< on p's body about P, without drives
       drives;                            ///< of all drives
+  std::string incomplete;                ///< which loads are not computed, in a plane; "" if none
   std::vector<LawAccount> laws;          ///< drives, imposed motion, and the laws of its markers
   std::vector<Dependency> dependencies;  ///< groups of dependent constraints that include some of this object
 };

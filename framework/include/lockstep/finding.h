@@ -65,7 +65,7 @@ LOCKSTEP_API void report_finding(const Finding&);
 /// Scopes nest; destroy the inner one first.
 class LOCKSTEP_API FindingScope {
  public:
-  /// `hands_on`: the outer scope, or the logger, receives them too.
+  /// `hands_on`: the outer scope, or the logger, receives them too; the logger receives doubts as information then.
   explicit FindingScope(bool hands_on = false);
   ~FindingScope();
   FindingScope(const FindingScope&) = delete;

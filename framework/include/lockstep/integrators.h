@@ -66,6 +66,7 @@ class SingularPassage;
 class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
  public:
   ~EmbeddedRungeKutta() override;
+  IntegratorInfo info() const override;
   void begin(Dynamics&, const State&) override;
   /// Nested polynomial in theta = (t - t0)/h. Stages that only it needs are evaluated at its first call in a step (by
   /// the Dynamics of begin(), which then holds the values of a stage). False for a scheme without an error estimate.
@@ -81,8 +82,6 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
  protected:
   /// `scheme` lives as long as the program. Steps are fixed if it has no error estimate.
   EmbeddedRungeKutta(const EmbeddedScheme& scheme, const EmbeddedOptions& options);
-  /// Whether its stages are projected near singular configurations.
-  bool passes_singular() const;
 
  private:
   double start_step(Dynamics&, double h) override;
@@ -121,8 +120,6 @@ class LOCKSTEP_API Dop853 final : public EmbeddedRungeKutta {
   static std::unique_ptr<Integrator> make(const Params&);  ///< maker for the registry
   explicit Dop853(EmbeddedOptions options);                ///< with these options
   explicit Dop853(bool fixed = false);                     ///< `fixed`: without error control
-
-  IntegratorInfo info() const override;
 };
 
 // dopri5: Dormand and Prince's pair of orders 5(4), error-controlled, with dense output of order 4. The default.
@@ -134,8 +131,6 @@ class LOCKSTEP_API Dopri5 final : public EmbeddedRungeKutta {
   static std::unique_ptr<Integrator> make(const Params&);  ///< maker for the registry
   explicit Dopri5(EmbeddedOptions options);                ///< with these options
   explicit Dopri5(bool fixed = false);                     ///< `fixed`: without error control
-
-  IntegratorInfo info() const override;
 };
 
 // FreeRotation: the torque-free rotation of a rigid body, split into rotations about its principal axes.
@@ -437,8 +432,6 @@ class LOCKSTEP_API Rk4 final : public EmbeddedRungeKutta {
  public:
   static TypeInfo type_info();  ///< its entry in the registry; it has no keys
   Rk4();
-
-  IntegratorInfo info() const override;
 };
 
 // semi_implicit_euler: velocities first, then positions with the new velocities. The method of games and real time.

@@ -157,7 +157,15 @@ LOCKSTEP_API Quat exponential(const Vec3& th);
 inline Quat cayley(const Vec3& th) { return normalized(Quat{1.0, 0.5 * th[0], 0.5 * th[1], 0.5 * th[2]}); }
 
 /// (1.12) rotation vector of the unit quaternion q, rad, of length in [0, pi]; q and -q give the same.
-LOCKSTEP_API Vec3 rotation_vector(const Quat& q);
+template <class T>
+Vec3T<T> rotation_vector(const QuatT<T>& q) {
+  using std::atan2, std::sqrt;
+  const double sign = q.w < 0 ? -1.0 : 1.0;
+  const Vec3T<T> v = sign * q.vec();
+  const T n = sqrt(v.dot(v));
+  if (n < 1e-8) return 2.0 * v;  // atan2(n, w)/n -> 1/w -> 1, the error is n^2/6
+  return T(2.0 * atan2(n, T(sign * q.w)) / n) * v;
+}
 
 /// Quaternion of the rotation by `angle` (rad) about the axis `n` (any length but zero).
 LOCKSTEP_API Quat axis_angle(const Vec3& n, double angle);

@@ -111,7 +111,8 @@ struct Audit {
   bool drifted = false;               ///< whether a constraint violation was beyond the limit
   /// Largest |total - drives - supplied + dissipated|, less its value at the start and the changes at events, J.
   double imbalance = 0;
-  /// Largest range of the kinetic energy, the potential energy, and the works below, each with zero, J.
+  /// Largest range of the kinetic energy, the potential energy, and the works below, each with zero, J;
+  /// 0 if it is round-off.
   double scale = 0;
   double violation = 0;  ///< largest |C| after a step, m
   AuditLimits limits;    ///< the limits used

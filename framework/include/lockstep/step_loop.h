@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -274,7 +275,7 @@ class LOCKSTEP_API StepLoop {
   void begin_steps();
   void begin_method();
   /// Returns why no motion follows the jump; "" if one does.
-  std::string cross_jump(double t);
+  std::optional<AssemblyError> cross_jump(double t);
   void fire_events();
   bool apply_events(const std::vector<std::size_t>& due);
   void apply(const Event&, const std::string& who);

@@ -262,6 +262,8 @@ class LOCKSTEP_API System final : public AngleCounter {
   bool ready() const { return ready_; }  ///< whether it is set up and unchanged since
   /// To be called after a body, marker or gravity was altered in place: the next evaluation sets the system up again.
   void changed() { ready_ = false; }
+  /// While `run` exists, no body or joint can be added.
+  void begin_run(const std::shared_ptr<const void>& run) { run_ = run; }
   long revision() const { return revision_; }                            ///< counts the setups that did something
   int n_slots() const { return static_cast<int>(found_.slots.size()); }  ///< how many slots move
   const Slot& slot(int k) const { return found_.slots[static_cast<std::size_t>(k)]; }  ///< slot k, 0 <= k < n_slots()
@@ -346,6 +348,7 @@ class LOCKSTEP_API System final : public AngleCounter {
   std::size_t n_names_ = 0;
 
   bool ready_ = false;
+  std::weak_ptr<const void> run_;
   Plane plane_;
   bool plane_is_known_ = false, has_left_plane_ = false;
   bool merge_ = false;

@@ -42,16 +42,11 @@ class FormulaCompiler {
   }
 
   int power(const std::vector<int>& parts) {
-    if (is_constant(parts[1]) && !is_constant(parts[0])) {
-      Term t{Operation::power, {}, out_.back().value};
-      out_.pop_back();
-      t.parts = {parts[0]}, t.n_parts = 1;
-      return put(t);
-    }
-    if (!is_constant(parts[0]) || !is_constant(parts[1])) return put(Operation::power, parts);
-    const double p = std::pow(term(parts[0]).value, term(parts[1]).value);
-    out_.resize(parts[0]);
-    return constant(p);
+    if (!is_constant(parts[1])) return put(Operation::power, parts);
+    Term t{Operation::power, {}, out_.back().value};
+    out_.pop_back();
+    t.parts = {parts[0]}, t.n_parts = 1;
+    return put(t);
   }
 
   int call(const Node& n) {
@@ -138,8 +133,7 @@ class FormulaCompiler {
 FormulaFunction::FormulaFunction(const std::string& text, const std::vector<std::string>& variables,
                                  const std::vector<Constant>& constants)
     : text_(text) {
-  std::vector<std::string> names = variables;
-  const Expression e(text, names);
+  const Expression e(text, variables);
   FormulaCompiler(e, variables, constants, terms_).compile(e.root());
   has_switches_ = std::ranges::any_of(terms_, &Term::decides);
   if (has_switches_) warned_ = std::make_shared<std::atomic<bool>>(false);

@@ -30,11 +30,6 @@ std::optional<Dimension> whole(const Exponents& e) {
   return Dimension{int(e.m), int(e.kg), int(e.s), int(e.rad)};
 }
 
-std::string article_name(const Exponents& e) {
-  const std::optional<Dimension> d = whole(settled(e));
-  return d ? lockstep::article_name_of(*d) : "a quantity of fractional dimension";
-}
-
 bool is_pure(const Amount& q) { return q.dimension == Exponents{}; }
 bool is_angle(const Amount& q) { return q.dimension == Exponents{0, 0, 0, 1}; }
 
@@ -118,7 +113,8 @@ class Evaluation {
     refuse(n, "unknown name \"" + n.name + "\"" + text::suggestion(n.name, known));
   }
 
-  // Gives both the dimension of the one that has it; rejects two that differ. A literal 0 fits any.
+  // Gives both the dimension of the one that has it; rejects two that differ. A literal 0 fits any. `a` is then what is
+  // made of both.
   void unite(const Node& n, Amount& a, Amount& b, const char* how) const {
     if (!of_values()) settle(a, b);
     if (a.is_zero) a.dimension = b.dimension, a.measured = b.measured;
@@ -131,6 +127,7 @@ class Evaluation {
     if (a.is_vector != b.is_vector) refuse(n, article_name_of(a) + " and " + article_name_of(b) + " are " + how);
     if (to.rad == 0) to.rad = other.rad;
     a.dimension = b.dimension = to;
+    a.measured = a.measured || b.measured, a.is_zero = a.is_zero && b.is_zero;
   }
 
   // Of dimensions alone: what may be of any takes that of the other; without a unit both are numbers in SI.
@@ -154,7 +151,6 @@ class Evaluation {
     truth(n, 0);
     Amount a = child(n, 1), b = child(n, 2);
     unite(n, a, b, "the two sides of one choice");
-    a.measured = a.measured || b.measured, a.is_zero = a.is_zero && b.is_zero;
     return a;
   }
 
@@ -163,7 +159,6 @@ class Evaluation {
     const double sign = n.operation == Operation::add ? 1 : -1;
     unite(n, a, b, sign > 0 ? "added" : "subtracted");
     a.v += sign * b.v;
-    a.measured = a.measured || b.measured, a.is_zero = a.is_zero && b.is_zero;
     return a;
   }
 
@@ -265,7 +260,7 @@ class Evaluation {
     if (f == Function::sqrt && !(x >= 0)) range = "0 or more";
     if (f == Function::log && !(x > 0)) range = "more than 0";
     if (range != nullptr)
-      refuse(n, std::string(signature_of(f).name) + " of " + text::brief(x) + "; it must be " + range);
+      refuse(n, std::string(signature_of(f).name) + " of " + text::number(x) + "; it must be " + range);
     if (f == Function::mod && a[1].v[0] == 0) refuse(n, "mod by zero");
   }
 
@@ -352,7 +347,8 @@ std::string words_of(const Amount& q) {
 }
 
 std::string article_name_of(const Amount& q) {
-  const std::string one = article_name(q.dimension);
+  const std::optional<Dimension> d = whole(settled(q.dimension));
+  const std::string one = d ? lockstep::article_name_of(*d) : "a quantity of fractional dimension";
   return q.is_vector ? "a vector (" + one + ")" : one;
 }
 

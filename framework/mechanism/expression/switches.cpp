@@ -53,12 +53,8 @@ class Span {
   std::optional<int> compared(int i, const Interval& x, int j, const Interval& y, int by) {
     return same(i, j) ? 0 : sign(computed({Operation::subtract}, x, y), by);
   }
-  Interval floor(const Interval& a, int by) {
-    return whole(a, by, [](double x) { return std::floor(x); });
-  }
-  Interval round(const Interval& a, int by) {
-    return whole(a, by, [](double x) { return std::round(x); });
-  }
+  Interval floor(const Interval& a, int by) { return whole(a, by, std::floor); }
+  Interval round(const Interval& a, int by) { return whole(a, by, std::round); }
   Interval mod(const Interval& x, const Interval& y, int by) {
     const Interval n = floor(computed({Operation::divide}, x, y), by);
     return computed({Operation::subtract}, x, computed({Operation::multiply}, y, n));
@@ -85,8 +81,7 @@ class Span {
     return true;
   }
 
-  template <class F>
-  Interval whole(const Interval& a, int by, F&& f) {
+  Interval whole(const Interval& a, int by, double (*f)(double)) {
     if (is_point(a)) return f(a.lo);
     const Interval wide = interval_detail::widened(a.lo, a.hi);
     const double lo = f(wide.lo), hi = f(wide.hi);

@@ -73,16 +73,6 @@ T second_factor(const T& a2) {
   const T half = 0.5 * sqrt(a2);
   return (1.0 - half / tan(half)) / a2;
 }
-// (1.12): rotation_vector() on any scalar
-template <class T>
-Vec3T<T> rotation_vector_of(const QuatT<T>& q) {
-  using std::atan2;
-  const double sign = q.w < 0 ? -1.0 : 1.0;
-  const Vec3T<T> v = sign * q.vec();
-  const T n = norm(v);
-  if (n < 1e-8) return 2.0 * v;
-  return T(2.0 * atan2(n, T(sign * q.w)) / n) * v;
-}
 }  // namespace
 
 template <class T, class Load>
@@ -93,7 +83,7 @@ void Bushing::act(const Ends<T>& at, Load& load) const {
   const auto in_S = [&A](const V& b) -> V { return A.transpose() * b; };
   const V x = at.P.x(), w_S = at.S.w(), d = in_S(x - at.S.x());
   const V dd = in_S(at.P.v() - at.S.v()) - cross(in_S(w_S), d), w = in_S(at.P.w() - w_S);
-  const V th = rotation_vector_of(conjugate(at.S.q()) * at.P.q());
+  const V th = rotation_vector(conjugate(at.S.q()) * at.P.q());
 
   const V Kd = K.cwiseProduct(d), Cdd = C.cwiseProduct(dd), b = Kt.cwiseProduct(th), Cw = Ct.cwiseProduct(w);
   const V thb = cross(th, b), Jb = b + 0.5 * thb + second_factor(T(th.dot(th))) * cross(th, thb);  // J' Kt th

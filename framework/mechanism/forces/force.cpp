@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "framework/mechanism/lock/add_differences.h"
+
 namespace lockstep {
 
 Force::Force(std::string name) : name_(std::move(name)) {}
@@ -11,50 +13,17 @@ Force::~Force() = default;
 void Force::breakpoints(double, double, std::vector<double>&) const {}
 std::string Force::diagnose(double) const { return {}; }
 
-namespace {
-
-// K and D by central differences of `push(inputs, sum)` over these slots.
-template <class Push>
-void add_differences(const std::vector<int>& slots, const Inputs& in, TangentSum& out, const Push& push) {
-  if (slots.empty()) return;
-  Differences& scratch = out.differences(in);
-  Inputs at = in;
-  at.motions = scratch.motions;
-  WrenchSum sum(at.motions, scratch.f);
-  const auto add_force = [&](int column, int k, double factor) {
-    for (const int i : slots) scratch.f.segment<6>(6 * i).setZero();
-    push(at, sum);
-    for (const int i : slots) {
-      Mat6 change = Mat6::Zero();
-      change.col(k % 6) = factor * scratch.f.segment<6>(6 * i);
-      if (k < 6)
-        out.add_K(i, column, change);
-      else
-        out.add_D(i, column, change);
-    }
-  };
-  const double distance = Differences::distance(slots, in);
-  for (const int j : slots)
-    for (int k = 0; k < 12; ++k) {
-      Motion& O = scratch.motions[j + 1];
-      const Motion home = O;
-      const double speed = std::max(1.0, k < 9 ? home.v.norm() : home.w.norm());
-      const double h = Differences::kStep * (k < 3 ? distance : k < 6 ? 1.0 : speed);
-      O = Differences::moved(home, k, h);
-      add_force(j, k, -0.5 / h);
-      O = Differences::moved(home, k, -h);
-      add_force(j, k, 0.5 / h);
-      O = home;
-    }
-}
-
-}  // namespace
-
 void Force::tangent(const Inputs& in, TangentSum& out) const {
-  add_differences(slots_, in, out, [this](const Inputs& at, WrenchSum& sum) { apply(at, sum); });
+  add_differences(slots_, true, in, out, [this](const Inputs& at, VecX& f) {
+    WrenchSum sum(at.motions, f);
+    apply(at, sum);
+  });
 }
 void Reacting::react_tangent(const Inputs& in, const Reactions& reactions, TangentSum& out) const {
-  add_differences(self_->slots(), in, out, [&](const Inputs& at, WrenchSum& sum) { react(at, reactions, sum); });
+  add_differences(self_->slots(), true, in, out, [&](const Inputs& at, VecX& f) {
+    WrenchSum sum(at.motions, f);
+    react(at, reactions, sum);
+  });
 }
 
 double Force::potential(const Inputs&) const { return 0; }

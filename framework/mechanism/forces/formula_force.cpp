@@ -135,7 +135,7 @@ void CoordinateForce::act(const Ends<T>& at, Load& load) const {
   const bool has_angle = value_of(sum) != 0;
   const Vec3T<T> g = has_angle ? Vec3T<T>(T(1.0 / sum) * (a_P + a_S)) : Vec3T<T>(Vec3T<T>::Zero());
   const T rate = g.dot(at.P.w() - at.S.w());
-  q += kTwoPi * std::round((near_angle(at.s) - value_of(q)) / kTwoPi);
+  q += kTwoPi * std::round(((angle_ ? angle_->expected(at.s) : 0.0) - value_of(q)) / kTwoPi);
   const T f = has_angle ? effort(q, rate) : T(0);
   load.torque(Vec3T<T>(f * g));
   load.supplies(f * rate);

@@ -41,8 +41,6 @@ class LOCKSTEP_API CoordinateForce final : public FormulaForce<CoordinateForce> 
 
  private:
   Axis axis_;
-  double near_angle(std::span<const double> s) const { return angle_ ? angle_->expected(s) : 0.0; }
-
   expression::FormulaFunction f_;
   const CountedAngle* angle_ = nullptr;  // of a torque; null where no system counts it
 };

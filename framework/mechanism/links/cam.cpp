@@ -6,9 +6,8 @@
 
 #include <lockstep/author/params.h>
 #include <lockstep/detail/phi_function.h>
-#include <lockstep/error.h>
-#include <lockstep/text.h>
 #include "framework/mechanism/links/cam_functions.h"
+#include "framework/mechanism/links/checks.h"
 
 namespace lockstep {
 namespace {
@@ -116,16 +115,16 @@ Key radius_key() {
   return key;
 }
 
+CamProfile profile_of(const std::string& link, LawPtr<MotionLaw> radius) {
+  return CamProfile(given(link, std::move(radius), "law for its radius"));
+}
+
 }  // namespace
 
 CamRoller::CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius, double roller)
-    : FunctionLock(std::move(name), p, s, Mask::none, rows_of(RollerOnCam(CamProfile(std::move(radius)), roller))) {
-  if (!phi_of<RollerOnCam>(function()).profile.radius())
-    throw ModelError("joint '" + this->name() + "': no law for its radius was given");
-  if (!(roller >= 0) || std::isinf(roller))
-    throw ParameterError({.kind = "joint", .name = this->name()}, "roller",
-                         "is " + text::brief(roller) + " m; it must not be negative");
-}
+    : FunctionLock(name, p, s, Mask::none,
+                   rows_of(RollerOnCam(profile_of(name, std::move(radius)),
+                                       checked(name, "roller", roller, roller >= 0, " m; it must not be negative")))) {}
 
 TypeInfo CamRoller::info() {
   return {"cam_roller",
@@ -139,10 +138,7 @@ std::unique_ptr<Lock> CamRoller::make(const Attachment& attachment, const Params
 }
 
 CamFlat::CamFlat(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius)
-    : FunctionLock(std::move(name), p, s, Mask::none, rows_of(FaceOnCam(CamProfile(std::move(radius))))) {
-  if (!phi_of<FaceOnCam>(function()).profile.radius())
-    throw ModelError("joint '" + this->name() + "': no law for its radius was given");
-}
+    : FunctionLock(name, p, s, Mask::none, rows_of(FaceOnCam(profile_of(name, std::move(radius))))) {}
 
 TypeInfo CamFlat::info() {
   return {"cam_flat",

@@ -7,8 +7,7 @@
 
 #include <lockstep/author/params.h>
 #include <lockstep/detail/phi_function.h>
-#include <lockstep/error.h>
-#include <lockstep/text.h>
+#include "framework/mechanism/links/checks.h"
 #include "framework/mechanism/links/curve_functions.h"
 
 namespace lockstep {
@@ -114,9 +113,7 @@ Key near_key() { return {"near", Form::number, Unit::none, 0, "a value of s near
 }  // namespace
 
 PointOnCurve::PointOnCurve(std::string name, Marker& p, Marker& s, LawPtr<TranslationLaw> path, double near)
-    : FunctionLock(std::move(name), p, s, Mask::none, rows_of(OnCurve(CurvePoint(std::move(path), near)))) {
-  if (!phi_of<OnCurve>(function()).curve.path()) throw ModelError("joint '" + this->name() + "': no path was given");
-}
+    : FunctionLock(name, p, s, Mask::none, rows_of(OnCurve(CurvePoint(given(name, std::move(path), "path"), near)))) {}
 
 std::vector<Quantity> PointOnCurve::quantities() const { return of_curve(); }
 double PointOnCurve::quantity(int k, const Inputs& in) const {
@@ -135,12 +132,9 @@ std::unique_ptr<Lock> PointOnCurve::make(const Attachment& attachment, const Par
 }
 
 PathFollower::PathFollower(std::string name, Marker& p, Marker& s, Options options)
-    : FunctionLock(std::move(name), p, s, Mask::none,
-                   rows_of(OnPath(CurvePoint(std::move(options.path), options.near), std::move(options.turn)))) {
-  if (!phi_of<OnPath>(function()).curve.path()) throw ModelError("joint '" + this->name() + "': no path was given");
-  if (!phi_of<OnPath>(function()).turn)
-    throw ModelError("joint '" + this->name() + "': no law for the axes along its path was given");
-}
+    : FunctionLock(name, p, s, Mask::none,
+                   rows_of(OnPath{CurvePoint(given(name, std::move(options.path), "path"), options.near),
+                                  given(name, std::move(options.turn), "law for the axes along its path")})) {}
 
 std::vector<Quantity> PathFollower::quantities() const { return of_curve(); }
 double PathFollower::quantity(int k, const Inputs& in) const {

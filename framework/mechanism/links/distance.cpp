@@ -3,8 +3,7 @@
 
 #include <lockstep/author/params.h>
 #include <lockstep/detail/phi_function.h>
-#include <lockstep/error.h>
-#include <lockstep/text.h>
+#include "framework/mechanism/links/checks.h"
 #include "framework/mechanism/links/joint_functions.h"
 
 namespace lockstep {
@@ -20,10 +19,8 @@ Distance::Distance(std::string name, Marker& p, Marker& s, double length)
     : FunctionLock(std::move(name), p, s, Mask::none, rows_of(DistanceFunction({}, length))) {}
 
 Distance::Distance(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> length)
-    : FunctionLock(std::move(name), p, s, Mask::none, rows_of(DistanceFunction(std::move(length), 0))) {
-  if (!phi_of<DistanceFunction>(function()).law)
-    throw ModelError("joint '" + this->name() + "': no law for its length was given; give one, or a number");
-}
+    : FunctionLock(name, p, s, Mask::none,
+                   rows_of(DistanceFunction(given(name, std::move(length), "law for its length"), 0))) {}
 
 Distance::Distance(std::string name, Marker& p, Marker& s) : Distance(std::move(name), p, s, distance_at_start(p, s)) {}
 

@@ -117,12 +117,14 @@ FormulaFunction read_formula(const Value& v, const std::string& place,
 }  // namespace
 
 TypeInfo FormulaJoint::info() {
-  return {"function",
-          "a joint by formulas of the pose of P relative to S: each is held at zero",
-          {{"phi", Form::any, Unit::none, kRequired,
-            "a formula, or a list of up to 3, of x, y, z (m), e0 ... e3 (quaternion), rz (rad, counted) and t"},
-           {"mask", Form::text, Unit::none, "", "further constraints, as of a lock: words of x y z e1 e2 e3"},
-           expression::constants_key()}};
+  return {
+      "function",
+      "formulas of the pose of P relative to S, each held at zero; degrees of freedom left: 6 less the formulas and "
+      "mask",
+      {{"phi", Form::any, Unit::none, kRequired,
+        "a formula, or a list of up to 3, of x, y, z (m), e0 ... e3 (quaternion), rz (rad, counted) and t"},
+       {"mask", Form::text, Unit::none, "", "further constraints, as of a lock: words of x y z e1 e2 e3"},
+       expression::constants_key()}};
 }
 
 std::unique_ptr<Lock> FormulaJoint::make(const Attachment& attachment, const Params& p) {

@@ -3,16 +3,14 @@
 
 #include <lockstep/author/params.h>
 #include <lockstep/detail/phi_function.h>
-#include <lockstep/error.h>
-#include <lockstep/text.h>
+#include "framework/mechanism/links/checks.h"
 #include "framework/mechanism/links/gear_functions.h"
 
 namespace lockstep {
 namespace {
 
 double positive(const CoupledPairs& pairs, const char* key, double x) {
-  if (x > 0 && x < 1e300) return x;
-  throw ParameterError({.kind = "joint", .name = pairs.name}, key, "is " + text::brief(x) + "; it must be above zero");
+  return checked(pairs.name, key, x, x > 0 && x < 1e300, "; it must be above zero");
 }
 
 Gear::Mesh mesh_of(const std::string& word) {

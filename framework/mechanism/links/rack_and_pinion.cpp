@@ -1,22 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/couplings.h>
 
-#include <cmath>
-
 #include <lockstep/author/params.h>
 #include <lockstep/detail/phi_function.h>
-#include <lockstep/error.h>
-#include <lockstep/text.h>
+#include "framework/mechanism/links/checks.h"
 #include "framework/mechanism/links/gear_functions.h"
 
 namespace lockstep {
 namespace {
 
 double checked_radius(const std::string& link, double radius) {
-  if (!std::isfinite(radius) || radius == 0)
-    throw ParameterError({.kind = "joint", .name = link}, "radius",
-                         "is " + text::brief(radius) + " m; the radius of a pinion must not be zero");
-  return radius;
+  return checked(link, "radius", radius, radius != 0, " m; the radius of a pinion must not be zero");
 }
 
 }  // namespace

@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/joints.h>
 
-#include <cmath>
-
 #include <lockstep/author/params.h>
 #include <lockstep/body.h>
 #include <lockstep/detail/phi_function.h>
-#include <lockstep/error.h>
-#include <lockstep/text.h>
+#include "framework/mechanism/links/checks.h"
 #include "framework/mechanism/links/joint_functions.h"
 
 namespace lockstep {
 
 Screw::Screw(std::string name, Marker& p, Marker& s, double lead, LawPtr<MotionLaw> slip)
-    : FunctionLock(std::move(name), p, s, Mask::x | Mask::y | Mask::e1 | Mask::e2,
-                   rows_of(ScrewThread(lead, std::move(slip)))) {
-  if (!std::isfinite(lead))
-    throw ParameterError({.kind = "joint", .name = this->name()}, "lead",
-                         "is " + text::brief(lead) + " m; it must be a finite number");
-}
+    : FunctionLock(
+          name, p, s, Mask::x | Mask::y | Mask::e1 | Mask::e2,
+          rows_of(ScrewThread(checked(name, "lead", lead, true, " m; it must be a finite number"), std::move(slip)))) {}
 
 std::vector<Quantity> Screw::quantities() const {
   return {{"angle", "rad", "rotation of P about S's z, with its revolutions"}, {"rate", "rad/s", "rate of the angle"}};

@@ -1,34 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/joints.h>
 
-#include <cmath>
-
 #include <lockstep/author/params.h>
 #include <lockstep/detail/kernel.h>
 #include <lockstep/detail/phi_function.h>
-#include <lockstep/error.h>
-#include <lockstep/text.h>
+#include "framework/mechanism/links/checks.h"
 #include "framework/mechanism/links/joint_functions.h"
 #include "framework/mechanism/params/read.h"
 
 namespace lockstep {
-namespace {
-
-double finite(const std::string& name, double limit) {
-  if (!std::isfinite(limit))
-    throw ModelError("joint '" + name + "': the limit " + text::number(limit) + " of a stop must be a finite number");
-  return limit;
-}
-
-}  // namespace
 
 SlideStop::SlideStop(std::string name, Marker& p, Marker& s, Options o)
-    : FunctionLock(name, p, s, Mask::none, rows_of(StopAlong{o.axis, finite(name, o.limit), o.low ? 1.0 : -1.0})) {
+    : FunctionLock(name, p, s, Mask::none,
+                   rows_of(StopAlong{o.axis, checked(name, "limit", o.limit, true, "; it must be a finite number"),
+                                     o.low ? 1.0 : -1.0})) {
   set_unilateral({});
 }
 
 TurnStop::TurnStop(std::string name, Marker& p, Marker& s, Options o)
-    : FunctionLock(name, p, s, Mask::none, rows_of(StopAbout{finite(name, o.limit), o.low ? 1.0 : -1.0})) {
+    : FunctionLock(name, p, s, Mask::none,
+                   rows_of(StopAbout{checked(name, "limit", o.limit, true, "; it must be a finite number"),
+                                     o.low ? 1.0 : -1.0})) {
   set_unilateral({});
 }
 

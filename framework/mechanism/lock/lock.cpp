@@ -5,6 +5,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/lock/add_differences.h"
 
 namespace lockstep {
 
@@ -73,42 +74,20 @@ void add_tangent(const Lock& link, const Inputs& in, std::span<const double> lam
 }
 
 void difference_tangent(const Lock& link, const Inputs& in, std::span<const double> lambda, TangentSum& out) {
-  Differences& scratch = out.differences(in);
-  Inputs at = in;
-  at.motions = scratch.motions;
+  RowTable& scratch = out.differences(in).rows;
   const RowShape shape = link.shape();
   const SlotList& on = link.slots();
   const Lock* const one = &link;
-
-  Eigen::Matrix<double, 6 * kMaxSlots, 1> column;
-  const auto add_force = [&](double factor) {  // Jh^T lambda at the moved pose
-    link.gather(Group(&one, 1), at, scratch.rows.spatial_span(shape));
-    const RowBlock block = scratch.rows.spatial(shape);
+  const std::span<const int> slots(on.slot.data(), static_cast<std::size_t>(on.n));
+  add_differences(slots, false, in, out, [&](const Inputs& at, VecX& f) {  // -Jh^T lambda
+    link.gather(Group(&one, 1), at, scratch.spatial_span(shape));
+    const RowBlock block = scratch.spatial(shape);
     for (int i = 0; i < on.n; ++i)
       for (int k = 0; k < shape.m; ++k) {
         const auto r = block.J(i, k);
-        for (int j = 0; j < 6; ++j) column[6 * i + j] += factor * lambda[k] * r[j];
+        for (int j = 0; j < 6; ++j) f[6 * on[i] + j] -= lambda[k] * r[j];
       }
-  };
-  const double h_move =
-      Differences::kStep * Differences::distance({on.slot.data(), static_cast<std::size_t>(on.n)}, in);
-  for (int j = 0; j < on.n; ++j)
-    for (int k = 0; k < 6; ++k) {
-      const double h = k < 3 ? h_move : Differences::kStep;
-      Motion& O = scratch.motions[on[j] + 1];
-      const Motion home = O;
-      column.setZero();
-      O = Differences::moved(home, k, h);
-      add_force(0.5 / h);
-      O = Differences::moved(home, k, -h);
-      add_force(-0.5 / h);
-      O = home;
-      for (int i = 0; i < on.n; ++i) {
-        Mat6 K = Mat6::Zero();
-        K.col(k) = column.segment<6>(6 * i);
-        out.add_K(on[i], on[j], K);
-      }
-    }
+  });
 }
 
 bool axis_stays_in_plane(Axis axis, const Vec3& normal, double tolerance) {

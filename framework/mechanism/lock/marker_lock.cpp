@@ -52,9 +52,9 @@ MarkerMotion MarkerLock::S_at(double t) const { return lawful_ ? lawful_->S.at(t
 
 void MarkerLock::refuse_when_set_up(const std::string& what) const {
   if (slots().n == 0) return;
-  throw ModelError("joint '" + name() + "': " + what +
-                   " is added after the system was set up; "
-                   "give every law before the first evaluation");
+  throw ModelError({.thing = {"joint", name(), std::string(type()), origin()},
+                    .problem = what + " is added after the system was set up",
+                    .advice = "give every law before the first evaluation"});
 }
 
 void MarkerLock::move(LawPtr<TranslationLaw> law) {
@@ -89,23 +89,28 @@ void MarkerLock::hold() {
 }
 
 void MarkerLock::add_drive(Drive drive) {
-  const std::string what = "joint '" + name() + "': drive on " + std::string(to_string(drive.axis));
+  const std::string what = "drive on " + std::string(to_string(drive.axis));
   const Mask bit = row_of(drive.axis);
-  refuse_when_set_up("a drive on " + std::string(to_string(drive.axis)));
-  if (!drive.law) throw ModelError(what + " has no law; give it one");
+  const auto reject = [&](const std::string& problem, const std::string& advice) {
+    throw ModelError(
+        {.thing = {"joint", name(), std::string(type()), origin()}, .problem = what + problem, .advice = advice});
+  };
+  refuse_when_set_up("a " + what);
+  if (!drive.law) reject(" has no law", "give it one");
   if (includes(mask_, bit)) {
     std::string free;
     for (int k = 0; k < 6; ++k)
       if (const Axis axis = static_cast<Axis>(k); !includes(rows_, row_of(axis)))
         free += (free.empty() ? "" : ", ") + std::string(to_string(axis));
-    throw ModelError(what + ": constraint " + std::string(lockstep::row_name(axis_index(drive.axis))) +
-                     " is in the mask \"" + to_string(mask_) + "\"; drive a free axis (" +
-                     (free.empty() ? "none" : free) + "), or give the joint a law by move or turn");
+    reject(": the joint holds this coordinate",
+           "drive a free one (" + (free.empty() ? "none" : free) +
+               ") or prescribe this one by move or turn; the axis of a joint is z of its marker S");
   }
-  if (includes(rows_, bit)) throw ModelError(what + ": this axis is driven already; one law per axis");
+  if (includes(rows_, bit)) reject(": this axis is driven already", "one law per axis");
   if (is_rotation(drive.axis) && !includes(mask_ | bit, Mask::e123))
-    throw ModelError(what + ": the other two rotations are not both constrained (mask \"" + to_string(mask_) +
-                     "\"), so the driven angle has no axis; constrain them, or drive a revolute joint");
+    reject(": the other two rotations are not both constrained (mask \"" + to_string(mask_) +
+               "\"), so the driven angle has no axis",
+           "constrain them, or drive a revolute joint");
   rows_ = rows_ | bit;
   lawful().imposed.drives.push_back(std::move(drive));
 }

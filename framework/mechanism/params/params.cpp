@@ -104,13 +104,15 @@ void check_known(const Value::Object& members, KeyTables tables, const std::stri
   Refusals wrong;
   for (auto member = members.begin(); member != members.end() && !wrong.full(); ++member) {
     const auto same = [&](const auto& other) { return other.key == member->key; };
-    wrong.attempt([&] {
+    wrong.about(member->key).attempt([&] {
       if (std::find_if(members.begin(), member, same) != member)
         refuse(member->where, owner, "key \"" + member->key + "\" is given twice; remove one of the two");
       if (key_in(tables, member->key) != nullptr) return;
       std::vector<std::string> names;
-      for (const Keys* keys : tables)
-        for (const Key& key : *keys) names.push_back(key.name);
+      for (const bool required : {true, false})
+        for (const Keys* keys : tables)
+          for (const Key& key : *keys)
+            if (key.required() == required) names.push_back(key.name);
       refuse(member->where, owner,
              "unknown key \"" + member->key + "\"" +
                  (names.empty() ? "; it takes no keys" : text::suggestion(member->key, names)));
@@ -140,7 +142,7 @@ void check_members(const Value& object, const std::string& type, KeyTables table
     for (const Key& key : *keys) {
       if (key_in(tables, key.name) != &key) continue;
       const Value* given = object.find(key.name);
-      wrong.attempt([&] {
+      wrong.about(key.name).attempt([&] {
         if (given != nullptr) check_value(*given, key, part_of(owner, key.name));
         if (given == nullptr && !unknown && key.required()) refuse_missing(object.where, key, owner);
       });

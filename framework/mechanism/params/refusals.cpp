@@ -12,12 +12,14 @@ bool Refusals::full() const {
 }
 
 void Refusals::add(const SceneError& error) {
-  if (empty()) first_ = static_cast<const ErrorData&>(error);
+  if (empty() || error.line < first_.line)
+    if ((first_ = error).key.empty()) first_.key = key_;
   std::string_view rest = error.what();
   for (bool more = true; more && !full();) {
     const std::size_t end = rest.find('\n');
     const std::string_view line = rest.substr(0, end);
-    if (std::ranges::find(lines_, line) == lines_.end()) lines_.emplace_back(line);
+    if (std::ranges::none_of(lines_, [&](const auto& known) { return known.second == line; }))
+      lines_.emplace(error.line, line);
     more = end != std::string_view::npos;
     if (more) rest.remove_prefix(end + 1);
   }
@@ -26,7 +28,7 @@ void Refusals::add(const SceneError& error) {
 void Refusals::raise() const {
   if (empty()) return;
   std::string all;
-  for (const std::string& line : lines_) all += (all.empty() ? "" : "\n") + line;
+  for (const auto& [number, line] : lines_) all += (all.empty() ? "" : "\n") + line;
   throw SceneError(all + (full() ? "\nmore errors may follow these" : ""), first_);
 }
 

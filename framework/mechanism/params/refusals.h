@@ -2,17 +2,20 @@
 // Refusals: several errors of one input as one.
 #pragma once
 
+#include <map>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <lockstep/error.h>
 
 namespace lockstep {
 
-/// What is wrong with an input, a line each; of more than twenty lines the first. Repeated lines are given once.
+/// What is wrong with an input, a line each, in the order of its lines; of more than twenty the first. Repeated lines are
+/// given once.
 class LOCKSTEP_API Refusals {
  public:
+  /// Errors without a key are about this one, from now on.
+  Refusals& about(const std::string& key) { return key_ = key, *this; }
   /// Runs `act`, and keeps its error.
   template <class F>
   void attempt(F&& act) {
@@ -29,7 +32,8 @@ class LOCKSTEP_API Refusals {
   void raise() const;
 
  private:
-  std::vector<std::string> lines_;
+  std::multimap<int, std::string> lines_;  // by their place in the input
+  std::string key_;
   ErrorData first_;
 };
 

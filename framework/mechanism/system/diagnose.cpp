@@ -36,10 +36,13 @@ std::string law_fault_of(const Force& force, double t) {
 template <class T>
 [[noreturn]] void refuse_number(const T& thing, double t, const std::string& what, const std::string& otherwise) {
   const std::string law = law_fault_of(thing, t);
-  const std::string words = law.empty() ? "; " + otherwise : ": " + law + "; check its parameters";
+  const std::string advice = law.empty() ? otherwise
+                             : law.find(" of plugin ") != std::string::npos
+                                 ? "test it by check_law, or check its parameters"
+                                 : "check its parameters";
   const Thing whose = thing_of(thing);
-  throw NonFiniteError(at_time(t) + whose.label() + what + words,
-                       {.thing = whose, .advice = law.empty() ? otherwise : "check its parameters", .t = t});
+  throw NonFiniteError(at_time(t) + whose.label() + what + (law.empty() ? "" : ": " + law) + "; " + advice,
+                       {.thing = whose, .advice = advice, .t = t});
 }
 
 // "body 'b' at [1, 0, 0]" of the moving bodies among these slots.

@@ -128,11 +128,15 @@ auto& System::find(const char* kind, Kind of, Things& things, const std::string&
 
 void System::check_new_name(const std::string& kind, const std::string& name) const {
   if (name.empty()) throw ModelError("a " + kind + " without a name; give it one");
+  if (!run_.expired() && (kind == "body" || kind == "joint"))
+    throw ModelError({.thing = {.kind = kind, .name = name},
+                      .problem = "the run of its system has begun",
+                      .advice = "add it before the run, or build the system again"});
   const Named taken = named_thing(name);
   if (taken.kind == 0) return;
-  throw ModelError(kind + " '" + name + "': this name is already taken by a " +
-                   std::string(word_of(static_cast<Kind>(taken.kind))) +
-                   "; names are unique in a system: choose another");
+  throw ModelError({.thing = {.kind = kind, .name = name},
+                    .problem = "this name is already taken by a " + std::string(word_of(static_cast<Kind>(taken.kind))),
+                    .advice = "names are unique in a system: choose another"});
 }
 
 // Its name was checked.

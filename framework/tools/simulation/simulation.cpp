@@ -96,6 +96,7 @@ StepLoop& Simulation::Parts::begun() {
   runs->add_observer(*recorder);
   runs->set_state(begin(*evaluates, *runs, assembly));
   dynamics = std::move(evaluates), loop = std::move(runs);
+  system.begin_run(loop);
   return *loop;
 }
 
@@ -132,7 +133,7 @@ System& Simulation::system() { return parts_->system; }
 const System& Simulation::system() const { return parts_->system; }
 
 const Table& Simulation::record(std::vector<Request> requests) {
-  if (parts_->loop) throw ModelError("simulation: record() after the start of the run; add columns before run_until()");
+  if (parts_->loop) throw ModelError("simulation: record() after the start of the run; call it directly after the Simulation is made");
   for (Request& request : requests) {
     Channel channel = parts_->channel(request.channel);
     channel.name = request.name;

@@ -47,7 +47,7 @@ struct LOCKSTEP_API Simulation::Parts {
   std::unique_ptr<Recorder> recorder;
   const std::string solver;  // as it was given
   std::unique_ptr<Dynamics> dynamics;
-  std::unique_ptr<StepLoop> loop;
+  std::shared_ptr<StepLoop> loop;  // its System has a weak reference
   AssemblyReport assembly;
 };
 
