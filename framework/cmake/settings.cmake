@@ -33,7 +33,7 @@ set(lockstep_shared_settings EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MALLOC_ALREADY_ALIGN
 add_library(lockstep_own INTERFACE)
 target_compile_options(lockstep_own INTERFACE
   -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wno-psabi
-  "$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-array-bounds>")  # g++ 12 warns of its own std::string
+  "$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-array-bounds;-Wno-stringop-overflow>")  # g++ 12 warns of its own std::string
 target_compile_definitions(lockstep_own INTERFACE BOOST_ALL_NO_LIB BOOST_DLL_USE_STD_FS)  # Boost from headers alone
 
 # A matrix that finds no memory for its new size is empty. What clients compile is Eigen's own; the layout is the same.

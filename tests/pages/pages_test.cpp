@@ -241,14 +241,10 @@ TEST_CASE("every promise names tests that exist", "[pages]") {
   std::string tests;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(std::string(paths::kSource) + "/tests"))
     if (entry.path().extension() == ".cpp") tests += file_text(entry.path().string());
-  // A promise is a numbered item of its section; "- Memory 2: " begins the item with the tests of the second of Memory.
-  std::vector<std::string> promises, tested;
-  std::string section;
+  int promises = 0;
   for (const std::string& line : page("framework/docs/promises.md").lines) {
-    if (line.starts_with("## ")) section = line.substr(3);
-    for (const std::string& number : words_of(line, "^([0-9]+)\\. ")) promises.push_back(section + " " + number);
-    if (!line.starts_with("- ")) continue;
-    tested.push_back(line.substr(2, line.find(':') - 2));
+    if (words_of(line, "^([0-9]+)\\. ").empty()) continue;
+    ++promises;
     const std::vector<std::string> names = words_of(line, "\\*\"([^\"]+)\"\\*");
     INFO(line);
     CHECK_FALSE(names.empty());
@@ -257,8 +253,7 @@ TEST_CASE("every promise names tests that exist", "[pages]") {
       CHECK(tests.find("TEST_CASE(\"" + name + '"') != std::string::npos);
     }
   }
-  CHECK(promises.size() > 20);
-  CHECK(promises == tested);
+  CHECK(promises > 20);
 }
 
 TEST_CASE("the packages that README installs are those that the set-up looks for", "[pages]") {

@@ -64,7 +64,7 @@ TEST_CASE("a plugin that ends the process that opens it is listed with what happ
     INFO(how);
     auto all = listed(folder, std::string("LC_ALL=C LOCKSTEP_TEST_DEADLY=") + how);
     REQUIRE(all.size() == 2);
-    CHECK(all["deadly"]["state"] == "refused");
+    CHECK(all["deadly"]["state"] == "rejected");
     CHECK(all["deadly"]["size"] == std::filesystem::file_size(file));  // read without opening it
     CHECK(all["deadly"]["checksum"] != "0000000000000000");
     CHECK(contains(all["deadly"]["build"].get<std::string>(), "ABI "));
@@ -78,7 +78,7 @@ TEST_CASE("a plugin that ends the process that opens it is listed with what happ
   CHECK(listed(folder)["deadly"]["brings"][0]["name"] == "deadly_law");
   const Called why = call("plugins list --why", "LOCKSTEP_TEST_DEADLY=segv LOCKSTEP_PLUGIN_PATH='" + folder + "'");
   INFO(why.text);
-  CHECK(contains(why.text, "deadly           refused"));
+  CHECK(contains(why.text, "deadly           rejected"));
   CHECK(contains(why.text, file));
   CHECK(contains(why.text, "SIGSEGV"));
 }

@@ -51,7 +51,29 @@ TEST_CASE("the plugin bump passes check_law", "[plugin][check]") {
   const CheckReport r = check_law(*law);
   INFO(r.text());
   CHECK(r.ok());
+  CHECK(r.notes().empty());  // its two ends are breakpoints
   CHECK(law->at(1.1).y == Approx(0.2));
+}
+
+TEST_CASE("an adaptive run does not step over a pulse of a force", "[plugin]") {
+  const std::string up = R"({"type": "cycloid", "rise": 100, "duration": 0.1)",
+                    down = R"({"type": "cycloid", "rise": -100, "duration": 0.1)";
+  const auto [law, impulse] = GENERATE_COPY(table<std::string, double>(
+      {{R"({"type": "bump", "height": 100, "at": 5, "width": 0.1})", 100 * 0.1 * 32 / 35},
+       {R"({"type": "sum", "laws": [)" + up + R"(, "t0": 4.9}, )" + down + R"(, "t0": 5}]})", 10},
+       {R"({"type": "sequence", "continue": true, "durations": [4.9, 0.1, 0.1, 5], "laws": [0, )" + up + "}, " + down +
+            "}, 0]}",
+        10}}));
+  const std::string scene = scene_file("pulse", R"("requires": ["bump"], "bodies": [{"name": "cart", "particle": 2}],
+    "forces": [{"name": "push", "type": "force_motor", "p": "cart", "s": "ground", "axis": "x", "at": [0, 0, 0],
+                "force": )" + law + R"(}],
+    "run": {"until": 10, "output": 10, "record": ["cart.vx"]})");
+  const Called run = call("run '" + scene + "' --record - --quiet");
+  INFO(run.text);
+  CHECK(run.exit == 0);
+  const std::size_t last = run.text.find("\n10,");
+  REQUIRE(last != std::string::npos);
+  CHECK(std::stod(run.text.substr(last + 4)) == Approx(impulse / 2).epsilon(1e-5));
 }
 
 TEST_CASE("the plugin drag passes check_force and slows a ball to its terminal speed", "[plugin][check]") {

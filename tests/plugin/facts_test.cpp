@@ -53,7 +53,7 @@ TEST_CASE("nearly redundant constraints hold by default, as pages and help state
   CHECK(contains(call("describe run").text, "auto: kept if possible"));
   const Called checked = call("check '" + std::string(paths::kSource) + "/tests/stability/scenes/door.json'");
   INFO(checked.text);
-  CHECK(contains(checked.text, "it holds"));
+  CHECK(contains(checked.text, "It is kept"));
   CHECK(value_of(checked.text, "degrees of freedom") == "0");
   CHECK(contains(page("docs/faq.md"), "By default the constraints hold"));
 }
@@ -100,7 +100,9 @@ TEST_CASE("the rates of Baumgarte's method are numbers in 1/s", "[facts]") {
 
 TEST_CASE("the default tolerances of scenes and of C++ programs are those of the pages", "[facts]") {
   CHECK(SimulationOptions().tolerance == 1e-8);
-  CHECK(contains(page("docs/hosts.md"), "run of a system is 1e-8; that of a scene is 1e-6"));
+  CHECK(contains(page("docs/hosts.md"),
+                 "a system that was built in C++, as in the next program. Its default tolerance is 1e-8"));
+  CHECK(contains(page("docs/hosts.md"), "both tolerances, as `--tolerance` does. The default is 1e-6"));
   CHECK(contains(run_named(bar("", "", ""), "fact").text, "tolerance 1e-06"));
 }
 

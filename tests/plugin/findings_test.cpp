@@ -230,6 +230,7 @@ TEST_CASE("a unit in the name of a column is a doubt, and an error with --strict
                  "named.csv: column 'time_ms' is read in SI, although its name ends in \"ms\"; write the unit in "
                  "brackets: \"time [ms]\""));
   CHECK(contains(said.text, "\"angle [deg]\""));
+  CHECK(contains(said.text, "DOUBT     units-ignored: "));
   CHECK(call("run '" + scene + "' --no-picture --strict").exit == 11);
 }
 

@@ -37,7 +37,7 @@ std::string four_bar(const std::string& rocker) {
     {"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0,0,0]},
     {"name": "B", "type": "revolute", "p": "coupler", "s": "crank", "at": [0.1,0,0]},
     {"name": "C", "type": "revolute", "p": "coupler", "s": "rocker", "at_p": [0.4,0,0], "at_s": [0.28,"=rocker",0]},
-    {"name": "D", "type": "revolute", "p": "rocker", "s": "ground", "at": [0.28,0,0]}],
+    {"name": "D", "type": "revolute", "p": "rocker", "s": "ground", "at_p": [0.28,0,0], "at_s": [0.28,0,0]}],
     "run": {"until": 0.1, "record": ["rocker.angle_z"]})");
 }
 
@@ -76,6 +76,13 @@ TEST_CASE("a loop that cannot close is reported by the lengths of its bodies", "
   check_mistake(
       {"check '" + four_bar("250 m") + "'", 5, {"rocker spans 250 m", "check the unit of a length of rocker"}});
   check_mistake({"check '" + four_bar("250 mm") + "'", 0, {"OK: the mechanism assembles"}});
+  check_mistake({"check '" + four_bar("250 mm") + "' --set links.D.at_s.0=280",
+                 5,
+                 {"ground spans 280 m", "hint: check the unit of the places of joints"}});
+  check_mistake({"check " + sample("slider_crank") + " --set joints.guide.axis=z",
+                 6,
+                 {"hint: joint guide slides along the normal of the plane in which joints A, B and C move",
+                  "such as \"axis\": \"x\""}});
 }
 
 TEST_CASE("drives that contradict are reported with their speeds", "[runner]") {
@@ -110,12 +117,12 @@ TEST_CASE("a drive into a dead centre is reported with its joints and its time",
   check_mistake({"kinematics " + sample("slider_crank") + " --set 'rod=120 mm' --record dead.csv",
                  6,
                  {"error: drive A.rz has reached a limit position (dead centre) at t = 0.1476 s",
-                  "hint: end the motion before it, or change the lengths or the axis of guide", "saved: 15 rows in"}});
+                  "hint: change the lengths or the axis of guide, or end the motion before it", "saved: 15 rows in"}});
   // Equal reasons of a sweep are one, and a status is one line.
   check_mistake(
       {"sweep " + sample("slider_crank") + " --vary 'rod=110mm:130mm:3' --vary crank=150mm --record dead.csv",
        1,
-       {"error: 3 runs (rod = 0.11 ... 0.13 m, crank = 0.15 m) failed: drive A.rz has reached a limit position"}});
+       {"error: 3 runs (rod = 110 ... 130 mm, crank = 150 mm) failed: drive A.rz has reached a limit position"}});
   std::ifstream table(kRunnerFolder + "/dead.csv");
   const std::string rows{std::istreambuf_iterator<char>(table), {}};
   CHECK(std::ranges::count(rows, '\n') == 4);
@@ -152,19 +159,48 @@ TEST_CASE("a locked mechanism that is driven is reported, with the axis that loc
 }
 
 TEST_CASE("a start outside a stop and a step that is too long are reported as such", "[runner]") {
-  for (const char* command : {"check ", "run "})
+  for (const char* command : {"check ", "run ", "assemble "})
     check_mistake({command + sample("bouncing_pendulum") + " --set 'links.hinge.stops.0.low=100 deg'",
                    5,
-                   {"beyond the stop 'hinge.stop_rz_low': the coordinate is ", " deg, its limit is 100 deg"}});
+                   {"beyond the stop 'hinge.stop_rz_low': the coordinate is ",
+                    " deg, its limit is 100 deg\n  hint: widen its range"}});
   check_mistake({"run " + sample("mass_spring_damper") + " --integrator rk4 --step 0.05",
                  7,
-                 {"error: the step of 0.05 s is too long", "hint: take a step below"}});
+                 {"error: the step of 0.05 s is too long: at t = 0 s", "hint: take a step below"}});
+  const std::string mount = scene_file("mount", R"("gravity": [0, -9.81, 0], "bodies": [
+    {"name": "block", "box": {"mass": 0.2, "size": [0.05, 0.05, 0.05]}},
+    {"name": "rod", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],
+    "joints": [{"name": "hinge", "type": "revolute", "p": "rod", "s": "block", "at": [0,0,0]}],
+    "forces": [{"name": "rubber", "type": "bushing", "p": "block", "s": "ground", "at": [0,0,0],
+                "stiffness": [5e5, 5e5, 5e5], "torsion_stiffness": [500, 500, 500],
+                "damping": [2e3, 2e3, 2e3], "torsion_damping": [2, 2, 2]}],
+    "run": {"until": 0.5, "record": ["rod.x"]})");
+  check_mistake(
+      {"run '" + mount + "' --integrator rk4 --step 1e-3 --no-picture",  // not the rate of the last state
+       7,
+       {"too long: at t = 0 s the fastest motion has a rate of 2.37e+04 1/s", "take a step below 4.2e-05 s"}});
+}
+
+TEST_CASE("a run that stops because its constraints drifted is not reported as a dead centre", "[runner]") {
+  check_mistake({"run " + sample("four_bar") +
+                     " --stabilization none --tolerance 1e-3 --until 100 --no-picture --record drifted.csv",
+                 6,
+                 {"error: the constraints drift", "hint: project after each step"}});
 }
 
 TEST_CASE("an error of a scene names the bare numbers of the command line", "[runner]") {
   check_mistake({"check " + sample("slider_crank") + " --set bodies.crank.rod.mass=-1",
                  3,
                  {"slider_crank.json:", "  with bodies.crank.rod.mass=-1 from the command line, in SI units"}});
+  const std::string lever =
+      scene_file("lever", R"~("parameters": {"length": "100 mm", "height": "=sqrt((1 m)^2 - length^2)"
+},
+    "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": ["=length", "=height", 0]}}],
+    "run": {"until": 1})~");
+  for (const char* words : {" --set length=60", " --vary length=60:70:2"})
+    check_mistake({(std::string(words).find("vary") == std::string::npos ? "run '" : "sweep '") + lever + "'" + words,
+                   3,
+                   {"sqrt of ", " (100 mm in the file) from the command line, in SI units"}});
 }
 
 TEST_CASE("a law that ends is reported first, and the short steps behind it", "[runner]") {
@@ -172,7 +208,7 @@ TEST_CASE("a law that ends is reported first, and the short steps behind it", "[
     "law": {"type": "formula", "y": "=sqrt(0.5 - t)"}}}], "run": {"until": 1})~");
   const Called run = call("run '" + ends + "' --no-picture --record ends.csv");
   INFO(run.text);
-  CHECK(run.exit == 6);
+  CHECK(run.exit == 7);
   CHECK(contains(run.text, "error: t = 0.5"));
   CHECK(contains(run.text, "joint 'A' (revolute) computed a number that is not finite: the law of drive rz"));
   CHECK(contains(run.text, "(dopri5: the step shrank to "));

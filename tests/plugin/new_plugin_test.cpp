@@ -45,7 +45,7 @@ std::string refusal(const std::string& kind, const std::string& name) {
 
 TEST_CASE("new-plugin writes a folder of each kind under its own name", "[plugin][new_plugin]") {
   fs::remove_all(kPlace);
-  const std::string kind = GENERATE("link", "coupling", "law", "force", "integrator");
+  const std::string kind = GENERATE("joint", "coupling", "law", "force", "integrator");
   const std::string name = "my_" + kind, folder = kPlace + "/" + name;
   const testing::Called r = call("new-plugin " + kind + " " + name + " --into '" + kPlace + "'");
   INFO(r.text);
@@ -85,23 +85,29 @@ TEST_CASE("new-plugin touches nothing that exists", "[plugin][new_plugin]") {
 TEST_CASE("new-plugin rejects impossible names", "[plugin][new_plugin]") {
   fs::remove_all(kPlace);
   for (const char* name : {"", "Rail", "2rails", "a-b", "../up", "a/b", "rail_", "a__b", "r\xc3\xa4", "a b"})
-    CHECK(contains(refusal("link", name), "small letters, digits and single _"));
-  CHECK(contains(refusal("link", "revolute"), "\"revolute\" is already a joint of lockstep"));
+    CHECK(contains(refusal("joint", name), "small letters, digits and single _"));
+  CHECK(contains(refusal("joint", "revolute"), "\"revolute\" is already a joint of lockstep"));
   CHECK(contains(refusal("law", "dopri5"), "is already an integrator of lockstep"));
   CHECK(contains(refusal("law", "motion"), "would be MotionLaw, which lockstep has"));
   CHECK(contains(refusal("force", "test"), "a target of every CMake project"));
   for (const char* target : {"edit_cache", "rebuild_cache", "preinstall"})
     CHECK(contains(refusal("force", target), "a target of every CMake project"));
-  CHECK(contains(refusal("link", std::string(61, 'a')), "at most 60"));
-  CHECK(contains(refusal("link", "libra"), "begins with \"lib\", which lockstep removes"));
+  CHECK(contains(refusal("joint", std::string(61, 'a')), "at most 60"));
+  CHECK(contains(refusal("joint", "libra"), "begins with \"lib\", which lockstep removes"));
   CHECK_FALSE(fs::exists(kPlace));
   const testing::Called r = call("new-plugin gear mine");
   CHECK(r.exit == kExitUsage);
 }
 
+TEST_CASE("new-plugin reads link as joint", "[plugin][new_plugin]") {
+  fs::remove_all(kPlace);
+  CHECK(call("new-plugin link rail --into '" + kPlace + "'").exit == 0);
+  CHECK(contains(text_of(kPlace + "/rail/rail.cpp"), "class RailJoint"));
+}
+
 TEST_CASE("the class of a new plugin is named after both", "[plugin][new_plugin]") {
-  CHECK(class_name("link", "wavy_rail") == "WavyRailLink");
-  CHECK(class_name("link", "my_link") == "MyLink");
+  CHECK(class_name("joint", "wavy_rail") == "WavyRailJoint");
+  CHECK(class_name("joint", "my_joint") == "MyJoint");
   CHECK(class_name("law", "x2") == "X2Law");
   CHECK(class_name("integrator", "integrator") == "IntegratorIntegrator");
 }

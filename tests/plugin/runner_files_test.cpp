@@ -279,7 +279,7 @@ TEST_CASE("a picture of some columns gives their number", "[runner]") {
   const Called r = call("run '" + wide + "' --record wide.csv");
   INFO(r.text);
   CHECK(r.exit == 0);
-  if (contains(r.text, "wide.png")) CHECK(contains(r.text, "drawn: 16 of 17 columns; choose with run.draw"));
+  if (contains(r.text, "wide.png")) CHECK(contains(r.text, "drawn: 16 of 17 columns, at most six per panel; choose with run.draw"));
 }
 
 TEST_CASE("a scene reads files of its folder only, unless it is allowed more", "[runner]") {

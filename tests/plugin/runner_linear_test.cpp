@@ -129,7 +129,7 @@ TEST_CASE("modes of a scene at an instant to which it is run", "[runner][modes]"
   CHECK(mode["damping"].get<double>() == Approx(0.5).epsilon(1e-9));
   const Called slow = call("modes '" + scene + "' --equilibrium --set forces.spring.damping=100");
   INFO(slow.text);
-  CHECK(row_of(slow.text, "1").starts_with("1 decay 2.08712 overdamped 'mass' moves "));  // 25 - sqrt(525)
+  CHECK(row_of(slow.text, "1").starts_with("1 decay 2.08712 aperiodic 'mass' moves "));  // 25 - sqrt(525)
   CHECK(contains(slow.text, "decay rate [1/s]"));
 }
 
@@ -161,6 +161,10 @@ TEST_CASE("linearize: a motor, a push and a drive of a pendulum", "[runner][line
   const Called unknown = call("linearize '" + scene + "' --inputs moter");
   CHECK(unknown.exit == 2);
   CHECK(contains(unknown.text, "did you mean \"motor\""));
+  std::string named = kBob;
+  named.replace(named.find("\"pivot.rz\""), 10, R"({"angle": "pivot.rz"})");
+  const Called angle = call("linearize '" + scene_file("pushed_angle", named) + "' --outputs angle --json");
+  CHECK(json::parse(angle.text)["outputs"][0]["name"] == "angle");
   check_refused(call("linearize '" + scene + "' --outputs bob.speed"), 3, {"channel \"bob.speed\""});
   CHECK(contains(call("linearize '" + scene + "' --outputs energy.dissipated").text, "integrated state"));
 }

@@ -60,10 +60,10 @@ TEST_CASE("impossible options are rejected with the option, the value and the ri
   write("follower.json", R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1}],
     "joints": [{"name": "ride", "type": "cam_follower", "p": "a", "s": "ground"}]})");
   check_refusals({
-      {"check follower.json", 3, {"unknown type", "plugin cam_follower brings this joint: add --plugin cam_follower"}},
+      {"check follower.json", 3, {"unknown type", "plugin cam_follower adds this joint: load it by --plugin cam_follower"}},
       {"describe", 2, {"describe: a name is missing, as in `lockstep describe revolute`"}},
       {"describe revolut", 2, {"describe: unknown name \"revolut\"", "did you mean \"revolute\""}},
-      {"describe bump", 2, {"describe: unknown name \"bump\"; plugin bump brings this law: add --plugin bump"}},
+      {"describe bump", 2, {"describe: unknown name \"bump\"; plugin bump adds this law: load it by --plugin bump"}},
       {"describe cranc --scene @", 2, {"no parameter or point \"cranc\"", "did you mean"}},
       {"run @ --picture A.rz", 2, {"--picture A.rz: expected X:Y", "--picture crank.x:crank.y"}},
       {"run @ --picture none:nothing", 2, {"--picture none:nothing: \"none\" is not recorded"}},
@@ -93,7 +93,7 @@ TEST_CASE("impossible options are rejected with the option, the value and the ri
       {"modes @ --count 0", 2, {"--count: \"0\" is not a number of modes", "--count 10"}},
       {"modes @ --at -1", 2, {"--at: the value is -1", "0 or greater"}},
       {"matrices @ --out /dev/null/here", 8, {"folder '/dev/null/here' cannot be created", "name another"}},
-      {"kinematics @ --output 1e-12", 2, {"poses, one every 1e-12 s", "use a longer interval, --output"}},
+      {"kinematics @ --output 1e-12", 2, {"--output: 1e-12 s over", "use a longer interval"}},
       {"sweep @ --vary run.step=1,2 --step 3", 2, {"--step: \"run.step\" varies", "leave one of the two out"}},
       {"sweep @ --vary planar=off,z --full", 2, {"--planar: \"planar\" varies", "leave one of the two out"}},
       {"sweep @ --vary run.step=1e-3,2e-3 --histories /dev/null/here",
@@ -175,7 +175,9 @@ TEST_CASE("problems that end a run, a sweep or a plugin's template are named", "
        5,
        {"the start lies 1 m on the wrong side of the one-sided joint 'S'",
         "move its bodies apart, or reverse the side (\"side\": \"below\")"}},
-      {"run rope.json", 5, {"joint 'S'; move its bodies closer together, or reverse the side (\"side\": \"above\")"}},
+      {"run rope.json",
+       5,
+       {"joint 'S'\n  hint: move its bodies closer together, or reverse the side (\"side\": \"above\")"}},
       {"atlas @ --vary run.tolerance=1e-6,1e-5 --vary run.until=1,2 --integrators rk4 --budget 2s",
        2,
        {"no method can run this scene", "\"rk4\" has fixed steps and no step is given"}},
@@ -210,7 +212,7 @@ TEST_CASE("plugins reject impossible numbers by key, value and limit", "[runner]
   write("no_cam.json", cam(R"("base": 0, "lift": 1)"));
   write("no_lobe.json", cam(R"("base": 1, "lift": 1, "lobes": 0)"));
   check_refusals({
-      {"check flat_bump.json", 3, {"drive.law.width: is 0 s", "above zero"}},
+      {"check flat_bump.json", 3, {"drive.law (bump of plugin bump).width: is 0 s", "above zero"}},
       {"check no_cam.json",
        3,
        {"joint 'C' (cam_follower of plugin cam_follower), base: is 0 m", "a radius above zero"}},

@@ -138,7 +138,10 @@ TEST_CASE("the table of a law is rejected with line and column", "[runner]") {
   };
   refused("t,y\n0,\"0\n0.5,1\n1,2\n", "2:3: a quote is not closed on its line");
   refused("t,y\n0,0\n0.5,1,7\n1,2\n", "3:7: has 3 cells, the first line has 2");
-  refused("t,y\n0,0\n0.5\n1,2\n", "3:4: has 1 cells, the first line has 2");
+  refused("t,y\n0,0\n0.5\n1,2\n", "3:4: has 1 cell, the first line has 2");
+  write("law.csv", "t [ms],y [deg]\n0,0\n1000,90\n");
+  CHECK(value_of(call("check scenes/driven.json --verbose").text, "tables") ==
+        "law.csv: 2 points; t 0 to 1000 ms; y 0 to 90 deg");
 }
 
 }  // namespace runner_scenes_test

@@ -33,15 +33,17 @@ TEST_CASE("run writes the columns and reports the moved bodies", "[runner]") {
     CHECK(contains(r.text, word));
   const Called full = call("run '" + kFourBar + "' --record bar.csv --verbose");
   INFO(full.text);
-  for (const char* word : {"results    theta  0.3 ... 7.3 rad", "energy ok", "positions unchanged",
-                           "start      velocities set to fit joints and drives (the given ones were off by 1.8 m/s)"})
+  for (const char* word : {"results    theta  0.3 ... 7.3 rad", "energy ok",
+                           "start      velocities follow from joints and drives; positions unchanged"})
     CHECK(contains(full.text, word));
   CHECK_FALSE(value_of(full.text, "work of drives").empty());
   const Called table_of_all = call("run '" + kFourBar + "' --record bar.csv --summary --verbose");
   INFO(table_of_all.text);
-  CHECK(contains(table_of_all.text, "extremes of the rows:\n"));
+  CHECK(contains(table_of_all.text, "extremes at the output times:\n"));
   CHECK(row_of(table_of_all.text, "column") == "column unit least at t [s] greatest at t [s]");
   CHECK(row_of(table_of_all.text, "theta") == "theta rad 0.3 0 7.3 0.7");
+  CHECK(row_of(table_of_all.text, "theta_d").starts_with("theta_d rad/s 10 "));
+  CHECK_FALSE(contains(row_of(table_of_all.text, "theta_d"), "0."));  // constant: no times
   CHECK_FALSE(value_of(table_of_all.text, "drive_torque").empty());
   CHECK_FALSE(value_of(table_of_all.text, "work of drives").empty());
   const Table table = read_csv(csv);
@@ -52,6 +54,17 @@ TEST_CASE("run writes the columns and reports the moved bodies", "[runner]") {
   std::getline(file, header);
   CHECK(contains(header, "t [s],theta [rad]"));
   CHECK(contains(header, "Bx [N]"));
+}
+
+TEST_CASE("runner: a run at rest exchanges no energy", "[runner]") {
+  const std::string rest = scene_file("rest", R"("gravity": [0, -9.81, 0],
+    "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0, -1, 0]}}],
+    "joints": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0]}],
+    "run": {"until": 1, "output": 0.5, "record": ["rod.x"]})");
+  const Called r = call("run '" + rest + "' --output 0.1 --record rest.csv");
+  INFO(r.text);
+  CHECK(contains(r.text, "energy ok (nothing exchanged)"));
+  CHECK(read_csv(kRunnerFolder + "/rest.csv").n_rows() == 11);
 }
 
 TEST_CASE("options of the command line stand over the scene", "[runner]") {
@@ -85,8 +98,8 @@ TEST_CASE("help has names of values, not the notation of the parser", "[runner]"
   const std::string run = call("run --help").text;
   INFO(run);
   for (const char* noise : {":BOOL", "Excludes", "Needs", "REQUIRED", ":{"}) CHECK_FALSE(contains(run, noise));
-  for (const char* word : {"\nScene:\n", "\nMethod:\n", "\nResults:\n", "\nCheckpoints:\n", "--until TIME", "\"50 ms\"",
-                           "(off, auto, x, y or z)", "(not with --picture)", "(with --certify)"})
+  for (const char* word : {"\nScene:\n", "\nMethod (defaults if the scene has none):\n", "\nResults:\n", "\nCheckpoints:\n", "--until TIME", "\"50 ms\"",
+                           "x, y or z; off: motion in space", "(not with --picture)", "(with --certify)"})
     CHECK(contains(run, word));
   CHECK(contains(call("sweep --help").text, " (required)"));
 }
@@ -119,6 +132,7 @@ TEST_CASE("wrong words are a usage error", "[runner]") {
            {run + "--dt 1e-3", "unknown option \"--dt\"; did you mean \"--step\"?"},
            {run + "--step 0", "--step: the value is 0; it must be greater than 0 and finite"},
            {run + "--step x", "--step: \"x\" is not a time; write it as in --step 0.001"},
+           {run + "--step =1", "--step: \"=1\" is not a time (formulas are for scenes only); write it as in --step 0.001"},
            {run + "--integrator rk5", "--integrator: unknown name \"rk5\"; did you mean \"rk4\"?"},
            {"list wheels", "kind: unknown \"wheels\"; known: joints, links,"},
            {"describe revolut", "describe: unknown name \"revolut\"; did you mean \"revolute\"?"}}) {
@@ -221,6 +235,7 @@ TEST_CASE("a run whose energy is not conserved ends with its own status", "[runn
 }
 
 TEST_CASE("list, describe and schema speak of the same things", "[runner]") {
+  CHECK(call("list joints").text.starts_with("  joints:\n"));
   const auto all = nlohmann::json::parse(call("list --json").text);
   for (const char* shelf : {"links", "laws", "forces", "integrators", "solvers"}) CHECK_FALSE(all[shelf].empty());
   CHECK(contains(call("list links").text, "revolute"));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -160,7 +161,7 @@ TEST_CASE("vectorised batches give the same table as single runs", "[runner][swe
   const Called many = call(words + "--record lanes.csv"), single = call(words + "--record single.csv --lanes off");
   INFO(many.text << single.text);
   CHECK(many.exit == 0);
-  CHECK(contains(many.text, "  11 runs, all succeeded (vectorised: 8 per batch)"));
+  CHECK(contains(many.text, "  11 runs, all succeeded (vectorised)"));
   CHECK(value_of(single.text, "one by one") == "as requested");
   const auto a = results_of("lanes.csv"), b = results_of("single.csv");
   REQUIRE(a.size() == 12);
@@ -279,12 +280,12 @@ TEST_CASE("a sweep on several threads makes the table of one thread", "[runner][
     int exit;
   };
   const std::vector<Case> cases = {
-      {"--vary bodies.arm.rod.mass=1:3:20", "20 runs, all succeeded (vectorised: 8 per batch)", 20, 0},
-      {"--vary bodies.arm.rod.mass=1:3:20 --lanes off", "one by one  as requested", 20, 0},
+      {"--vary bodies.arm.rod.mass=1:3:20", "20 runs, all succeeded (vectorised)", 20, 0},
+      {"--vary bodies.arm.rod.mass=1:3:20 --lanes off", "one by one   as requested", 20, 0},
       // a run that cannot be built sends its group back, to be run one by one
-      {"--vary bodies.arm.rod.mass=1,2,3,4,-5,6,7,8,9,10,11,12", "12 runs, 1 failed (vectorised: 4 of 12, 8 per batch)", 12, 1},
+      {"--vary bodies.arm.rod.mass=1,2,3,4,-5,6,7,8,9,10,11,12", "12 runs, 1 failed (vectorised: 4 of 12)", 12, 1},
       // the second half is not for lanes
-      {"--vary run.integrator=dop853,radau5 --vary bodies.arm.rod.mass=1:3:8", "(vectorised: 8 of 16, 8 per batch)", 16, 0}};
+      {"--vary run.integrator=dop853,radau5 --vary bodies.arm.rod.mass=1:3:8", "(vectorised: 8 of 16)", 16, 0}};
   for (const Case& c : cases) {
     INFO(c.words);
     const Called one = call(arm + c.words + " --jobs 1 --record jobs_1.csv --histories jobs_1"),
@@ -303,54 +304,68 @@ TEST_CASE("a sweep on several threads makes the table of one thread", "[runner][
   check_refused(call(arm + cases[0].words + " --jobs 0"), 2, {"--jobs: \"0\" is not a whole number from 1 to 1024"});
 }
 
-// The recipes are taken from the help, so that what is printed there is what works.
+// The recipes are those of the page, with its scene, so that what is printed there is what works.
+std::string page_part(const std::string& begin, const std::string& end) {
+  std::ifstream file(std::string(paths::kSource) + "/framework/docs/sweep.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  const std::size_t at = page.find(begin);
+  REQUIRE(at != std::string::npos);
+  return page.substr(at, page.find(end, at) - at);
+}
+
+void begin_recipe(const std::string& folder) {
+  fs::remove_all(kRunnerFolder + "/" + folder);
+  fs::create_directories(kRunnerFolder + "/" + folder);
+  const std::string block = page_part("```json buffer.json", "\n```");
+  std::ofstream(kRunnerFolder + "/" + folder + "/buffer.json") << block.substr(block.find('\n'));
+}
+
 TEST_CASE("the recipe for GNU parallel makes the table of one sweep", "[runner][sweep]") {
   if (!contains(shell("parallel --version").text, "GNU parallel")) {
     WARN("skipped: GNU parallel is not installed (tests/run installs it where it may)");
     return;
   }
-  const std::string help = call("sweep --help").text;
-  const auto line_with = [&](const std::string& begin) {
-    const std::size_t at = help.find("\n  " + begin);
-    REQUIRE(at != std::string::npos);
-    return help.substr(at + 3, help.find('\n', at + 1) - at - 3);
-  };
-  const std::string folder = kRunnerFolder + "/parallel";
-  fs::remove_all(folder);
-  fs::create_directories(folder);
-  fs::copy_file(kRod, folder + "/pendulum.json");
-  const Called shards = shell("cd parallel && " + line_with("parallel "));
+  begin_recipe("parallel");
+  const Called shards = shell("cd parallel && " + page_part("parallel lockstep", "\n"));
   INFO(shards.text);
   CHECK(shards.exit == 0);
-  CHECK(shell("cd parallel && " + line_with("awk ")).exit == 0);
-  const Called whole =
-      call("sweep parallel/pendulum.json --vary bodies.rod.rod.mass=1:5:100 --quiet --record parallel/one.csv");
+  CHECK(shell("cd parallel && " + page_part("awk 'FNR", "\n")).exit == 0);
+  const Called whole = call("sweep parallel/buffer.json --vary ratio=0.1:1:100 --quiet --record parallel/one.csv");
   CHECK(whole.exit == 0);
   const auto rows = results_of("parallel/one.csv");
   CHECK(rows.size() == 101);
-  CHECK(results_of("parallel/mass.csv") == rows);
+  CHECK(results_of("parallel/all.csv") == rows);
 }
 
 // Slurm itself is not there: its variables are, one task after the other.
 TEST_CASE("the recipe for Slurm makes the table of one sweep", "[runner][sweep]") {
-  const std::string help = call("sweep --help").text;
-  std::string script;
-  const std::size_t begin = help.find("\n  #SBATCH");
-  REQUIRE(begin != std::string::npos);
-  script = help.substr(begin, help.find("\nAll shards", begin) - begin);
+  const std::string script = page_part("#SBATCH", "```");
   CHECK(contains(script, "--array=1-8"));
-  const std::string folder = kRunnerFolder + "/slurm";
-  fs::remove_all(folder);
-  fs::create_directories(folder);
-  fs::copy_file(kRod, folder + "/pendulum.json");
-  std::ofstream(folder + "/job.sh") << script << "\n";
+  begin_recipe("slurm");
+  std::ofstream(kRunnerFolder + "/slurm/job.sh") << script << "\n";
   for (int i = 1; i <= 8; ++i) {
     const Called task =
         shell("cd slurm && SLURM_ARRAY_TASK_COUNT=8 SLURM_ARRAY_TASK_ID=" + std::to_string(i) + " sh job.sh");
     INFO(task.text);
     CHECK(task.exit == 0);
   }
-  CHECK(shell("cd slurm && cat mass_*.csv | grep -c ',ok$'").text == "100\n");
+  CHECK(shell("cd slurm && cat part_*.csv | grep -c ',ok$'").text == "100\n");
+}
+
+TEST_CASE("a sweep that is not vectorised states the reason", "[runner][sweep]") {
+  const std::string arm = "sweep '" + arm_scene() + "' --vary ";
+  const auto reason = [&](const std::string& values) { return value_of(call(arm + values).text, "one by one"); };
+  CHECK(reason("bodies.arm.rod.mass=-1,2,3") == "a run in the batch failed");
+  CHECK(reason("run.until=0.1,0.2,0.3") == "the runs have different end times");
+}
+
+TEST_CASE("the page of a sweep has the values in the units of --vary", "[runner][sweep]") {
+  const Called r =
+      call("sweep '" + kRod + "' --until 0.1 --vary length='500 mm:600 mm:3' --record page.csv --report page.html");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  CHECK(shell("grep -c 'length \\[mm\\]' page.html").exit == 0);
+  CHECK(lines_of("page.csv")[0].starts_with("run,length [m],"));
 }
 
 }  // namespace sweep_test

@@ -153,10 +153,10 @@ TEST_CASE("a joint that writes outside of its constraints is rejected before the
 }
 
 TEST_CASE("a maker that fails is named with its plugin", "[plugin][user_code]") {
-  const std::string law = "law 'naughty_law' (plugin naughty)";
-  SAYS(run(driven_by("null maker")), {"the maker of " + law + " returned null"});
-  SAYS(run(driven_by("maker throws")), {"the maker of " + law + " threw: no making"});
-  SAYS(run(driven_by("maker throws int")), {"the maker of " + law + " threw: an object of type int"});
+  const std::string law = "joint 'A', drive.law (naughty_law of plugin naughty)";
+  SAYS(run(driven_by("null maker")), {law + ": its maker returned null"});
+  SAYS(run(driven_by("maker throws")), {law + " threw: no making"});
+  SAYS(run(driven_by("maker throws int")), {law + " threw: an object of type int"});
   SAYS(run(driven_by("maker refuses")), {"SceneError: ", "naughty.json:", "is of no use", law});
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Equilibria from far away, against closed forms (tests/verification/data/modes_states.csv), least energies found
 // otherwise, and steady rotation by forces of the user's own.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -441,6 +442,31 @@ TEST_CASE("statics: a wheel that nothing holds makes no two equilibria of anothe
   CHECK(std::abs(x[0] + x[1]) <= 1e-9);
   CHECK(std::abs(x[2]) <= 1e-9);
   CHECK(found.all[2].report.stability.kind == Kind::unstable);
+}
+
+// Folded, with the slider at the pivot, both rods turn about it as one. Hanging they meet the motion in which it
+// slides, which the spring drives: the reaction there has no limit.
+TEST_CASE("statics: poses near a singular configuration count as one and come last", "[verification][statics]") {
+  const std::string text = R"({"lockstep": 1, "gravity": [0, -9.81, 0],
+    "bodies": [{"name": "left", "rod": {"mass": 0.4, "from": [0, 0, 0], "to": [0.3, 0.08, 0]}},
+               {"name": "right", "rod": {"mass": 0.4, "from": [0.3, 0.08, 0], "to": [0.6, 0, 0]}},
+               {"name": "slider", "sphere": {"mass": 0.6, "radius": 0.02}, "position": [0.6, 0, 0]}],
+    "links": [{"name": "A", "type": "revolute", "p": "left", "s": "ground", "at": [0, 0, 0]},
+              {"name": "B", "type": "revolute", "p": "right", "s": "left", "at": [0.3, 0.08, 0]},
+              {"name": "C", "type": "revolute", "p": "slider", "s": "right", "at": [0.6, 0, 0]},
+              {"name": "D", "type": "prismatic", "p": "slider", "s": "ground", "at": [0.6, 0, 0], "axis": [1, 0, 0]}],
+    "forces": [{"name": "spring", "type": "spring_damper", "p": "slider", "s": "ground", "at_p": [0.6, 0, 0],
+                "at_s": [0.9, 0, 0], "stiffness": 2000, "free_length": 0.3}]})";
+  Mechanism m = build_mechanism(scene_from_text(text, "toggle.json"), builtin_registry());
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>());
+  const EquilibriaReport found = find_equilibria(dynamics, m.system.start(), {.starts = 100});
+  const auto n = std::ranges::count_if(found.all, [](const Equilibrium& e) { return e.report.singular; });
+  CHECK(found.unassembled <= found.failed);
+  CHECK((n >= 1 && n <= 4));  // hanging and standing; each within 1e-3 of them
+  REQUIRE(found.all.size() > static_cast<std::size_t>(n) + 1);
+  CHECK_FALSE(found.all[1].report.singular);  // the two that are stable
+  for (std::size_t k = 0; k < found.all.size(); ++k)
+    CHECK(found.all[k].report.singular == (k >= found.all.size() - static_cast<std::size_t>(n)));
 }
 
 // A small node on a long spring rests on both sides of the line of its ends.

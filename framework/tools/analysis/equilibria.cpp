@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/evaluate/row_space.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/back_to_plane.h"
 #include "framework/tools/analysis/wild_starts.h"
@@ -42,10 +44,11 @@ bool same_pose(const Pose& p, const Pose& q, const Unheld& unheld, double length
   return unheld.turns > 1 || length * (rotation(p.q) * unheld.axis - rotation(q.q) * unheld.axis).norm() <= near;
 }
 
-/// Whether two equilibria are one: the same poses, or, where a motion is held by nothing, the same family of them: as
-/// stiff, under the same forces, and the same in all that is held.
+/// Whether two equilibria are one: the same poses, poses near one singular configuration, or, where a motion is held by
+/// nothing, the same family of them: as stiff, under the same forces, and the same in all that is held.
 bool same_equilibrium(const System& system, const Equilibrium& a, const Equilibrium& b, double same) {
-  if (apart(system, a.state, b.state) <= same * system.length()) return true;
+  const double near = a.report.singular && b.report.singular ? 2 * kNearlyDependent : same;
+  if (apart(system, a.state, b.state) <= near * system.length()) return true;
   const Stability &s = a.report.stability, &o = b.report.stability;
   const auto alike = [](double x, double y) { return std::abs(x - y) <= kSlight * std::max(std::abs(x), std::abs(y)); };
   if (s.neutral.empty() || s.neutral.size() != o.neutral.size() || s.unstable.size() != o.unstable.size() ||
@@ -90,8 +93,11 @@ EquilibriaReport find_equilibria(Dynamics& dynamics, const State& start, const E
     Equilibrium next{first, {}, 1};
     next.state.v.setZero();
     scatter(system, 2 * reach, random, next.state);
+    if (!fit(dynamics, next.state)) {
+      ++report.failed, ++report.unassembled;
+      continue;
+    }
     try {
-      if (!fit(dynamics, next.state)) throw SolveError("off its constraints");
       // Newton's method alone goes to unstable ones too; every other start goes downhill.
       next.report =
           find_equilibrium(dynamics, next.state, {.relaxation_steps = 0, .friction = false, .nearest = k % 2 == 0});
@@ -102,7 +108,9 @@ EquilibriaReport find_equilibria(Dynamics& dynamics, const State& start, const E
       ++report.failed;
     }
   }
-  std::ranges::stable_sort(report.all, {}, [](const Equilibrium& e) { return e.report.stability.unstable.size(); });
+  std::ranges::stable_sort(report.all, {}, [](const Equilibrium& e) {
+    return std::pair(e.report.singular, e.report.stability.unstable.size());
+  });
   std::vector<AtRest> found;
   for (Equilibrium& e : report.all) found.push_back({e.state, e.report});
   go_back_to_plane(dynamics, look, first, found);

@@ -15,6 +15,8 @@
 #include <lockstep/detail/newton.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/evaluate/row_space.h"
+#include "framework/dynamics/evaluate/singular_rate.h"
 #include "framework/dynamics/simulate/contacts.h"
 #include "framework/dynamics/simulate/line_search.h"
 #include "framework/foundation/math/limits.h"
@@ -233,6 +235,7 @@ class EquilibriumSearch {
     if (now_.unbalanced <= options_.tolerance && judge_motions(*now_.e, A).kind == Stability::Kind::stable)
       return false;  // without friction too
     FrictionLoad load = friction_load(dynamics_, now_, A);
+    friction_balances_ = load.balances;
     if (load.balances) report_.grips = std::move(load.grips);
     if (!load.holds) return false;
     now_.lambda = load.lambda;
@@ -260,7 +263,7 @@ class EquilibriumSearch {
 
   // The loads beyond the friction of the given state, in a sentence; "" if there are none.
   std::string beyond_friction() const {
-    std::string words;
+    std::string words = friction_balances_ ? "" : "no finite friction force balances the loads";
     for (const GripReport& grip : report_.grips)
       if (grip.carries > grip.most) words += (words.empty() ? "" : "; ") + words_of(grip);
     return words.empty() ? words : "friction does not hold the start: " + words;
@@ -397,6 +400,9 @@ class EquilibriumSearch {
              fmt::format("marker '{}' moves by a law: dampers on it act by its velocity at that time", marker.name));
     if (system_.n_error_controlled_states() > 0)
       note("", "integrated states (controllers, drives by speed) keep their initial values");
+    report_.singular = now_.e->redundant() >= 0 && now_.e->rows().n_rows <= kDenseRows && loses_rank(dynamics_, state_);
+    if (report_.singular)
+      note("", "the equilibrium is near a singular configuration, where reactions may have no limit");
   }
 
   Dynamics& dynamics_;
@@ -410,6 +416,7 @@ class EquilibriumSearch {
   State start_;
   VecX step_, turned_;
   double length_, extent_ = 0, heaviest_ = 0, shift_ = 0, slope_ = 0;
+  bool friction_balances_ = true;  // the loads of the start
   std::size_t releases_ = 0;
   int released_at_ = -1;
 };

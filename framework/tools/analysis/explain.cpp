@@ -42,6 +42,12 @@ void add_loads(const System& system, const Evaluated& v, int slot, std::vector<C
   }
 }
 
+std::string left_out_in(Plane plane) {
+  return !plane ? ""
+                : std::string("motion in the plane with normal ") + "xyz"[plane.n] +
+                      ": forces along the normal and moments about axes in the plane are not computed";
+}
+
 std::vector<double> numbers(const Vec3& v) { return {v[0], v[1], v[2]}; }
 
 LawAccount account(std::string what, const MotionLaw& law, std::string unit, double t) {
@@ -99,11 +105,8 @@ BodyBalance balance_of(Dynamics& dynamics, const State& state, const Body& body)
   if (slot.freedoms == Freedoms::spatial)
     out.rate.moment = m.A * (slot.J * v.a.segment<3>(6 * body.slot + 3) + cross(m.w, Vec3(slot.J * m.w)));
   Vec3 force = out.sum.force - out.rate.force, moment = out.sum.moment - out.rate.moment;
-  if (const Plane plane = system.plane()) {
-    out.incomplete = std::string("motion in the plane with normal ") + "xyz"[plane.n] +
-                     ": forces along the normal and moments about axes in the plane are not computed";
-    force[plane.n] = 0, moment[plane.i()] = moment[plane.j()] = 0;
-  }
+  out.incomplete = left_out_in(system.plane());
+  if (const Plane plane = system.plane()) force[plane.n] = 0, moment[plane.i()] = moment[plane.j()] = 0;
   out.left_force = force.norm(), out.left_moment = moment.norm();
   return out;
 }
@@ -135,6 +138,7 @@ LinkAccount account_of(Dynamics& dynamics, const State& state, const Lock& link)
   const int entry = out.merged ? -1 : v.rows.entry_of_link[link.number()];
   out.in_force = entry >= 0 || (!out.merged && !out.left_out.empty() && state.modes[link.number()]);
   if (entry < 0) return out;
+  out.incomplete = left_out_in(system.plane());
   const RowEntry& e = v.rows.entries[entry];
   VecX C, Cd;
   v.evaluation.residuals(C, Cd);

@@ -9,6 +9,7 @@
 
 #include "framework/dynamics/evaluate/row_space.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 namespace {
@@ -42,7 +43,11 @@ class Balance {
     for (std::size_t g = 0; g < grips_.size(); ++g)
       for (const VecX& one : grips_[g].grip.along) along_.push_back(&one), of_.push_back(g);
     B_.resize(A.N.cols(), static_cast<Eigen::Index>(along_.size()));
-    for (std::size_t k = 0; k < along_.size(); ++k) B_.col(static_cast<Eigen::Index>(k)) = in_motions(*along_[k]);
+    for (std::size_t k = 0; k < along_.size(); ++k) {
+      auto column = B_.col(static_cast<Eigen::Index>(k));
+      column = in_motions(*along_[k]);
+      if (column.norm() <= kNegligible * A.at.forces_in(*along_[k]).norm()) column.setZero();  // as at a dead centre
+    }
     b_ = -in_motions(r);
   }
 

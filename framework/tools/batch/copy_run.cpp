@@ -51,7 +51,7 @@ void pass_jump(Dynamics& dynamics, State& state, double t) {
   const PositionJump jump(dynamics, state);
   StateRate rate = sized_like(state);
   cross_rest(dynamics, state, t, rate);
-  if (const std::string refusal = jump.refusal(dynamics, state, limit); !refusal.empty()) throw AssemblyError(refusal);
+  if (const auto refusal = jump.refusal(dynamics, state, limit)) throw AssemblyError(*refusal);
   make_consistent(dynamics, state, "the jump of a law", limit);
 }
 

@@ -86,9 +86,9 @@ class Reader {
     return robot->second;
   }
 
-  template <std::size_t N>
-  std::array<double, N> numbers(const std::string& words, const std::string& of) const {
-    std::array<double, N> all{};
+  template <int N>
+  Eigen::Matrix<double, N, 1> numbers(const std::string& words, const std::string& of) const {
+    Eigen::Matrix<double, N, 1> all;
     std::istringstream in(words);
     in.imbue(std::locale::classic());
     for (double& x : all)
@@ -103,9 +103,7 @@ class Reader {
   }
   Vec3 vector(const Tree& tree, const std::string& attribute, const std::string& of, const Vec3& fallback) const {
     const auto words = tree.get_optional<std::string>("<xmlattr>." + attribute);
-    if (!words) return fallback;
-    const std::array<double, 3> x = numbers<3>(*words, of + ", " + attribute);
-    return {x[0], x[1], x[2]};
+    return words ? Vec3(numbers<3>(*words, of + ", " + attribute)) : fallback;
   }
   std::string attribute(const Tree& tree, const std::string& name, const std::string& of) const {
     const auto words = tree.get_optional<std::string>("<xmlattr>." + name);
@@ -140,8 +138,8 @@ class Reader {
   std::string color_of(const Tree& material) const {
     const auto rgba = material.get_optional<std::string>("color.<xmlattr>.rgba");
     if (!rgba) return "";
-    const std::array<double, 4> c = numbers<4>(*rgba, "material, rgba");
-    const auto level = [&](std::size_t k) { return std::lround(255 * std::clamp(c[k], 0.0, 1.0)); };
+    const Eigen::Vector4d c = numbers<4>(*rgba, "material, rgba");
+    const auto level = [&](int k) { return std::lround(255 * std::clamp(c[k], 0.0, 1.0)); };
     return fmt::format("#{:02x}{:02x}{:02x}", level(0), level(1), level(2));
   }
 

@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,12 +14,16 @@
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/foundation/support/finding_kinds.h"
+#include "framework/mechanism/params/csv_reader.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/check_tree.h"
 #include "framework/tools/program/describe_scene.h"
+#include "framework/tools/program/findings.h"
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/mobility_findings.h"
 #include "framework/tools/program/options.h"
+#include "framework/tools/program/run_warnings.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/record/channel_entry.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -137,6 +142,29 @@ std::string value_text(const Value& v) {
   return "[" + text + "]";
 }
 
+/// Adds "torque.csv: 101 points; time 0 to 0.5 s; torque -1.4 to 2.21 N m" for each table of a law, in its own units.
+void add_tables(const Value& v, Names& lines) {
+  if (v.list() != nullptr)
+    for (const Value& each : *v.list()) add_tables(each, lines);
+  if (v.object() == nullptr) return;
+  for (const Value::Member& m : *v.object()) add_tables(m.value, lines);
+  const Value* file = v.find("file");
+  if (file == nullptr || file->text() == nullptr || !file->text()->ends_with(".csv")) return;
+  CsvReader table(path_of_file(*file));
+  std::vector<std::pair<double, double>> ranges(table.columns().size(), {HUGE_VAL, -HUGE_VAL});
+  int n = 0;
+  for (Names cells; table.next(cells); ++n)
+    for (std::size_t k = 0; k < cells.size(); ++k)
+      if (double x = 0; table.number(cells[k], x))
+        ranges[k] = {std::min(ranges[k].first, x), std::max(ranges[k].second, x)};
+  std::string line = fmt::format("{}: {} points", *file->text(), n);
+  for (std::size_t k = 0; k < ranges.size(); ++k)
+    if (const CsvColumn& c = table.columns()[k]; ranges[k].first <= ranges[k].second)
+      line += fmt::format("; {} {:.4g} to {:.4g} {}", c.name, ranges[k].first, ranges[k].second,
+                          c.unit.empty() ? "(SI)" : c.unit);
+  if (std::ranges::find(lines, line) == lines.end()) lines.push_back(line);
+}
+
 /// What is counted and found of a scene.
 struct Findings {
   MobilityFindings moves;
@@ -144,7 +172,7 @@ struct Findings {
   std::vector<std::string> proposals;
   std::string formulation, stages;
   TreeReport tree;
-  Names columns, taken;
+  Names columns, taken, tables;
   std::vector<SceneParameter> parameters;
 };
 
@@ -171,6 +199,11 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
   const State start = m.system.start();
   found.violation = dynamics.violation(start), found.violation_v = dynamics.violation_v(start);
   found.moves = mobility_of(dynamics, m, start);
+  for (const Finding& f :
+       settings_to_warn_of(loaded.scene, m, args, make_integrator(m.run, loaded.registry)->info().adaptive))
+    report_finding(f);
+  if (m.run.until < 0)
+    CommandFindings::add({&finding::analysis_note, "", "the scene has no end time; a run needs \"until\" (--until)"});
   const MobilityReport& r = found.moves.mobility;
   const std::string not_joint = why_not_joint(dynamics, start, *make_integrator(m.run, loaded.registry));
   TreeReport tree;
@@ -184,6 +217,7 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
   found.formulation = formulation_of(m, not_joint, found);
   const bool joint = found.formulation.starts_with("joint");
   found.stages = stages_of(m, start, loaded.registry, joint ? found.tree.has_rows() : r.rows > 0);
+  add_tables(loaded.scene.root, found.tables);
   found.taken = frames_taken(loaded.scene), found.parameters = loaded.scene.parameters;
   return found;
 }
@@ -200,10 +234,11 @@ const Fields<Findings>& check_fields() {
       Fields<Findings>{}
           .with(&Findings::moves, mobility_fields())
           .with({{"formulation", "", "formulation", &Findings::formulation},
-                 {"stages", "", "stages", &Findings::stages},
-                 {"violation", "m", "start violation", &Findings::violation},
-                 {"violation_v", "m/s", "  of velocities", &Findings::violation_v},
+                 {"stages", "", "", &Findings::stages},
+                 {"violation", "m", "", &Findings::violation},
+                 {"violation_v", "m/s", "", &Findings::violation_v},
                  {"frames_taken", "", "places assumed", &Findings::taken},
+                 {"tables", "", "tables", &Findings::tables},
                  {"tree", "joint coordinates", [](const Findings& f) { return f.tree.branches; }, branch_fields()},
                  {"closures", "", "", [](const Findings& f) { return f.tree.closures; }},
                  {"columns", "", "", &Findings::columns},
@@ -243,33 +278,36 @@ std::string redundant_words(const Findings& f) {
   const MobilityReport& r = f.moves.mobility;
   const std::string where = f.moves.plane.empty() ? "" : " in the plane (--full counts in space)";
   std::string words;
-  for (const Dependency& d : r.dependencies)
-    if (d.too_many > 0)
-      words +=
-          fmt::format("{}{} of {}", words.empty() ? "" : "\n" + std::string(22, ' '), d.too_many, by_joint(d.rows));
+  const auto add = [&](std::size_t n, const char* how, const Names& rows) {
+    if (n > 0)
+      words += fmt::format("{}{} {} {}", words.empty() ? "" : "\n" + std::string(22, ' '), n, how, by_joint(rows));
+  };
+  for (const Dependency& d : r.dependencies) add(static_cast<std::size_t>(d.too_many), "of", d.rows);
+  for (const NearDependency& d : f.moves.near.all) add(d.left_out.size(), "left out:", d.left_out);
   return (words.empty() ? "none" : words) + where;
 }
 
-// The facts that matter before a run.
-std::string brief_text(const System& system, const Findings& f, bool in_space) {
+std::string fact_line(std::string_view label, const std::string& words) {
+  return words.empty() ? "" : fmt::format("  {:<18}  {}\n", label, words);
+}
+
+// The verdict, the bodies and the joints.
+std::string head_text(const System& system, const Findings& f) {
   const MobilityReport& r = f.moves.mobility;
   std::string text;
   if (f.moves.error.empty())
-    text = fmt::format("  OK: the mechanism assembles; {}.\n\n",
-                       r.freedoms > 0
-                           ? counted(r.freedoms, "degree") + " of freedom " + (r.freedoms == 1 ? "is free" : "are free")
-                       : r.driven > 0 ? "its motion is fully prescribed"
-                                      : "it cannot move");
-  const auto line = [&](std::string_view label, const std::string& words) {
-    if (!words.empty()) text += fmt::format("  {:<18}  {}\n", label, words);
-  };
-  line("bodies", body_words(system));
-  line("joints", joint_words(system));
-  if (!f.moves.error.empty()) return text + "\n";
-  line("degrees of freedom", freedom_words(r));
-  line("redundant", redundant_words(f));
-  line("solved as", f.formulation);
-  return text + "\n  More: --verbose, --channels" + (in_space ? "\n" : ", --full\n");
+    text = fmt::format("  {}.\n\n", r.freedoms > 0 ? "OK: the mechanism assembles; " + counted(r.freedoms, "degree") +
+                                                         " of freedom " + (r.freedoms == 1 ? "is free" : "are free")
+                                    : r.driven > 0 ? "OK: the mechanism assembles; its motion is fully prescribed"
+                                                   : "The mechanism assembles, but it cannot move");
+  return text + fact_line("bodies", body_words(system)) + fact_line("joints", joint_words(system));
+}
+
+// The other facts that matter before a run.
+std::string brief_text(const Findings& f, bool in_space) {
+  if (!f.moves.error.empty()) return fact_line("degrees of freedom", "not computed");
+  return fact_line("degrees of freedom", freedom_words(f.moves.mobility)) + fact_line("redundant", redundant_words(f)) +
+         fact_line("solved as", f.formulation) + "\n  More: --verbose, --channels" + (in_space ? "\n" : ", --full\n");
 }
 
 // The exit code of a run of it, as far as its start: the findings precede the error of the start.
@@ -280,7 +318,12 @@ Result check_scene(const Arguments& args) {
   const Findings found = found_in(args, loaded, m);
   if (!found.moves.error.empty()) tell_error(found.moves.error);
   Result result(loaded, check_fields(), found);
-  if (!args.has("--verbose")) result.brief = brief_text(m.system, found, args.has("--full"));
+  result.brief = head_text(m.system, found);
+  if (args.has("--verbose"))
+    result.brief += fact_line("counts", !found.moves.error.empty() ? "may be wrong, because of the error" : "") + "\n" +
+                    text_of(*result.schema, result.data);
+  else
+    result.brief += brief_text(found, args.has("--full"));
   result.code = found.moves.exit_code;
   return result;
 }
@@ -298,7 +341,7 @@ Result check(const Arguments& args) {
     try {
       result = check_scene(one);
     } catch (const Error& error) {
-      tell_error(error.what());
+      tell_error(in_lines(error));
       result.code = exit_code_of(error), result.scene = scene, result.data = {{"error", error.what()}};
     }
     if (all.code == kExitOk) all.code = result.code;
@@ -314,7 +357,8 @@ Command check_command() {
       "check",
       join({scene_options(),
             {kJson,
-             {"--verbose,-v", "", "print all counts, the start, the coordinates, possible simplifications"},
+             {"--verbose,-v", "",
+              "print all counts, free motions, the coordinates, parameters, possible simplifications"},
              {"--channels", "", "list the channels of the scene, with unit and meaning"},
              Option{"--of", "NAME", "only channels of this body, marker (also those of a joint: A.P), joint or force"}
                  .along("--channels"),

@@ -10,18 +10,19 @@ namespace lockstep {
 namespace {
 
 std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
-  if (d.in_passing) return "only near a singular configuration";
+  if (d.in_passing) return "It is so only near a singular configuration";
   if (!d.undecided.empty())
-    return fmt::format("not decided: {}, so solvers may differ; correct the geometry, or remove one", d.undecided);
+    return fmt::format("Not decided: {}, so solvers may differ. Check the units of lengths, then correct the geometry",
+                       d.undecided);
   if (choice == NearlyRedundant::reported || !d.decided)
-    return "solvers may differ; choose \"nearly_redundant\": \"held\" or \"free\" (--nearly-redundant)";
+    return "Solvers may differ; choose \"nearly_redundant\": \"held\" or \"free\" (--nearly-redundant)";
   const std::string left_out =
       d.left_out.empty() ? "" : fmt::format(". Left out, because others imply them: {}", by_joint(d.left_out));
   if (choice != NearlyRedundant::free)
-    return "it holds, so the mechanism may be locked" + left_out +
+    return "It is kept, so it may lock the mechanism" + left_out +
            (choice == NearlyRedundant::held ? "" : ". To release it: --nearly-redundant free");
   return fmt::format(
-      "it is released{}. Violation after a motion of 0.3 rad: {:.1g} m. To hold it: --nearly-redundant held", left_out,
+      "It is released{}. Violation after a motion of 0.3 rad: {:.1g} m. To hold it: --nearly-redundant held", left_out,
       d.violation);
 }
 
@@ -35,8 +36,8 @@ std::string decision(const NearDependency& d, NearlyRedundant choice) {
 
 Finding finding_of(const NearDependency& d, NearlyRedundant choice) {
   Finding f{&finding::nearly_redundant, by_joint(d.rows)};
-  f.message = fmt::format("{} of the constraints {} {} redundant but for a relative singular value of {:.2g}; ",
-                          d.nearly, by_joint(d.rows), d.nearly == 1 ? "is" : "are", d.singular_value) +
+  f.message = fmt::format("{} of {} {} nearly redundant (relative singular value {:.2g}, 0 is redundant). ", d.nearly,
+                          by_joint(d.rows), d.nearly == 1 ? "is" : "are", d.singular_value) +
               decided_words(d, choice);
   f.value = d.singular_value;
   return f;
@@ -75,7 +76,8 @@ void note_not_unique(const UniquenessReport& reactions) {
   if (reactions.all_unique()) return;
   const std::string names = by_joint(reactions.rows);
   CommandFindings::add({&finding::reactions_not_unique, names,
-                        "reactions are not unique, because constraints are redundant or left out: " + names});
+                        "individual reactions are not unique, because constraints are redundant or left out; --verbose "
+                        "lists them"});
 }
 
 std::vector<std::string> columns_not_unique(const RunSettings& run, const UniquenessReport& reactions) {

@@ -19,6 +19,7 @@
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include <lockstep/version.h>
+#include "framework/description/scene/json.h"
 #include "framework/foundation/support/lines.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/complete.h"
@@ -182,7 +183,7 @@ int guarded(const std::function<int()>& command) {
     return command();
   } catch (const Error& error) {
     tell(text_of(CommandFindings::added()));
-    tell_error(error.what());
+    tell_error(in_lines(error));
     return exit_code_of(error);
   } catch (const std::bad_alloc&) {
     return out_of_memory();
@@ -194,10 +195,18 @@ int guarded(const std::function<int()>& command) {
 
 // The bare numbers of --set and --vary: an error of the scene may follow from a unit that is missing.
 std::string bare_numbers(const Arguments& args) {
+  const bool is_file = !args["scene"].empty() && args["scene"] != "-";
+  const Value scene = is_file ? read_json_file(scene_or_sample(args["scene"])) : Value();
+  const Value* parameters = scene.find("parameters");
   std::vector<std::string> all;
   for (const char* option : {"--set", "--vary"})
-    for (const std::string& word : args.all(option))
-      if (word.find_first_not_of("0123456789.,:+-e ", word.find('=') + 1) == std::string::npos) all.push_back(word);
+    for (const std::string& word : args.all(option)) {
+      const std::size_t equals = word.find('=');
+      if (word.find_first_not_of("0123456789.,:+-e ", equals + 1) != std::string::npos) continue;
+      const Value* written = parameters != nullptr ? parameters->find(word.substr(0, equals)) : nullptr;
+      const bool has_text = written != nullptr && written->text() != nullptr;
+      all.push_back(word + (has_text ? " (" + *written->text() + " in the file)" : ""));
+    }
   return all.empty() ? "" : "\n  with " + text::join(all) + " from the command line, in SI units";
 }
 
@@ -234,9 +243,9 @@ int run_words(const Program& program, int argc, const char* const* argv) {
   app.require_subcommand(1);
   std::string first = "Example:\n  lockstep run samples/scenes/four_bar.json\nOptions: lockstep COMMAND --help\n";
   if (const std::string scenes = shared_folder("lockstep/scenes"); !scenes.empty())
-    first += "samples/scenes: " + scenes + "\n";
+    first += "Sample scenes: " + scenes + "\n";
   if (const std::string pages = shared_folder("doc/lockstep/framework/docs"); !pages.empty())
-    first += "Pages: " + pages + ", first_steps.md first\n";
+    first += "Pages: " + pages + "; begin with first_steps.md\n";
   app.footer(first + "\nExit codes:\n" + kExitCodes);
   std::vector<std::pair<const CLI::App*, const Command*>> commands;
   for (const Verb& verb : verbs()) {
@@ -333,8 +342,7 @@ int run_program(std::vector<Command> (*commands)(), bool calls_tools, int argc, 
           "warning: `lockstep mobility` is now `lockstep check --verbose`; the next release reads only the new name\n");
       words[1] = "check", words.push_back("--verbose");
     }
-    if (argc > 1 && std::string_view(argv[1]) == "plugins" &&
-        (argc == 2 || (std::string_view(argv[2]).starts_with("--") && std::string_view(argv[2]) != "--help")))
+    if (argc > 1 && std::string_view(argv[1]) == "plugins" && (argc == 2 || argv[2][0] == '-'))
       words.insert(words.begin() + 2, "list");
     return printed(run_words({made, calls_tools}, static_cast<int>(words.size()), words.data()));
   } catch (const std::bad_alloc&) {

@@ -70,7 +70,10 @@ std::string scene_or_sample(const std::string& named) {
   if (named.starts_with(kSamples))
     if (const fs::path sample = fs::path(folder) / named.substr(kSamples.size()); fs::exists(sample, error))
       return sample.string();
-  throw FileError("there is no scene '" + named + "'; check the path, samples are in " + folder);
+  const std::string sample = (fs::path(folder) / named).string();
+  throw FileError(
+      "there is no scene '" + named + "'; " +
+      (fs::exists(sample, error) ? "did you mean '" + sample + "'?" : "check the path, samples are in " + folder));
 }
 
 std::string stem_of(const std::string& scene) { return scene == "-" ? "stdin" : fs::path(scene).stem().string(); }

@@ -33,7 +33,7 @@ std::vector<Finding> CommandFindings::added() {
   if (under_way == nullptr) return {};
   std::vector<Finding> unlogged = under_way->added_;
   for (const Finding& f : under_way->scope_.found)
-    if (f.severity() == Severity::note && std::ranges::find(unlogged, f.text(), &Finding::text) == unlogged.end())
+    if (f.severity() != Severity::warning && std::ranges::find(unlogged, f.text(), &Finding::text) == unlogged.end())
       unlogged.push_back(f);
   return unlogged;
 }
@@ -76,7 +76,8 @@ std::string findings_page() {
        "The result may be wrong: with `--strict` the program ends with exit code 11. `not-certified` and `start-far` "
        "give that code without `--strict`."},
       {Severity::warning,
-       "Probably not intended. The exit code does not change, except that of `assemble`: 11 for a warning about the "
+       "Probably not intended. The exit code does not change, except that of `assemble` without `--within` and "
+       "`--branches`: 11 for a warning about the "
        "start."},
       {Severity::note, "Information."}};
   std::string page =
@@ -85,7 +86,9 @@ std::string findings_page() {
       "for users who look up a code,\nand for authors of host programs.\n\nA code never changes. "
       "`lockstep describe CODE` prints its entry, `--json` lists the findings of a run under `findings`,\nand hosts "
       "read `SimulationReport::findings`, `RunVerdict::findings` and `FindingScope` (`<lockstep/finding.h>`).\n"
-      "The page is written by `lockstep reference findings`.\n";
+      "`lockstep reference findings` prints this page. `lockstep check` reports findings about the model and its "
+      "start, "
+      "the other commands those of their results too.\n";
   for (const auto& [severity, words] : kParts) {
     page += fmt::format("\n## {}\n\n{}\n\n| code | cause | cure |\n|---|---|---|\n", to_string(severity), words);
     for (const FindingKind* kind : finding_kinds())

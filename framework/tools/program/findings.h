@@ -14,7 +14,7 @@ namespace lockstep {
 const Fields<Finding>& finding_fields();
 
 /// The findings of the present command: those that are reported as long as it exists, and those that are added. Added
-/// ones and notes are not logged.
+/// ones are not logged, notes and doubts only as information.
 class CommandFindings {
  public:
   CommandFindings();
@@ -22,7 +22,7 @@ class CommandFindings {
   static void add(Finding);
   static void add(const std::vector<Finding>&);
   static std::vector<Finding> all();    ///< none outside of a command
-  static std::vector<Finding> added();  ///< those of them that were not logged, each once
+  static std::vector<Finding> added();  ///< those of them that are listed, each once
 
  private:
   FindingScope scope_{true};

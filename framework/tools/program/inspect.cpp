@@ -87,7 +87,7 @@ const Fields<Shelves>& shelf_fields() {
     Fields<Shelves> all{};
     for (const char* name : kShelves)
       all.add(Field<Shelves>(
-                  name, name,
+                  name, name == std::string_view("links") ? "joints" : name,
                   [name](const Shelves& s) {
                     const auto found = s.find(name);
                     return found == s.end() ? std::vector<Description>() : found->second;

@@ -51,6 +51,8 @@ void put_settings(RunSettings& run, const Arguments& args, const Registry& regis
   if (!args["--solver"].empty()) run.solver = read_spec("--solver", args["--solver"], types_of(registry.solvers));
   if (!args["--step"].empty()) run.step = positive_number("--step", args["--step"], Unit::time);
   if (!args["--until"].empty()) run.until = instant("--until", args["--until"]);
+  if (!args["--output"].empty())
+    run.output = positive_number("--output", args["--output"], Unit::time), run.times.clear();
   if (!args["--tolerance"].empty()) {
     const double relative = positive_number("--tolerance", args["--tolerance"], Unit::none);
     run.tolerance = as_usage("--tolerance", [&] { return tolerance_of(relative); });
@@ -82,12 +84,14 @@ Scene with_values(const Scene& scene, const std::vector<std::string>& texts, con
 }
 
 // A table beyond any memory.
-void refuse_rows(const RunSettings& run) {
+void refuse_rows(const RunSettings& run, const Arguments& args) {
   constexpr double kMost = 1e8;
   if (!(run.output > 0 && run.until / run.output > kMost)) return;
-  refuse(run.where, "run.output",
-         text::brief(run.output) + " s over " + text::brief(run.until) + " s gives " +
-             text::brief(run.until / run.output) + " rows (limit " + text::brief(kMost) + "); use a longer interval");
+  const std::string problem = text::brief(run.output) + " s over " + text::brief(run.until) + " s gives " +
+                              text::brief(run.until / run.output) + " rows (limit " + text::brief(kMost) +
+                              "); use a longer interval";
+  if (!args["--output"].empty()) throw UsageError("--output: " + problem);
+  refuse(run.where, "run.output", problem);
 }
 
 // Planar motion and merged bodies.
@@ -134,7 +138,7 @@ Loaded read_with_plugins(const Arguments& args) {
 void override_settings(RunSettings& run, const Arguments& args, const Registry& registry) {
   put_settings(run, args, registry);
   refuse_missing_step(run, args, registry);
-  refuse_rows(run);
+  refuse_rows(run, args);
 }
 
 Loaded load(const Arguments& args) {

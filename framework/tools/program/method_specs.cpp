@@ -32,7 +32,9 @@ double number_of(const std::string& option, const std::string& text, Unit unit, 
   if (error != std::errc() || end != text.data() + text.size()) {
     const Measured measured = read_quantity(text, unit);
     if (!measured.problem.empty() || unit == Unit::none)
-      throw UsageError(option + ": \"" + text + "\" is not a " + name_of(unit) + "; write it as in " + option + " " +
+      throw UsageError(option + ": \"" + text + "\" is not a " + name_of(unit) +
+                       (text.starts_with("=") ? " (formulas are for scenes only)" : "") + "; write it as in " + option +
+                       " " +
                        (example != nullptr   ? example
                         : unit == Unit::none ? "1e-6"
                                              : "0.001"));

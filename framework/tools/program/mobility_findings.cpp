@@ -12,6 +12,7 @@
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/run_warnings.h"
+#include "framework/tools/program/terminal.h"
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/motion_words.h"
 #include "framework/tools/rank/unknowns.h"
@@ -45,7 +46,7 @@ State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, Mobili
     warn_of_no_freedom(m, dynamics, run, kManyVelocities);
     evaluate_first(dynamics, run.state());
   } catch (const Error& error) {
-    found.error = error.what(), found.exit_code = exit_code_of(error);
+    found.error = in_lines(error), found.exit_code = exit_code_of(error);
     if (dynamics.violation(start) > StepLoopOptions().start_limit) start = typed;
   }
   if (!near.looked) near = {true, nearly_redundant_at(dynamics, m, start)};
@@ -77,8 +78,6 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   if (const Plane plane = m.system.plane()) found.plane = "xyz"[plane.n];
   if (r.redundant > 0 || !found.near.all.empty()) found.reactions = uniqueness(dynamics, counted);
   for (const NearDependency& d : found.near.all) CommandFindings::add(finding_of(d, m.run.nearly_redundant));
-  found.columns_not_unique = columns_not_unique(m.run, found.reactions);
-  if (found.error.empty()) note_not_unique(found.reactions);
   if (!found.position.known) found.position = branch_point(dynamics, counted);
   State at = counted;
   dynamics.to_slots(at);
@@ -87,7 +86,13 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   found.position_words = found.position.text(dynamics, counted);
   const System::InSpace look = dynamics.look_in_space();
   const MobilityReport in_space = mobility(dynamics, at);
+  if (r.freedoms + r.driven == 0 && in_space.freedoms > 0) {  // it moves out of the plane alone
+    r = in_space, found.plane = {};
+    if (r.redundant > 0) found.reactions = uniqueness(dynamics, at);
+  }
   r.freedoms = in_space.freedoms, r.driven = in_space.driven, r.drives = in_space.drives;
+  found.columns_not_unique = columns_not_unique(m.run, found.reactions);
+  if (found.error.empty()) note_not_unique(found.reactions);
   if (r.freedoms > 0 && r.freedoms <= kMostMotions && in_space.unknowns <= kDenseUnknowns)
     found.moves = driven_by(dynamics, at);
   return found;

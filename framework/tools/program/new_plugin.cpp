@@ -51,8 +51,8 @@ void check_free(const std::string& kind, const std::string& name, const Registry
                     by.front() == 'i' ? "an" : "a", by == "link" ? "joint" : by, name));
   });
   // Names of lockstep's own classes, and of CMake's own targets.
-  constexpr std::array kClasses = {"MotionLaw",    "TranslationLaw", "RotationLaw",  "MarkerForce",
-                                   "AppliedForce", "FunctionForce",  "FormulaForce", "PhiCoupling"};
+  constexpr std::array kClasses = {"MotionLaw",     "TranslationLaw", "RotationLaw", "MarkerForce", "AppliedForce",
+                                   "FunctionForce", "FormulaForce",   "PhiCoupling", "MaskJoint"};
   const std::string made = class_name(kind, name);
   if (std::find(kClasses.begin(), kClasses.end(), made) != kClasses.end())
     throw UsageError(
@@ -64,7 +64,8 @@ void check_free(const std::string& kind, const std::string& name, const Registry
 }
 
 Result make_plugin(const Arguments& args) {
-  const std::vector<std::string> files = write_plugin(args["kind"], args["name"], args["--into"], builtin_registry());
+  const std::string kind = args["kind"] == "link" ? "joint" : args["kind"];
+  const std::vector<std::string> files = write_plugin(kind, args["name"], args["--into"], builtin_registry());
   const std::string folder = fs::path(files.front()).parent_path().string();
   for (const std::string& file : files) fmt::print("{}\n", file);
   fmt::print("Build and test it: cmake -S {0} -B {0}/build && cmake --build {0}/build && ctest --test-dir {0}/build\n",
@@ -113,13 +114,11 @@ std::vector<std::string> write_plugin(const std::string& kind, const std::string
 
 Command new_plugin_command() {
   return {"new-plugin",
-          {Option{"kind", "KIND", "link, coupling, law, force or integrator"}
-               .among("link,coupling,law,force,integrator")
-               .needed(),
+          {Option{"kind", "KIND", "what it adds"}.among("joint,coupling,law,force,integrator,link").needed(),
            Option{"name", "NAME", "its name in scenes and of its folder: small letters, digits and _"}.needed(),
            {"--into", "DIR", "the parent of its folder; default: here"}},
           make_plugin,
-          "Example:\n  lockstep new-plugin link wavy_rail"};
+          "Example:\n  lockstep new-plugin joint wavy_rail"};
 }
 
 }  // namespace lockstep

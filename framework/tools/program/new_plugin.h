@@ -12,13 +12,13 @@ namespace lockstep {
 
 /// A file of a template. template_<kind> and Template<Kind> in its name and text become the plugin's names.
 struct TemplateFile {
-  const char* kind;  ///< "link", "coupling", "law", "force", "integrator"
+  const char* kind;  ///< "joint", "coupling", "law", "force", "integrator"
   const char* name;
   const char* text;
 };
 std::span<const TemplateFile> template_files();
 
-/// The name of the class: WavyRailLink of the link "wavy_rail", MyLink of "my_link".
+/// The name of the class: WavyRailJoint of the joint "wavy_rail", MyJoint of "my_joint".
 std::string class_name(const std::string& kind, const std::string& name);
 
 /// Makes the folder `into`/`name` and fills it; returns the files written. Existing files are never touched. Throws

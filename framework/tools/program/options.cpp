@@ -27,7 +27,9 @@ Options grouped(std::string_view heading, Options options) {
 
 std::string Option::words() const {
   std::string all(help);
-  if (!choices.empty()) all += " (" + text::join(lines_of(choices, ','), " or ") + ")";
+  const std::vector<std::string> words = lines_of(choices, ',');
+  if (std::ranges::any_of(words, [&](const std::string& w) { return all.find(w) == std::string::npos; }))
+    all += " (" + text::join(words, " or ") + ")";
   return needs.empty() ? all : all + " (with " + std::string(needs) + ")";
 }
 
@@ -36,15 +38,19 @@ const Options& scene_options() {
       "Scene",
       {Option{"scene", "SCENE", "scene file (JSON); -: standard input"}.needed(),
        Option{"--set", "NAME=VALUE",
-              "another value of a parameter (crank=\"120 mm\") or of a path (bodies.arm.mass=2); may be repeated"}
+              "another value for a parameter (crank=\"120 mm\") or a path (bodies.arm.mass=2); may be repeated"}
            .repeated(),
        kPlugin,
        {"--allow-files", "", "let the scene read files outside its folder"},
-       Option{"--planar", "AXIS", "normal of planar motion; auto: if planar motion is exact"}.among("off,auto,x,y,z"),
+       Option{"--planar", "AXIS",
+              "normal of the plane of motion: x, y or z; off: motion in space; auto (default): in a plane if that is "
+              "exact"}
+           .among("off,auto,x,y,z"),
        {"--full", "", "no simplifications: motion in space, no merged bodies, absolute coordinates"},
-       Option{"--nearly-redundant", "CHOICE",
-              "nearly dependent constraints (relative singular value below 1e-3): held: keep; free: drop; report: "
-              "report only; auto: keep if possible"}
+       Option{
+           "--nearly-redundant", "CHOICE",
+           "nearly dependent constraints: held keeps them, free drops them, report only reports them, auto (default) "
+           "keeps them if possible"}
            .among("auto,report,free,held")});
   return kOptions;
 }
@@ -52,17 +58,21 @@ const Options& scene_options() {
 const Options& settings_options() {
   static const Options kOptions = join(
       {scene_options(),
-       grouped("Method",
-               {{"--until", "TIME", "end of the run, in s or with a unit (\"50 ms\")"},
-                {"--integrator", "NAME", "see `lockstep list integrators`; with keys: dopri5:fixed=true"},
-                {"--step", "TIME", "fixed step, or the largest step of an adaptive integrator, in s or with a unit"},
-                {"--tolerance", "NUMBER", "relative tolerance of adaptive integrators"},
-                Option{"--formulation", "NAME",
-                       "coordinates: joint (relative), omega (6 velocities per body), quaternion (7 per body); auto: "
-                       "joint if it costs less and the integrator supports it"}
-                    .among(kFormulations),
-                {"--solver", "NAME", "see `lockstep list solvers`"},
-                Option{"--stabilization", "NAME", "constraint stabilisation"}.among(kStabilizations)})});
+       grouped(
+           "Method (defaults if the scene has none)",
+           {{"--until", "TIME", "end of the run, in s or with a unit (\"50 ms\")"},
+            {"--output", "TIME", "interval between the rows of the table; default: every step"},
+            {"--integrator", "NAME", "default dopri5; see `lockstep list integrators`; with keys: dopri5:fixed=true"},
+            {"--step", "TIME",
+             "the step of a fixed-step integrator, the largest step of an adaptive one; in s or with a unit"},
+            {"--tolerance", "NUMBER", "relative tolerance of adaptive integrators; default 1e-6"},
+            Option{"--formulation", "NAME",
+                   "coordinates: joint (relative), omega (6 velocities per body), quaternion (7 per body); auto "
+                   "(default): joint if it costs less and the integrator supports it"}
+                .among(kFormulations),
+            {"--solver", "NAME", "default schur; see `lockstep list solvers`"},
+            Option{"--stabilization", "NAME", "of the constraints: project (default), baumgarte or none"}.among(
+                kStabilizations)})});
   return kOptions;
 }
 
@@ -72,7 +82,7 @@ Options run_outputs() {
       {{"--record", "FILE.csv",
         "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, messages to standard "
         "error"},
-       {"--summary", "", "print the extremes of all recorded columns, with their times"},
+       {"--summary", "", "print the extremes of all recorded columns at the output times, and when they occur"},
        {"--verbose,-v", "", "also print assembly, method and energy by source"},
        {"--quiet", "", "print errors only"},
        kJson.without("--quiet,--certify"),

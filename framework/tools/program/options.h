@@ -107,8 +107,8 @@ inline constexpr Option kJson{"--json", "", "print the result as JSON only"};
 inline constexpr Option kPlugin =
     Option{"--plugin", "PLUGIN", "load a plugin, by name or path; may be repeated"}.repeated();
 inline constexpr Option kHeaders =
-    Option{"--headers", "KIND", "column names of the CSV file: with units, \"x [m]\", or plain, \"x\""}.among(
-        "units,plain");
+    Option{"--headers", "KIND", "column names of the CSV file: units (default), as in \"x [m]\", or plain, as in \"x\""}
+        .among("units,plain");
 inline constexpr Option kJobs{"--jobs", "N", "threads, 1 to 1024; default: the available processors"};
 const Options& scene_options();     ///< the scene, and what changes it
 const Options& settings_options();  ///< the scene, and how it is run

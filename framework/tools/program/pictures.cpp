@@ -152,7 +152,7 @@ bool draw_run(const std::string& csv, const std::string& title, const RowEnvelop
     notes.push_back(fmt::format("paths connect one row in {}", rows.path_every()));
   const std::size_t n = rows.ranges().size(), n_drawn = names_in(panels).size();
   if (run.draw.empty() && n_drawn < n)
-    notes.push_back(fmt::format("drawn: {} of {} columns; choose with run.draw", n_drawn, n));
+    notes.push_back(fmt::format("drawn: {} of {} columns, at most six per panel; choose with run.draw", n_drawn, n));
   return true;
 }
 

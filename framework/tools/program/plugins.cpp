@@ -22,7 +22,7 @@ namespace {
 
 const char* state_of(const PluginCandidate& c) {
   if (c.state == PluginCandidate::State::loaded) return "loads";
-  return c.state == PluginCandidate::State::hidden ? "hidden" : "refused";
+  return c.state == PluginCandidate::State::hidden ? "hidden" : "rejected";
 }
 
 // "link cam_follower, law bump"
@@ -55,17 +55,17 @@ const Fields<PluginCandidate>& plugin_fields() {
   static const Fields<Candidate> kFields{
       {"name", "", "name", &Candidate::name},
       {"state", "", "state", state_of},
-      {"brings_words", "", "brings", brought},
-      {"why", "", "why", &Candidate::why},
-      {"path", "", only_why("path"), &Candidate::path},
+      {"brings_words", "", why ? "" : "adds", brought},
+      {"path", "", "", &Candidate::path},
       {"file", "", only_why("file"), &Candidate::file},
       {"folder", "", "", &Candidate::folder},
-      {"build", "", only_why("build"), &Candidate::build},
+      {"build", "", "", &Candidate::build},
       {"brings", "", [](const Candidate& c) { return std::vector<Brought>(c.brings.begin(), c.brings.end()); },
        kBrought},
       {"size", "", only_why("bytes"), [](const Candidate& c) { return c.stamp.size; }},
       {"checksum", "", only_why("checksum"),
-       [](const Candidate& c) { return fmt::format("{:016x}", c.stamp.checksum); }}};
+       [](const Candidate& c) { return c.stamp.size > 0 ? fmt::format("{:016x}", c.stamp.checksum) : ""; }},
+      {"why", "", "why", &Candidate::why}};
   return kFields;
 }
 
@@ -129,13 +129,13 @@ int answer_for_plugin(const char* file) {
 std::string plugin_advice(const std::string& type) {
   for (const PluginCandidate& c : survey_plugins(plugin_folders(), ask_process))
     for (const auto& [kind, name] : c.brings)
-      if (name == type) return fmt::format("; plugin {} brings this {}: add --plugin {}", c.name, kind, c.name);
+      if (name == type) return fmt::format("; plugin {} adds this {}: load it by --plugin {}", c.name, kind, c.name);
   return "";
 }
 
 Command plugins_list_command() {
   return {"plugins list",
-          {{"--why", "", "report folders, files, builds, and why a plugin is rejected"}, kJson},
+          {{"--why", "", "report folders, files, sizes and checksums too"}, kJson},
           list_plugins,
           "Example:\n  LOCKSTEP_PLUGIN_PATH=~/my/plugins lockstep plugins list --why",
           {&survey_fields<false>().schema()}};

@@ -65,7 +65,7 @@ class Printer {
       if (!is_shown(f, data)) continue;
       const Json& v = data[f.name];
       if (f.words != nullptr || (f.of == nullptr && !is_sentences(f, v)))
-        line(indent, fmt::format("{:<{}}  {}", f.label, width, with_unit(f, v, largest_[f.unit])));
+        line(indent, fmt::format("{:<{}}  {}", f.label, width, with_unit(f, v, largest_[unit_of(f, data)])));
       else if (f.of == nullptr)
         sentences(f, v, indent, width);
       else
@@ -74,13 +74,18 @@ class Printer {
   }
 
  private:
+  // Its own, or that which its object names.
+  static std::string unit_of(const FieldInfo& f, const Json& object) {
+    return f.unit.empty() ? object.value("unit", "") : f.unit;
+  }
   // The largest number of each unit: next to it, rounding is printed as 0.
   void measure(const Schema& schema, const Json& data) {
     for (const FieldInfo& f : schema.fields) {
       if (f.label.empty() || !data.contains(f.name)) continue;
       const Json& v = data[f.name];
       if (f.of == nullptr) {
-        largest_[f.unit] = std::max(largest_[f.unit], largest_in(v));
+        double& largest = largest_[unit_of(f, data)];
+        largest = std::max(largest, largest_in(v));
       } else if (f.depth == 0 && !f.by_name) {
         if (v.is_object()) measure(*f.of, v);
       } else {
@@ -146,7 +151,7 @@ class Printer {
       if (f.by_name) row.push_back(name);
       for (const FieldInfo* g : shown)
         row.push_back(each.contains(g->name) && (is_shown(*g, each) || each[g->name].is_number())
-                          ? value_text(*g, each[g->name], largest_[g->unit])
+                          ? value_text(*g, each[g->name], largest_[unit_of(*g, each)])
                           : "");
     }
     std::vector<std::size_t> width(rows[0].size());
@@ -220,6 +225,10 @@ std::string number_text(const Json& v, double largest) {
   if (v.is_number_integer()) return v.dump();
   const double x = v.get<double>();
   return fmt::format("{:.6g}", std::abs(x) <= 1e-12 * largest || std::abs(x) < 1e-30 ? 0.0 : x);
+}
+
+std::string time_text(double seconds) {
+  return seconds < 1 ? fmt::format("{:.0f} ms", std::ceil(1e3 * seconds)) : fmt::format("{:.3g} s", seconds);
 }
 
 std::string unless_zero(const Json& n) { return n == 0 ? std::string() : number_text(n); }

@@ -238,7 +238,9 @@ std::string csv_of(const std::vector<std::vector<std::string>>& lines);
 
 /// "0.1", "-" of null; 0 if it is rounding next to `largest`, or below 1e-30.
 std::string number_text(const Json&, double largest = 0);
-/// The same, "" of 0.
+/// "3 ms", "12.5 s".
+std::string time_text(double seconds);
+/// A number as text, "" of 0.
 std::string unless_zero(const Json&);
 /// "[1, 0, 0]": numbers as text prints them; those that are rounding next to the largest, its own or this one, as 0.
 std::string vector_text(const Json&, double largest = 0);

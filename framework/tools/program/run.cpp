@@ -154,7 +154,7 @@ class ProgramRun {
                  singular_.passed(),
                  formulation_.name(sim_, m_.run.formulation),
                  missed_events(m_, sim_),
-                 run_findings(sim_, found, doubts_, singular_),
+                 run_findings(sim_, loaded_.registry, found, doubts_, singular_),
                  &rows_.rows(),
                  frames_taken(loaded_.scene),
                  not_unique_,
@@ -196,7 +196,8 @@ class ProgramRun {
     if (!not_unique_.empty()) {
       const std::string names = first_of(not_unique_);
       CommandFindings::add({&finding::reactions_not_unique, names,
-                            names + ": reactions are not unique, because constraints are redundant", "lockstep check"});
+                            names + ": reactions are not unique, because constraints are redundant",
+                            "lockstep check --verbose lists them"});
     }
     return start;
   }
@@ -247,7 +248,8 @@ class ProgramRun {
     }
     sim_.set_state(start);
     started_ = std::move(start);
-    warn_of_settings(loaded_.scene, m_, args_, sim_);
+    for (const Finding& f : settings_to_warn_of(loaded_.scene, m_, args_, sim_.integrator().info().adaptive))
+      sim_.add_finding(f);
     if (!judged()) return;
     warn_of_branches(dynamics_, sim_);
     warn_of_no_freedom(m_, dynamics_, sim_, kFewVelocities);
@@ -306,7 +308,12 @@ class ProgramRun {
   // Why it stopped; the start may explain it if a method of fixed steps has left the constraints.
   Cause cause() {
     const double step = sim_.integrator().info().adaptive ? 0 : m_.run.step;
-    const Cause found = cause_of_stop(dynamics_, sim_.state(), step);
+    Cause found = cause_of_stop(dynamics_, sim_.state(), step);
+    if (found.possible && from_ == nullptr)  // a step that was too long at the start: the state may have grown since
+      if (Cause at_start = cause_of_stop(dynamics_, started_, step); at_start.possible) found = std::move(at_start);
+    const auto drifted = [](const Finding& f) { return f.code() == finding::violated_in_run.code; };
+    if ((found.fact.empty() || found.kind == Error::Kind::step) && std::ranges::any_of(sim_.report().findings, drifted))
+      return {"the constraints drift, until no step is possible", "project after each step (stabilization project)"};
     return found.fact.empty() && step > 0 ? cause_of_stop(dynamics_, started_, step) : found;
   }
 

@@ -10,6 +10,7 @@
 #include "framework/description/scene/write.h"
 #include "framework/foundation/support/lines.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/report/page.h"
 #include "framework/tools/report/points.h"
 
 namespace lockstep {
@@ -56,8 +57,9 @@ ReportText text_of(const Arguments& args, const Loaded& loaded) {
 
 void write_runs_report(const std::string& file, const ReportText& text, const std::string& csv, const std::string& x,
                        const std::string& y, bool log, const report::Histories* histories) {
-  report::write_points(file,
-                       {.text = text, .csv = csv, .x = x, .y = y, .log = log, .joined = log, .histories = histories});
+  const report::Points points{
+      .text = text, .csv = csv, .x = x, .y = y, .log = log, .joined = log, .histories = histories};
+  report::write_whole(file, report::points_page(points));
 }
 
 std::vector<std::pair<std::string, std::string>> marked_links(const UniquenessReport& reactions) {

@@ -74,25 +74,26 @@ std::vector<std::string> holding(const System& system, const State& state) {
 
 }  // namespace
 
-void warn_of_settings(const Scene& scene, const Mechanism& m, const Arguments& args, StepLoop& sim) {
+std::vector<Finding> settings_to_warn_of(const Scene& scene, const Mechanism& m, const Arguments& args, bool adaptive) {
   const RunSettings& run = m.run;
-  if (!run.times.empty() && run.times.back() > run.until)
-    sim.add_finding({&finding::outputs_beyond_end, "",
-                     fmt::format("run.times: {:g} s is after the end of the run at {:g} s and is not recorded",
-                                 run.times.back(), run.until),
-                     "", run.times.back(), run.until, "s"});
+  std::vector<Finding> all = negative_stiffness(scene);
+  if (!run.times.empty() && run.until >= 0 && run.times.back() > run.until)
+    all.push_back({&finding::outputs_beyond_end, "",
+                   fmt::format("run.times: {:g} s is after the end of the run at {:g} s and is not recorded",
+                               run.times.back(), run.until),
+                   "", run.times.back(), run.until, "s"});
   if (run.output > run.until && run.until > 0)
-    sim.add_finding(
+    all.push_back(
         {&finding::outputs_beyond_end, "",
          fmt::format("run.output: {:g} s is longer than the run of {:g} s: only its start and its end are recorded",
                      run.output, run.until),
          "", run.output, run.until, "s"});
-  for (const Finding& f : negative_stiffness(scene)) sim.add_finding(f);
   const Value* settings = scene.root.find("run");
   const bool in_scene = args["--integrator"].empty() && settings != nullptr && settings->find("tolerance") != nullptr;
-  if ((in_scene || !args["--tolerance"].empty()) && !sim.integrator().info().adaptive)
-    sim.add_finding({&finding::setting_unused, "",
-                     fmt::format("tolerance: it has no effect, as \"{}\" has fixed steps", run.integrator.type)});
+  if ((in_scene || !args["--tolerance"].empty()) && !adaptive)
+    all.push_back({&finding::setting_unused, "",
+                   fmt::format("tolerance: it has no effect, as \"{}\" has fixed steps", run.integrator.type)});
+  return all;
 }
 
 // With a separate mechanism: the run decides on its constraints, and reports on its settings, again.
@@ -129,6 +130,11 @@ BranchPoint warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
   dynamics.to_slots(start);
   BranchPoint at = branch_point(dynamics, start);
   if (!at.singular) return at;
+  if (!at.drives.empty()) {
+    sim.add_finding({&finding::singular_start, "", "the start is a singular configuration: " + at.text(dynamics, start),
+                     "start near the configuration, on the side that is meant"});
+    return at;
+  }
   constexpr double kOff = 1e-3;  // of the velocity
   const bool moves = at.moves(start.v);
   const double off = moves && at.all ? at.off_branches(dynamics.system(), start.v) : 0;
@@ -159,13 +165,11 @@ void warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, i
                             "no degree of freedom is left: constant laws hold " + text::join(mobile.drives),
                             "for a constant speed, give the drive \"speed\" instead of \"law\""});
   const std::vector<std::string> links = holding(system, sim.state());
-  sim.add_finding({&finding::no_freedom, "",
-                   fmt::format("no degree of freedom: joints {} constrain all {} unknown velocities{}", first_of(links),
-                               mobile.unknowns,
-                               mobile.redundant > 0 ? fmt::format(", with {} redundant constraint{}", mobile.redundant,
-                                                                  mobile.redundant > 1 ? "s" : "")
-                                                    : ""),
-                   "use a joint that leaves the motion free (lockstep check)"});
+  sim.add_finding(
+      {&finding::no_freedom, "",
+       fmt::format("no degree of freedom: the constraints of {} hold all {} unknown velocities{}", first_of(links),
+                   mobile.unknowns, mobile.redundant > 0 ? fmt::format("; {} are redundant", mobile.redundant) : ""),
+       "use a joint that leaves the motion free, or correct the geometry (lockstep check --verbose)"});
 }
 
 }  // namespace lockstep

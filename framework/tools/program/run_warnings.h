@@ -8,8 +8,8 @@
 
 namespace lockstep {
 
-/// Warns, one line each, of settings that have no effect, or probably not the intended one.
-void warn_of_settings(const Scene&, const Mechanism&, const Arguments&, StepLoop&);
+/// Settings that have no effect, or probably not the intended one. `adaptive`: whether the integrator is.
+std::vector<Finding> settings_to_warn_of(const Scene&, const Mechanism&, const Arguments&, bool adaptive);
 /// Warns of a start in a singular configuration, from which the motion may continue in several ways. Returns what it is.
 BranchPoint warn_of_branches(Dynamics&, StepLoop&);
 /// Throws ModelError if joint coordinates are requested and not possible, before a run opens a file. Other errors of

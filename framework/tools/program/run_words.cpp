@@ -155,11 +155,9 @@ std::string simulated(const EndedRun& run) {
   const std::string method = run.sim.integrator().info().adaptive
                                  ? fmt::format("tolerance {:g}", set.tolerance.relative)
                                  : fmt::format("step {:g} s", set.step);
-  std::string text = fmt::format(
-      "{:.6g} s{} in {} step{}, computed in {} ({}, {})", t,
-      t < set.until ? fmt::format(" of {:.6g} s", set.until) : "", report.steps, report.steps == 1 ? "" : "s",
-      run.seconds < 1 ? fmt::format("{:.0f} ms", std::ceil(1e3 * run.seconds)) : fmt::format("{:.3g} s", run.seconds),
-      to_word(set.integrator), method);
+  std::string text = fmt::format("{:.6g} s{} in {} step{}, computed in {} ({}, {})", t,
+                                 t < set.until ? fmt::format(" of {:.6g} s", set.until) : "", report.steps,
+                                 report.steps == 1 ? "" : "s", time_text(run.seconds), to_word(set.integrator), method);
   if (report.impacts > 0) text += fmt::format(", {} impact{}", report.impacts, report.impacts == 1 ? "" : "s");
   if (!run.interrupted && !report.stopped_by.empty()) text += ", stopped by " + report.stopped_by;
   return text;
@@ -167,8 +165,11 @@ std::string simulated(const EndedRun& run) {
 
 std::string checks(const EndedRun& run) {
   const Audit& audit = run.audit;
-  return fmt::format("energy {} (error {:.2g} J of {:.3g} J exchanged)   constraints {} (at most {:.2g} m)",
-                     audit.energy == Audit::Energy::conserved ? "ok" : audit.verdict(), audit.imbalance, audit.scale,
+  const bool ok = audit.energy == Audit::Energy::conserved;
+  return fmt::format("energy {} ({})   constraints {} (at most {:.2g} m)", ok ? "ok" : audit.verdict(),
+                     ok && audit.scale == 0
+                         ? "nothing exchanged"
+                         : fmt::format("error {:.2g} J of {:.3g} J exchanged", audit.imbalance, audit.scale),
                      audit.drifted ? "VIOLATED" : "ok", audit.violation);
 }
 
@@ -176,7 +177,7 @@ std::string checks(const EndedRun& run) {
 std::string energy_jumps(const EndedRun& run) {
   std::string text;
   for (const Audit::Instant& i : run.audit.instants)
-    if (std::abs(i.energy) > run.settings.tolerance.relative * run.audit.scale)
+    if (run.audit.scale > 0 && std::abs(i.energy) > run.settings.tolerance.relative * run.audit.scale)
       text += line_of(
           text.empty() ? "energy" : "",
           fmt::format("{:.3g} J at {}, {}", i.energy, i.cause,
@@ -195,8 +196,11 @@ std::vector<ColumnEnds> rounded_columns(const EndedRun& run) {
 std::string summary_of(const EndedRun& run) {
   using Columns = std::vector<ColumnEnds>;
   static const Fields<Columns> kTable{
-      Field<Columns>("columns", "extremes of the rows", std::identity(), column_fields()).whole()};
-  return text_of(kTable.schema(), kTable(rounded_columns(run)));
+      Field<Columns>("columns", "extremes at the output times", std::identity(), column_fields()).whole()};
+  Columns columns = rounded_columns(run);
+  for (ColumnEnds& c : columns)
+    if (c.most - c.least <= run.settings.tolerance.relative * std::abs(c.most)) c.t_least = c.t_most = NAN;
+  return text_of(kTable.schema(), kTable(columns));
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ std::vector<Finding> suspects_of(const EndedRun& run, System& system, long n_pas
         (run.sim.integrator().info().joint ? "formulation joint, or " : "") + "a smaller step or tolerance)");
   if (!run.sim.integrator().info().adaptive && r.largest_turn > kLongTurn)
     clauses.push_back(
-        fmt::format("the steps, in which body '{}' rotates by up to {:.2g} rad", r.turned_most, r.largest_turn));
+        fmt::format("long steps: body '{}' rotates by up to {:.2g} rad in one of them", r.turned_most, r.largest_turn));
   if (clauses.size() > kMost) clauses.resize(kMost);
   std::vector<Finding> all;
   for (const std::string& clause : clauses) all.push_back({&finding::energy_suspect, "", clause});

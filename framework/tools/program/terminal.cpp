@@ -27,6 +27,17 @@ const char* error_mark() {
   return coloured ? "\033[1;31merror:\033[0m" : "error:";
 }
 
+std::string in_lines(const Error& error) {
+  std::string words = error.what();
+  const Error::Kind kind = error.kind();
+  const bool of_motion = kind == Error::Kind::assembly || kind == Error::Kind::solve || kind == Error::Kind::step ||
+                         kind == Error::Kind::non_finite;
+  if (const std::size_t at = words.find("; ");
+      of_motion && at < words.find('\n') && words.find("\n  hint: ") == std::string::npos)
+    words.replace(at, 2, "\n  hint: ");
+  return words;
+}
+
 void tell_error(std::string_view sentence) {
   std::string words;
   for (const std::string& line : lines_of(sentence))

@@ -31,7 +31,7 @@ constexpr Verb kVerbs[] = {
     {"resume", "", kSimulate, "Continue a run from its checkpoint"},
     {"report", "", kSimulate, "Simulate a scene and write one HTML file: animation, plots, settings"},
     {"sweep", "sweep", kSimulate, "Run a scene many times with varied values; one table row per run"},
-    {"demo", "", kSimulate, "Show a moving four-bar in the browser, and leave its scene to edit"},
+    {"demo", "", kSimulate, "Show a moving four-bar in the browser; write its scene and results to a folder"},
     {"check", "", kAnalyse, "Assemble a scene; report degrees of freedom and redundant constraints"},
     {"assemble", "analyses", kAnalyse, "Assemble the start of a scene; report which bodies move and how far"},
     {"statics", "analyses", kAnalyse, "Find the static equilibrium: poses, reactions, stability"},

@@ -12,6 +12,7 @@
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/foundation/math/decompositions.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/tools/rank/doubts.h"
 #include "framework/tools/rank/loop_rows.h"
 #include "framework/tools/rank/motion_words.h"
 #include "framework/tools/rank/stopping_form.h"
@@ -97,7 +98,10 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
   if (!has_loops(system, state.modes)) return out;
   const Evaluation& e = dynamics.gather_rows(state);
   const LoopRows rows(system, e.rows(), entries_on_loops(system, e.rows()));
-  if (rows.n() == 0 || rows.n() > kDenseRows || is_driven(e, rows.numbers)) return out;
+  if (rows.n() == 0 || rows.n() > kDenseRows) return out;
+  for (const int row : rows.numbers)
+    if (std::string drive = NamedRow(system, e.rows(), row).drive(); !drive.empty()) out.drives.push_back(drive);
+  if (out.drives.empty() && is_driven(e, rows.numbers)) return out;
   const RowSpace space(rows.Jt);
   out.known = true;
   out.slots.assign(system.n_slots(), false);
@@ -105,14 +109,17 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
   out.nearness = space.smallest_singular_value(space.rank(kIn));
   const MatX N = space.free(kIn);
   out.motions = static_cast<int>(N.cols());
-  std::vector<MatX> forms = stopping_forms(e, rows, N, space.circuits(kIn));
+  const MatX W = space.circuits(kIn);
+  std::vector<MatX> forms = stopping_forms(e, rows, N, W);
   double strongest = 0;
   for (MatX& G : forms) {
     const double size = G.cwiseAbs().maxCoeff();
     strongest = std::max(strongest, size), G /= size;
   }
   out.singular = !forms.empty();
-  if (!out.singular || out.motions > kMostMotions) return out;
+  for (int k = 0; k < rows.n() && out.singular && !out.drives.empty(); ++k)
+    if (!(W.row(k).norm() <= kSlight)) add_name(NamedRow(system, e.rows(), rows.numbers[k]).link->name(), out.joints);
+  if (!out.singular || out.motions > kMostMotions || !out.drives.empty()) return out;
   const std::vector<VecX> lines = common_zeros(forms, out.motions);
   out.all = lines.size() <= (out.motions == 2 ? 2u : 4u);  // more are a surface of them
   for (const VecX& c : lines) {
@@ -138,6 +145,9 @@ BranchPoint branch_point(Dynamics& dynamics, const State& state) {
 
 std::string BranchPoint::text(Dynamics& dynamics, const State& given) const {
   if (!singular) return {};
+  if (!drives.empty())
+    return fmt::format("with {} prescribed, the loop of joints {} can continue in several ways", first_of(drives),
+                       first_of(joints));
   State state = given;
   dynamics.to_slots(state);
   const std::string count = fmt::format("{} instantaneous degree{} of freedom", motions, motions == 1 ? "" : "s");

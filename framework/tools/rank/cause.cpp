@@ -104,11 +104,14 @@ std::optional<Cause> open_loop(const System& system, const State& state) {
     Cause cause;
     cause.fact = fmt::format(
         "the mechanism cannot be assembled: a loop is open by {:.3g} m. {} spans {:.3g} m from joint {} to joint {}, "
-        "{} "
-        "reach {:.3g} m together",
+        "but "
+        "{} reach {:.3g} m together",
         open, longest->body->name, longest->length, longest->from, longest->to, text::join(others), rest);
     cause.hint = longest->length > 100 * rest  // a unit is wrong
-                     ? fmt::format("check the unit of a length of {}: \"200 mm\" is 0.2", longest->body->name)
+                     ? fmt::format("check the unit of {}: \"200 mm\" is 0.2",
+                                   longest->body->slot != kGround
+                                       ? "a length of " + longest->body->name
+                                       : "the places of joints " + longest->from + " and " + longest->to + " on ground")
                      : fmt::format("place joint {} or {} elsewhere, or make one of the other bodies longer",
                                    longest->from, longest->to);
     return cause;
@@ -168,22 +171,43 @@ std::optional<Contradiction> contradiction(const System& system, const Evaluatio
   return {};
 }
 
-/// The joint whose axis is not parallel to those of all others, which are; null if there is none. The angle, rad.
-std::pair<const Lock*, double> odd_axis(Dynamics& dynamics, const State& state) {
+/// Active joints whose mask holds these coordinates of a group, and their axes z of S.
+std::vector<std::pair<const Lock*, Vec3>> axes_of(Dynamics& dynamics, const State& state, Mask held, Mask group) {
   std::vector<std::pair<const Lock*, Vec3>> axes;
   const Inputs& in = dynamics.inputs(state);
   for (const auto& link : dynamics.system().links()) {
     const Jointed* joint = link->jointed();
-    if (joint == nullptr || !state.modes[link->number()] || (joint->mask() & Mask::e123) != (Mask::e1 | Mask::e2))
-      continue;
+    if (joint == nullptr || !state.modes[link->number()] || (joint->mask() & group) != held) continue;
     const auto [p, s] = link->pairs().front();
     axes.emplace_back(link.get(), in_world(MarkerFrame(*s), in).A.col(2));
   }
+  return axes;
+}
+double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(cross(a, b).norm(), std::abs(a.dot(b))); }
+
+/// Advice for a guide that slides along the axis of hinges, as it does without "axis"; "" if there is none.
+std::string to_plane(Dynamics& dynamics, const State& state) {
+  for (const auto& [guide, along] : axes_of(dynamics, state, Mask::x | Mask::y | Mask::e123, Mask::xyz | Mask::e123)) {
+    Names hinges;
+    for (const auto& [hinge, axis] : axes_of(dynamics, state, Mask::e1 | Mask::e2, Mask::e123))
+      if (angle_between(axis, along) <= kNearlyDependent) hinges.push_back(hinge->name());
+    if (hinges.size() > 1)
+      return fmt::format(
+          "joint {} slides along the normal of the plane in which joints {} move; give it an axis in that "
+          "plane, such as \"axis\": \"{}\"",
+          guide->name(), text::join(hinges), 2 * std::abs(along[0]) < 1 ? "x" : "y");
+  }
+  return {};
+}
+
+/// The joint whose axis is not parallel to those of all others, which are; null if there is none. The angle, rad.
+std::pair<const Lock*, double> odd_axis(Dynamics& dynamics, const State& state) {
+  const auto axes = axes_of(dynamics, state, Mask::e1 | Mask::e2, Mask::e123);
   if (axes.size() < 3) return {};
   for (const auto& [of, shared] : axes) {
     std::vector<std::pair<const Lock*, double>> odd;
     for (const auto& [link, axis] : axes) {
-      const double angle = std::atan2(cross(shared, axis).norm(), std::abs(shared.dot(axis)));
+      const double angle = angle_between(shared, axis);
       if (angle > kNearlyDependent) odd.emplace_back(link, angle);
     }
     if (odd.size() == 1) return odd.front();
@@ -201,6 +225,8 @@ std::optional<Cause> locked(Dynamics& dynamics, const State& state) {
   if (const auto [joint, angle] = odd_axis(dynamics, state); joint != nullptr)
     cause.hint = fmt::format("correct the axis of joint {}: it is {:.3g} deg off the axes of all other joints",
                              joint->name(), degrees(angle));
+  else if (cause.hint = to_plane(dynamics, state); !cause.hint.empty())
+    return cause;
   else if (!mobile.redundant_links.empty())
     cause.hint =
         fmt::format("release one constraint of joints {}, or correct their axes", text::join(mobile.redundant_links));
@@ -249,8 +275,10 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
   }
   if (!who) return {};
   const std::string when = fmt::format("at t = {:.4g} s", at.t);
+  const std::string guide = to_plane(dynamics, still);
   const std::string other_lengths =
-      "change the lengths" + (who->guides.empty() ? "" : " or the axis of " + text::join(who->guides));
+      !guide.empty() ? guide
+                     : "change the lengths" + (who->guides.empty() ? "" : " or the axis of " + text::join(who->guides));
   const std::string mover = !who->drives.empty() ? "drive " + who->drives.front()
                             : leading.empty()    ? ""
                                                  : "the law of '" + leading.front() + "'";
@@ -270,7 +298,7 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
       fmt::format(
           "drive {} has reached a limit position (dead centre) {}: the loop of joints {} allows no further motion",
           who->drives.front(), when, text::join(who->joints)),
-      "end the motion before it, or " + other_lengths, false, Error::Kind::step};
+      other_lengths + ", or end the motion before it", false, Error::Kind::step};
 }
 
 // -- steps that are too long
@@ -299,13 +327,15 @@ double fastest_rate(Dynamics& dynamics, const State& at) {
   return rate;
 }
 
-std::optional<Cause> long_step(Dynamics& dynamics, const State& at, double step) {
+std::optional<Cause> long_step(Dynamics& dynamics, State at, double step) {
   if (!(step > 0)) return {};
+  dynamics.to_formulation(at);
   const double rate = fastest_rate(dynamics, at);
-  if (!(rate * step > 1)) return {};  // rad in a step: explicit methods are unstable beyond 1 to 3
+  // rad in a step: explicit methods are unstable beyond 1 to 3; that of a state that has grown without bound means nothing
+  if (!(rate * step > 1) || rate * step > 1 / kRoundOff) return {};
   return Cause{
-      fmt::format("the step of {:.3g} s is too long: the fastest motion of the mechanism has a rate of {:.3g} 1/s",
-                  step, rate),
+      fmt::format("the step of {:.3g} s is too long: at t = {:.4g} s the fastest motion has a rate of {:.3g} 1/s", step,
+                  at.t, rate),
       fmt::format("take a step below {:.2g} s, or a method that chooses its steps", 1 / rate), true};
 }
 

@@ -176,7 +176,8 @@ std::vector<std::string> meant_by(const std::string& quantity, const std::vector
     throw ModelError(fmt::format("channel \"{}\": {} has no drive; add one, or remove the channel", channel, owner));
   std::vector<std::string> meant = meant_by(quantity, names);
   for (std::string& name : meant) name = "\"" + name + "\"";
-  std::string hint = "did you mean " + text::join(meant, " or ") + "?";
+  const bool whole = meant.size() == 1 && meant[0].starts_with("\"" + quantity + "_on_");
+  std::string hint = (whole ? "it has components only; " : "") + ("did you mean " + text::join(meant, " or ") + "?");
   if (meant.empty())
     hint = "it has " + text::join(std::span(names).first(std::min(names.size(), kMost)), ", ") + ", ...";
   if (channel.find('@') == std::string::npos)

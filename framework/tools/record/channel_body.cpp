@@ -76,7 +76,7 @@ void add_sequences(Entries& out, const std::function<Quat(const Sample&)>& q) {
     const std::string sequence = angle_sequence(name);
     for (int k = 0; k < 3; ++k)
       add(out, fmt::format("{}_{}", name, k + 1), "rad",
-          fmt::format("rotation {} of three about own axes {}", k + 1, sequence),
+          fmt::format("rotation {} of three about its axes {}", k + 1, sequence),
           [q, sequence, k](const Sample& s) { return to_angles(sequence, q(s)).value[k]; });
     add(out, name + "_gimbal", "", "1 in gimbal lock of that sequence (the third rotation is set to 0), else 0",
         [q, sequence](const Sample& s) { return to_angles(sequence, q(s)).gimbal ? 1.0 : 0.0; });
@@ -99,10 +99,10 @@ void of_frame(const Frame& f, Entries& out) {
   const auto q = [y](const Sample& s) { return y(s).e; };
   add_quaternion(out, "quaternion to world axes", q);
   add_vector(out, "omega_world_", "rad/s", "angular velocity, world axes", [y](const Sample& s) { return y(s).w(); });
-  add_vector(out, "omega_body_", "rad/s", "angular velocity, own axes", [y](const Sample& s) { return y(s).w_in_m(); });
+  add_vector(out, "omega_body_", "rad/s", "angular velocity, its axes", [y](const Sample& s) { return y(s).w_in_m(); });
   add_vector(out, "alpha_world_", "rad/s^2", "angular acceleration, world axes",
              [y2](const Sample& s) { return y2(s).alpha(); });
-  add_vector(out, "alpha_body_", "rad/s^2", "angular acceleration, own axes",
+  add_vector(out, "alpha_body_", "rad/s^2", "angular acceleration, its axes",
              [y2](const Sample& s) { return y2(s).alpha_in_m(); });
   add_directions(out, f, {}, "angle about the world's {}, of the own {} axis, with its revolutions");
   add_sequences(out, q);

@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include <lockstep/joints.h>
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/record/channel_entry.h"
 
@@ -84,7 +85,9 @@ double row_value(const Lock& link, const Inputs& in, RowTable& room) {
 void add_contact(const Lock& link, Entries& out) {
   const Lock* const l = &link;
   const auto room = std::make_shared<RowTable>();
-  add(out, "gap", link.row_kind(0) == RowKind::translation ? "m" : "",
+  const bool turns = dynamic_cast<const TurnStop*>(l) != nullptr;  // of a stop, whose row is a function
+  const bool slides = link.row_kind(0) == RowKind::translation || (link.type() == "stop" && !turns);
+  add(out, "gap", std::string(slides ? "m" : "") + (turns ? "rad" : ""),
       "gap of the one-sided joint; negative is penetration", [l, room](const Sample& s) {
         return l->unilateral()->sign() * row_value(*l, s.dynamics().inputs(s.state), *room);
       });

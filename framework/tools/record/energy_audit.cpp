@@ -160,6 +160,7 @@ Audit EnergyAudit::result() const {
   const Books& b = *books_;
   Audit audit = b.audit;
   for (const Books::Range& r : b.ranges) audit.scale = std::max(audit.scale, r.size());
+  if (audit.scale <= b.least) audit.scale = 0;  // round-off
   audit.drifted = !(audit.violation <= audit.limits.violation);
   for (std::size_t k = 0; k < b.force_names.size(); ++k)
     if (b.gives_power[k] && !b.booked_forces[k]) audit.unbooked_forces.push_back(b.force_names[k]);

@@ -2,25 +2,41 @@
 #include "framework/tools/scene_run/run_findings.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 
 #include <cmath>
+#include <set>
 
 #include <lockstep/text.h>
 #include "framework/foundation/support/finding_kinds.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 namespace {
 
-void add_energy(std::vector<Finding>& all, const Audit& audit, bool adaptive) {
+// "first test bump by check_law; otherwise ": the types of plugins; "" without any.
+std::string test_first(const System& system, const Registry& methods) {
+  std::set<std::string> tests;
+  const auto add = [&](const std::string& type, const char* check, const std::string& origin) {
+    if (!of_plugin(origin).empty()) tests.insert(fmt::format("{} by {}", type, check));
+  };
+  for (const auto& link : system.links()) add(thing_of(*link).type, "check_lock", link->origin());
+  for (const auto& force : system.forces()) add(thing_of(*force).type, "check_force", force->origin());
+  for (const auto& [name, law] : methods.laws.entries()) add(name, "check_law", law.origin);
+  return tests.empty() ? "" : fmt::format("first test {}; otherwise ", fmt::join(tests, " and "));
+}
+
+void add_energy(std::vector<Finding>& all, const Audit& audit, bool adaptive, const std::string& first) {
   const std::string off =
-      fmt::format("the energy balance is off by {:.2g} J, {}", audit.imbalance,
-                  audit.scale > 0 ? fmt::format("{:.2g} % of the energy exchanged (limit {:g} %)",
-                                                100 * audit.imbalance_share(), 100 * audit.limits.energy)
+      fmt::format("the energy balance is off by {} J, {}", text::brief(audit.imbalance),
+                  audit.scale > 0 ? fmt::format("{} % of the energy exchanged (limit {:g} %)",
+                                                text::brief(100 * audit.imbalance_share()), 100 * audit.limits.energy)
                                   : "and none was exchanged");
   if (audit.energy == Audit::Energy::not_conserved)
     all.push_back({&finding::energy_not_conserved, "", off,
-                   adaptive ? "use a smaller tolerance (--tolerance), or find singular configurations (lockstep check)"
-                            : "use a smaller step (--step)",
+                   first + (adaptive ? "use a smaller tolerance (--tolerance), or find singular configurations "
+                                       "(lockstep check)"
+                                     : "use a smaller step (--step)"),
                    audit.imbalance_share(), audit.limits.energy});
   if (audit.energy == Audit::Energy::not_judged)
     all.push_back({&finding::energy_not_judged, "",
@@ -32,7 +48,7 @@ void add_energy(std::vector<Finding>& all, const Audit& audit, bool adaptive) {
 
 }  // namespace
 
-std::vector<Finding> run_findings(StepLoop& run, const Audit& audit, const Doubts& doubts,
+std::vector<Finding> run_findings(StepLoop& run, const Registry& methods, const Audit& audit, const Doubts& doubts,
                                   const SingularWatch& singular) {
   const SimulationReport& report = run.report();
   const IntegratorInfo& method = run.integrator().info();
@@ -41,7 +57,7 @@ std::vector<Finding> run_findings(StepLoop& run, const Audit& audit, const Doubt
     all.push_back(finding_of(singular.passed(), singular.n_passed(), method,
                              run.dynamics().options().stabilization.kind == Stabilization::Kind::project));
   for (Finding& f : doubts.findings(report.steps, run.state().t)) all.push_back(std::move(f));
-  add_energy(all, audit, method.adaptive);
+  add_energy(all, audit, method.adaptive, test_first(run.dynamics().system(), methods));
   if (audit.drifted)
     all.push_back({&finding::constraints_drifted, "",
                    fmt::format("constraint violation up to {:.2g} m after a step (limit {:.2g} m)", audit.violation,

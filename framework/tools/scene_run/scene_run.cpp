@@ -138,9 +138,9 @@ void refuse_locked(Dynamics& dynamics, const State& start) {
   if (!(start.v.lpNorm<Eigen::Infinity>() > kNegligible)) return;
   if (const BranchPoint at = branch_point(dynamics, start); at.locked)
     throw AssemblyError(
-        "the start lies in a singular position: " + at.text(dynamics, start) +
-        ". Rows that are nearly redundant there hold as soon as it moves: let it start at rest, or turn "
-        "the axes that should agree (lockstep check names the rows)");
+        "the start is a singular configuration: " + at.text(dynamics, start) +
+        ". Constraints that are nearly redundant there hold as soon as it moves; let it start at rest, or correct the "
+        "axes that should agree (lockstep check --verbose lists the constraints)");
 }
 
 std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m, const State& start) {

@@ -43,7 +43,7 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
   }
   RunVerdict verdict() const override {
     if (!loop) throw ModelError("simulation: verdict() was called before the start of the run; call it after run()");
-    RunVerdict found{audit->result(), run_findings(*loop, audit->result(), *doubts, singular)};
+    RunVerdict found{audit->result(), run_findings(*loop, *mechanism.methods, audit->result(), *doubts, singular)};
     found.right = !found.audit.is_wrong();
     return found;
   }

@@ -2,10 +2,12 @@
 #include "framework/tools/sweep/sweep_lanes.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include <lockstep/batch.h>
 #include <lockstep/error.h>
 #include "framework/dynamics/tree/rows_in_plane.h"
+#include "framework/foundation/support/lines.h"
 #include "framework/tools/precision/work_precision.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -55,12 +57,15 @@ std::string unsuited(Mechanism& m) {
   return Copies::unsuited(system_of(m), m.run.formulation);
 }
 
-bool alike(const RunSettings& a, const RunSettings& b) {
-  return a.integrator.type == b.integrator.type && a.until == b.until && a.step == b.step && a.output == b.output &&
-         a.times == b.times && a.tolerance.relative == b.tolerance.relative &&
-         a.tolerance.atol_x == b.tolerance.atol_x && a.stabilization.kind == b.stabilization.kind &&
-         a.stabilization.tolerance == b.stabilization.tolerance && a.formulation == b.formulation &&
-         a.max_steps == b.max_steps;
+// Why two runs are not in one batch; "" if they may be.
+std::string differing(const RunSettings& a, const RunSettings& b) {
+  if (a.until != b.until) return "the runs have different end times";
+  if (a.output != b.output || a.times != b.times) return "the runs have different output times";
+  const auto method = [](const RunSettings& r) {
+    return std::tuple(r.integrator.type, r.step, r.tolerance.relative, r.tolerance.atol_x, r.stabilization.kind,
+                      r.stabilization.tolerance, r.formulation, r.max_steps);
+  };
+  return method(a) == method(b) ? "" : "the runs have different methods, steps or tolerances";
 }
 
 // The output times of a run.
@@ -150,9 +155,15 @@ std::string unsuited_for_lanes(const Scene& scene, const Registry& registry) {
 }
 
 std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry& registry, const Table& like,
-                                  const std::function<bool(double)>& go_on, std::vector<Table>* histories) {
+                                  const std::function<bool(double)>& go_on, std::vector<Table>* histories,
+                                  std::string* why) {
+  const auto apart = [&](const std::string& reason) {
+    if (why != nullptr) *why = reason;
+    return std::vector<SweepRun>();
+  };
   const double begin = thread_seconds();
   std::vector<std::unique_ptr<Lane>> lanes;
+  std::vector<double> times;
   std::vector<CopyReport> reports;
   bool broken_off = false;
   const auto goes_on = [&](double t) {
@@ -161,22 +172,24 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
   };
   try {
     for (const Scene& scene : scenes) {
-      if (!unsuited(scene.run).empty()) return {};
+      if (const std::string reason = unsuited(scene.run); !reason.empty()) return apart(reason);
       if (histories != nullptr && scene.run.at_jumps) return {};  // lanes have no rows at jumps
-      if (!(scene.run.until > 0) || !alike(scene.run, scenes.front().run)) return {};
+      if (!(scene.run.until > 0)) return apart("the end time is not positive");
+      if (const std::string reason = differing(scene.run, scenes.front().run); !reason.empty()) return apart(reason);
       const FindingScope scope;
       lanes.push_back(std::make_unique<Lane>(Lane{build_mechanism(in_space(scene), registry)}));
       record_places(lanes.back()->mechanism);
-      if (!unsuited(lanes.back()->mechanism).empty()) return {};
+      if (const std::string reason = unsuited(lanes.back()->mechanism); !reason.empty()) return apart(reason);
       prepare(*lanes.back(), registry);
       lanes.back()->found = scope.found;
-      if (lanes.back()->recorder->table().names() != like.names()) return {};
+      if (lanes.back()->recorder->table().names() != like.names()) return apart("the runs record different columns");
     }
-    const std::vector<double> times = output_times(scenes.front().run);
-    if (lanes.empty() || times.empty()) return {};
+    times = output_times(scenes.front().run);
+    if (lanes.empty() || times.empty()) return apart("there are no output times");
     reports = run_together(lanes, times, registry, goes_on);
-  } catch (const Error&) {
-    return {};  // a run fails: run one by one, each with its own reason
+  } catch (const Error& error) {
+    return apart(times.empty() ? "a run in the batch failed"
+                               : first_line(error.what()));  // each alone, with its own reason
   }
   if (broken_off) {
     SweepRun broken;
