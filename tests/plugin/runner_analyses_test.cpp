@@ -464,6 +464,19 @@ TEST_CASE("runner: statics reports what friction holds, and what it does not", "
   const Called path = call("statics '" + block(0.8) + "' --set gravity.0=-7.3575 --vary bodies.block.mass=1,2");
   CHECK(path.exit == 0);
   CHECK(contains(path.text, "static friction is not considered"));
+  // A short crank is not singular, whatever the masses are.
+  const Called small = call("statics '" + scene_file("short_crank", R"("gravity": [0, -9.81, 0],
+    "bodies": [{"name": "crank", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0.1, 0, 0]}},
+               {"name": "coupler", "rod": {"mass": 1, "from": [0.1, 0, 0], "to": [4, 3, 0]}},
+               {"name": "rocker", "rod": {"mass": 1, "from": [5, 0, 0], "to": [4, 3, 0]}}],
+    "links": [{"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0, 0, 0]},
+              {"name": "B", "type": "revolute", "p": "coupler", "s": "crank", "at": [0.1, 0, 0]},
+              {"name": "C", "type": "revolute", "p": "coupler", "s": "rocker", "at": [4, 3, 0]},
+              {"name": "D", "type": "revolute", "p": "rocker", "s": "ground", "at": [5, 0, 0]}])") +
+                            "'");
+  INFO(small.text);
+  CHECK(small.exit == 0);
+  CHECK_FALSE(contains(small.text, "singular"));
   // In line with its rod a crank takes no load from the slider, whose friction then holds nothing.
   const Called centre = call("statics '" + scene_file("dead_centre", R"("gravity": [0, -9.81, 0],
     "bodies": [{"name": "crank", "rod": {"mass": 2, "from": [0, 0, 0], "to": [0.08, 0, 0]}},

@@ -266,6 +266,10 @@ TEST_CASE("a driven mechanism that starts in a singular configuration is reporte
                    "of joints A, B, C and D can continue in several ways"));
     CHECK_FALSE(contains(call(command + kFourBar + "'" + bars + "0.01" + outputs).text, "singular-start"));
   }
+  // A drive that holds its joint leaves no way to continue.
+  const Called held = call("check '" + kFourBar + "'" + bars + "0 --set joints.A.drive.law=0");
+  INFO(held.text);
+  CHECK_FALSE(contains(held.text, "several ways"));
 }
 
 TEST_CASE("a mechanism without a degree of freedom is reported, unless a law moves it or an event releases it",

@@ -53,6 +53,17 @@ bool loses_rank(Dynamics& dynamics, const State& state) {
   return beside < 0 || n > kDenseRows || (n > 0 && n - RowSpace(Jt.sparseView()).rank(kNearlyDependent) > beside);
 }
 
+bool nearly_loses_rank(Dynamics& dynamics, const State& state) {
+  State slots = state;
+  dynamics.to_slots(slots);
+  const bool held = dynamics.holds_rows();
+  const Evaluation& e = dynamics.gather_rows(slots);
+  const bool few = e.rows().n_rows > 0 && e.rows().n_rows <= kDenseRows;
+  const bool nearly = few && RowSpace(rows_transposed(e).sparseView()).nearly() > 0;
+  if (!held) dynamics.forget_rows(state);
+  return nearly;
+}
+
 bool Dynamics::is_assembled(const State& state) {
   return violation_of_closures(state) <= kOnConstraints * system_.length();
 }

@@ -26,7 +26,9 @@ namespace lockstep {
 
 /// Whether more rows depend on others at this state, at least nearly, than near it. Masses do not count, as they do in
 /// the pivots of solvers. True of more than kDenseRows rows, whose rank is not found.
-LOCKSTEP_API bool loses_rank(Dynamics&, const State&);
+bool loses_rank(Dynamics&, const State&);
+/// Whether rows nearly depend on others at this state, not exactly; false of more than kDenseRows.
+LOCKSTEP_API bool nearly_loses_rank(Dynamics&, const State&);
 
 /// The SolveReport::detector below which a position counts as near a singular one, from where stages go onto the
 /// constraints. `regular`: Redundancy::regular, small in all positions if bodies differ much in inertia; from 0.1 on the

@@ -400,7 +400,7 @@ class EquilibriumSearch {
              fmt::format("marker '{}' moves by a law: dampers on it act by its velocity at that time", marker.name));
     if (system_.n_error_controlled_states() > 0)
       note("", "integrated states (controllers, drives by speed) keep their initial values");
-    report_.singular = now_.e->redundant() >= 0 && now_.e->rows().n_rows <= kDenseRows && loses_rank(dynamics_, state_);
+    report_.singular = nearly_loses_rank(dynamics_, state_);
     if (report_.singular)
       note("", "the equilibrium is near a singular configuration, where reactions may have no limit");
   }

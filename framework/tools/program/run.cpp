@@ -311,7 +311,9 @@ class ProgramRun {
     Cause found = cause_of_stop(dynamics_, sim_.state(), step);
     if (found.possible && from_ == nullptr)  // a step that was too long at the start: the state may have grown since
       if (Cause at_start = cause_of_stop(dynamics_, started_, step); at_start.possible) found = std::move(at_start);
-    const auto drifted = [](const Finding& f) { return f.code() == finding::violated_in_run.code; };
+    const auto drifted = [this](const Finding& f) {
+      return f.code() == finding::violated_in_run.code && m_.run.stabilization.kind != Stabilization::Kind::project;
+    };
     if ((found.fact.empty() || found.kind == Error::Kind::step) && std::ranges::any_of(sim_.report().findings, drifted))
       return {"the constraints drift, until no step is possible", "project after each step (stabilization project)"};
     return found.fact.empty() && step > 0 ? cause_of_stop(dynamics_, started_, step) : found;

@@ -168,7 +168,7 @@ void warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, i
   sim.add_finding(
       {&finding::no_freedom, "",
        fmt::format("no degree of freedom: the constraints of {} hold all {} unknown velocities{}", first_of(links),
-                   mobile.unknowns, mobile.redundant > 0 ? fmt::format("; {} are redundant", mobile.redundant) : ""),
+                   mobile.unknowns, mobile.redundant > 0 ? fmt::format("; {} redundant", mobile.redundant) : ""),
        "use a joint that leaves the motion free, or correct the geometry (lockstep check --verbose)"});
 }
 

@@ -99,17 +99,22 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
   const Evaluation& e = dynamics.gather_rows(state);
   const LoopRows rows(system, e.rows(), entries_on_loops(system, e.rows()));
   if (rows.n() == 0 || rows.n() > kDenseRows) return out;
-  for (const int row : rows.numbers)
-    if (std::string drive = NamedRow(system, e.rows(), row).drive(); !drive.empty()) out.drives.push_back(drive);
-  if (out.drives.empty() && is_driven(e, rows.numbers)) return out;
   const RowSpace space(rows.Jt);
-  out.known = true;
   out.slots.assign(system.n_slots(), false);
   for (const int place : rows.at.places()) out.slots[place / 6] = true;
   out.nearness = space.smallest_singular_value(space.rank(kIn));
   const MatX N = space.free(kIn);
   out.motions = static_cast<int>(N.cols());
   const MatX W = space.circuits(kIn);
+  std::vector<std::string> joints;  // of the circuits
+  for (int k = 0; k < rows.n(); ++k) {
+    if (W.row(k).norm() <= kSlight) continue;
+    const NamedRow row(system, e.rows(), rows.numbers[k]);
+    add_name(row.link->name(), joints);
+    if (row.moves()) out.drives.push_back(row.drive());
+  }
+  if (out.drives.empty() && is_driven(e, rows.numbers)) return {};
+  out.known = true;
   std::vector<MatX> forms = stopping_forms(e, rows, N, W);
   double strongest = 0;
   for (MatX& G : forms) {
@@ -117,8 +122,7 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
     strongest = std::max(strongest, size), G /= size;
   }
   out.singular = !forms.empty();
-  for (int k = 0; k < rows.n() && out.singular && !out.drives.empty(); ++k)
-    if (!(W.row(k).norm() <= kSlight)) add_name(NamedRow(system, e.rows(), rows.numbers[k]).link->name(), out.joints);
+  if (!out.drives.empty()) out.joints = joints;
   if (!out.singular || out.motions > kMostMotions || !out.drives.empty()) return out;
   const std::vector<VecX> lines = common_zeros(forms, out.motions);
   out.all = lines.size() <= (out.motions == 2 ? 2u : 4u);  // more are a surface of them

@@ -67,6 +67,13 @@ std::string NamedRow::drive() const {
   return number < 0 ? "" : link->name() + "." + link->driven()->drive(number).name;
 }
 
+bool NamedRow::moves() const {
+  const int number = link->row(own).drive;
+  if (number < 0 || link->jointed() == nullptr) return number >= 0;
+  const Drive& drive = link->jointed()->imposed().drives[number];
+  return drive.speed || !drive.law->is_constant();
+}
+
 void add_name(const std::string& name, std::vector<std::string>& names) {
   if (std::ranges::find(names, name) == names.end()) names.push_back(name);
 }

@@ -30,6 +30,7 @@ struct LOCKSTEP_API NamedRow {
   int own;
   std::string name() const;
   std::string drive() const;
+  bool moves() const;  ///< it is of a drive whose law is not constant
 };
 
 /// Adds a name that is not there.
