@@ -25,15 +25,14 @@ constexpr int kMostMotions = 3;  // with more of them branches are no lines
 constexpr double kIn = 1e-5;     // pivot of rows of length 1: in the position
 constexpr double kSameLine = 1e-3;
 
-/// Entries on loops. Rows elsewhere depend on no others, and move along with any motion of the loops.
-std::vector<int> entries_on_loops(const System& system, const RowTable& table) {
-  std::vector<int> all;
-  for (const std::vector<int>& group : loops_of(system, table)) {
-    const RowEntry& first = table.entries[group.front()];
-    const bool joint = system.links()[first.link]->jointed() != nullptr;
-    if (group.size() > 1 || !joint) all.insert(all.end(), group.begin(), group.end());
-  }
-  return all;
+// Loops as entries. Rows elsewhere depend on no others, and move along with any motion of the loops.
+std::vector<std::vector<int>> closed_loops(const System& system, const RowTable& table) {
+  std::vector<std::vector<int>> loops = loops_of(system, table);
+  std::erase_if(loops, [&](const std::vector<int>& group) {
+    return group.empty() ||
+           (group.size() == 1 && system.links()[table.entries[group.front()].link]->jointed() != nullptr);
+  });
+  return loops;
 }
 
 // Whether laws move the rows.
@@ -97,7 +96,10 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
   const System& system = dynamics.system();
   if (!has_loops(system, state.modes)) return out;
   const Evaluation& e = dynamics.gather_rows(state);
-  const LoopRows rows(system, e.rows(), entries_on_loops(system, e.rows()));
+  const std::vector<std::vector<int>> loops = closed_loops(system, e.rows());
+  std::vector<int> entries;
+  for (const std::vector<int>& loop : loops) entries.insert(entries.end(), loop.begin(), loop.end());
+  const LoopRows rows(system, e.rows(), entries);
   if (rows.n() == 0 || rows.n() > kDenseRows) return out;
   const RowSpace space(rows.Jt);
   out.slots.assign(system.n_slots(), false);
@@ -106,12 +108,18 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
   const MatX N = space.free(kIn);
   out.motions = static_cast<int>(N.cols());
   const MatX W = space.circuits(kIn);
-  std::vector<std::string> joints;  // of the circuits
-  for (int k = 0; k < rows.n(); ++k) {
-    if (W.row(k).norm() <= kSlight) continue;
-    const NamedRow row(system, e.rows(), rows.numbers[k]);
-    add_name(row.link->name(), joints);
-    if (row.moves()) out.drives.push_back(row.drive());
+  int k = 0;
+  for (const std::vector<int>& loop : loops) {
+    std::vector<std::string> drives, joints;  // of the loop, of its circuits
+    for (const int entry : loop)
+      for (int own = 0; own < e.rows().entries[entry].m; ++own, ++k) {
+        const NamedRow row(system, e.rows(), rows.numbers[k]);
+        if (row.moves()) drives.push_back(row.drive());
+        if (W.row(k).norm() > kSlight) add_name(row.link->name(), joints);
+      }
+    if (joints.empty() || drives.empty()) continue;
+    out.drives.insert(out.drives.end(), drives.begin(), drives.end());
+    out.joints.insert(out.joints.end(), joints.begin(), joints.end());
   }
   if (out.drives.empty() && is_driven(e, rows.numbers)) return {};
   out.known = true;
@@ -122,7 +130,6 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
     strongest = std::max(strongest, size), G /= size;
   }
   out.singular = !forms.empty();
-  if (!out.drives.empty()) out.joints = joints;
   if (!out.singular || out.motions > kMostMotions || !out.drives.empty()) return out;
   const std::vector<VecX> lines = common_zeros(forms, out.motions);
   out.all = lines.size() <= (out.motions == 2 ? 2u : 4u);  // more are a surface of them
@@ -150,8 +157,8 @@ BranchPoint branch_point(Dynamics& dynamics, const State& state) {
 std::string BranchPoint::text(Dynamics& dynamics, const State& given) const {
   if (!singular) return {};
   if (!drives.empty())
-    return fmt::format("with {} prescribed, the loop of joints {} can continue in several ways", first_of(drives),
-                       first_of(joints));
+    return fmt::format("with {} prescribed, the loop of joints {} may continue in several ways, or not at all",
+                       first_of(drives), first_of(joints));
   State state = given;
   dynamics.to_slots(state);
   const std::string count = fmt::format("{} instantaneous degree{} of freedom", motions, motions == 1 ? "" : "s");

@@ -20,13 +20,14 @@ struct LOCKSTEP_API BranchPoint {
   bool singular = false;       ///< some of them the rows stop as soon as they begin
   std::vector<VecX> tangents;  ///< of the branches, 6 per slot: m (world), rad (slot axes); size 1 m
   bool all = false;  ///< the tangents are all there are: two or three motions, and curves that leave along each
-  std::vector<std::string> drives, joints;  ///< of driven loops, which are tested with drives held: "A.rz"; "A"
+  std::vector<std::string> drives,
+      joints;  ///< that move in a loop with singular rows, "A.rz"; the joints of these rows
   /// There is one, without a finite motion: per square of a rotation rows are violated by more than 1e-5 of the length.
   bool locked = false;
   double nearness = 1;  ///< in a regular position the smallest singular value of the rows, each of length 1
 
   /// "2 instantaneous degrees of freedom, 2 branches: 'crank' rotates about z; or ..."; of driven loops, "with A.rz
-  /// prescribed, the loop of joints A, B and C can continue in several ways". "" in a regular position.
+  /// prescribed, the loop of joints A, B and C may continue in several ways, or not at all". "" in a regular position.
   std::string text(Dynamics&, const State&) const;
   /// Whether something on a loop has a velocity. `v`: 6 per slot; if the position is known.
   bool moves(const VecX& v) const;
