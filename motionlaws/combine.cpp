@@ -50,7 +50,7 @@ class MappedLaw final : public MotionLaw {
     return {offset_ + factor_ * v.y, factor_ * v.yd, factor_ * v.ydd};
   }
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
-    if (factor_ != 0.0) append_breakpoints(*law_, t0 - delay_, t1 - delay_, delay_, out);
+    if (factor_ != 0.0) append_breakpoints({*law_, delay_}, t0, t1, out);
   }
 
  private:

@@ -50,8 +50,7 @@ class Repeat final : public MotionLaw {
     for (double n = std::floor((t0 - t0_) / period_); t0_ + n * period_ < t1; ++n) {
       const double start = t0_ + n * period_;
       if (jump_ && t0 < start) out.push_back(start);
-      const double from = std::max(t0 - start, 0.0), to = std::min(t1 - start, period_);
-      if (from < to) append_breakpoints(*law_, from, to, start, out);
+      append_breakpoints({*law_, start, 0.0, period_}, t0, t1, out);
     }
   }
 

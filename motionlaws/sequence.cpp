@@ -43,9 +43,8 @@ class Sequence final : public MotionLaw {
       if (t0 < start_[i] && start_[i] < t1) out.push_back(start_[i]);
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const bool on_left = k_.run_on && i == 0, on_right = k_.run_on && i + 1 == pieces_.size();
-      const double from = on_left ? t0 - start_[i] : std::max(t0 - start_[i], 0.0);
-      const double to = on_right ? t1 - start_[i] : std::min(t1 - start_[i], pieces_[i].duration);
-      if (from < to) append_breakpoints(*pieces_[i].law, from, to, start_[i], out);
+      const Part part{*pieces_[i].law, start_[i], on_left ? -HUGE_VAL : 0.0, on_right ? HUGE_VAL : pieces_[i].duration};
+      append_breakpoints(part, t0, t1, out);
     }
   }
 

@@ -39,6 +39,20 @@ TEST_CASE("combinations pass breakpoints on", "[unit][motionlaws]") {
   check_breakpoints(*laws::shift(kStart, -0.1), 0.05, 1, {0.1, 0.9});
 }
 
+TEST_CASE("rounding puts no breakpoint of a delayed law onto an end of the interval", "[unit][motionlaws]") {
+  const auto late = laws::shift(laws::repeat(laws::harmonic_rise({.duration = 0.15}), 0.3, {.drift = true}), 0.1);
+  std::vector<double> all;
+  late->breakpoints(-1, 3, all);
+  CHECK(all.size() > 20);
+  for (const double t : all) {
+    std::vector<double> before, after;
+    late->breakpoints(-1, t, before), late->breakpoints(t, 3, after);
+    INFO("at t = " << t);
+    CHECK(std::ranges::all_of(before, [t](double b) { return b < t; }));
+    CHECK(std::ranges::all_of(after, [t](double b) { return b > t; }));
+  }
+}
+
 TEST_CASE("sequence: each law on its own time, values as given or chained, held or running on", "[unit][motionlaws]") {
   const std::vector<Piece> pieces{{2.0, laws::ramp(1.0)}, {1.0, laws::constant(5.0)}, {0.5, laws::polynomial({1.0, 0.0, 4.0})}};
   const auto plain = laws::sequence(pieces, {.t0 = 1});
