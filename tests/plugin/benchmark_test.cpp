@@ -208,6 +208,17 @@ TEST_CASE("keys without effect do not make separate methods, and advise leaves t
   CHECK(j["each"].size() == 1);
 }
 
+TEST_CASE("quaternions are measured in space, and so does the advised command", "[benchmark]") {
+  const Result r = call("advise '" + std::string(paths::kScenes) +
+                        "/double_pendulum.json' --until 0.5 --error 1e-4 --integrators dop853 --formulations "
+                        "quaternion --stabilizations project --budget 10 --json --quiet");
+  INFO(r.text);
+  REQUIRE(r.exit == 0);
+  const nlohmann::json j = nlohmann::json::parse(r.text);
+  CHECK(j["cheapest"]["formulation"] == "quaternion");
+  CHECK(contains(j["cheapest"]["command"].get<std::string>(), " --planar off"));
+}
+
 // Explicit methods need 20 000 steps for this second, and their references more than their part of the budget.
 TEST_CASE("advise answers for a stiff scene within a small budget", "[benchmark]") {
   const std::string path = kFolder + "/stiff.json";

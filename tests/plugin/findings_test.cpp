@@ -232,6 +232,8 @@ TEST_CASE("a unit in the name of a column is a doubt, and an error with --strict
   CHECK(contains(said.text, "\"angle [deg]\""));
   CHECK(contains(said.text, "DOUBT     units-ignored: "));
   CHECK(call("run '" + scene + "' --no-picture --strict").exit == 11);
+  CHECK(
+      contains(call("sweep '" + scene + "' --vary run.until=0.5,1 --record named_sweep.csv").text, "units-ignored: "));
 }
 
 // Steps of half a second, in which the arm turns by more than two radians.

@@ -43,7 +43,7 @@ void Error::attribute(const Thing& whose, const std::string& label) {
   labelled_ = true;
   const std::string place = place_words(*this);
   const std::size_t at = sentence_.starts_with(place) ? place.size() : 0;
-  const std::string words = whose.words(), owner = label.substr(0, label.rfind(" ("));
+  const std::string words = whose.words(), owner = label.ends_with(')') ? label.substr(0, label.rfind(" (")) : label;
   if (!whose.name.empty() && label.ends_with(whose.label()) &&
       sentence_.compare(at, words.size() + 1, words + ":") == 0)
     sentence_.replace(at, words.size(), label);

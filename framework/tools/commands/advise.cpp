@@ -139,7 +139,8 @@ std::vector<CostAtError> each_of(std::vector<CostAtError> costs) {
   return each;
 }
 
-Result advise(const Arguments& args) {
+Result advise(const Arguments& given) {
+  const Arguments args = measuring_arguments(given);
   Loaded loaded = load(args);
   const double error = args["--error"].empty() ? kError : positive_number("--error", args["--error"], Unit::none);
   const ErrorKind kind = kind_of(args);

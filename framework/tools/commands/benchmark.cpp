@@ -179,6 +179,12 @@ Options measuring_options() {
         kJson}});
 }
 
+Arguments measuring_arguments(Arguments args) {
+  if (args["--planar"].empty() && std::ranges::count(args.all("--formulations"), "quaternion") > 0)
+    args.set("--planar", "off");
+  return args;
+}
+
 std::vector<MethodChoice> references_of(const RunSettings& run, const Registry& registry, bool implicit) {
   struct Candidate {
     MethodChoice method;

@@ -42,6 +42,8 @@ inline constexpr Option kIntegrators{"--integrators", "A,B",
     kFolder{"--out", "DIR", "folder for CSV and pictures; default: LOCKSTEP_OUTPUT or here"};
 /// What chart and advise take.
 Options measuring_options();
+/// The same arguments; in space if --formulations names quaternion, which no plane has.
+Arguments measuring_arguments(Arguments);
 
 /// The base of files of --out, "DIR/four_bar" + `ending`; its table can be written. Throws FileError.
 std::string base_of(const Arguments&, const char* ending);

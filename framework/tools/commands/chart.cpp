@@ -142,7 +142,8 @@ const Fields<Charted>& chart_fields() {
   return kFields;
 }
 
-Result chart_scene(const Arguments& args) {
+Result chart_scene(const Arguments& given) {
+  const Arguments args = measuring_arguments(given);
   Loaded loaded = load(args);
   const std::string base = base_of(args, "_chart");
   const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], base + ".csv", loaded.scene);

@@ -240,13 +240,18 @@ const Fields<AllAtRest>& all_fields() {
 }
 /// One line for each equilibrium, with the first quantities that differ between them.
 std::string overview_of(const AllAtRest& found) {
-  const auto words = [](const PoseNumber& n) { return fmt::format("{} {:.4g} {}", n.name, n.value, n.unit); };
+  const auto words = [&found](const AtRest& r, std::size_t k) {  // round-off of the column is 0
+    double largest = 0;
+    for (const AtRest& other : found.all) largest = std::max(largest, std::abs(other.quantities[k].value));
+    const PoseNumber& n = r.quantities[k];
+    return fmt::format("{} {:.4g} {}", n.name, std::abs(n.value) <= kNegligible * largest ? 0 : n.value, n.unit);
+  };
   const auto first = [&found, words](const AtRest& r) {
     constexpr std::size_t kMost = 4;
     std::vector<std::string> all;
     for (std::size_t k = 0; k < r.quantities.size() && all.size() < kMost; ++k) {
-      const auto differs = [&](const AtRest& other) { return words(other.quantities[k]) != words(r.quantities[k]); };
-      if (found.all.size() == 1 || std::ranges::any_of(found.all, differs)) all.push_back(words(r.quantities[k]));
+      const auto differs = [&](const AtRest& other) { return words(other, k) != words(r, k); };
+      if (found.all.size() == 1 || std::ranges::any_of(found.all, differs)) all.push_back(words(r, k));
     }
     return text::join(all, ", ");
   };

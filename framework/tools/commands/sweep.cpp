@@ -145,7 +145,7 @@ class Sweep {
       tell("note: further failures are listed in the table only\n");
     for (const auto& [code, of] : tally_.found)
       if (!plan_.arguments.has("--quiet"))
-        tell(fmt::format("warning: {}: {}{}\n", code, of.first.text(),
+        tell(fmt::format("{}: {}: {}{}\n", to_string(of.first.severity()), code, of.first.text(),
                          of.second > 1 ? fmt::format(" (in {} runs)", of.second) : ""));
   }
   long n_runs() const { return n_runs_; }
@@ -268,7 +268,7 @@ class Sweep {
     if (!done.run.failed && done.run.wrong) ++tally_.wrong;
     std::set<std::string_view> codes;
     for (const Finding& f : done.run.findings)
-      if (f.severity() == Severity::warning && codes.insert(f.code()).second)
+      if (f.severity() != Severity::note && codes.insert(f.code()).second)
         ++tally_.found.try_emplace(f.code(), f, 0).first->second.second;
   }
 
