@@ -68,8 +68,7 @@ LawPtr<MotionLaw> laws::product(std::vector<LawPtr<MotionLaw>> laws) {
 }
 LawPtr<MotionLaw> laws::scale(LawPtr<MotionLaw> law, double factor, double offset) {
   require_law("scale", "law", law);
-  require_finite("scale", "factor", factor);
-  require_finite("scale", "offset", offset);
+  require_finite("scale", {{"factor", factor}, {"offset", offset}});
   return std::make_shared<const MappedLaw>(std::move(law), factor, offset, 0);
 }
 LawPtr<MotionLaw> laws::shift(LawPtr<MotionLaw> law, double delay) {

@@ -14,8 +14,7 @@ class Fourier final : public MotionLaw {
  public:
   explicit Fourier(FourierSettings k)
       : omega_(k.omega), offset_(k.offset), a_(std::move(k.cosines)), b_(std::move(k.sines)) {
-    require_finite("fourier", "omega", omega_);
-    require_finite("fourier", "offset", offset_);
+    require_finite("fourier", {{"omega", omega_}, {"offset", offset_}});
     for (const double a : a_) require_finite("fourier", "cosines", a);
     for (const double b : b_) require_finite("fourier", "sines", b);
     const std::size_t n = std::max(a_.size(), b_.size());

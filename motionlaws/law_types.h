@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <initializer_list>
 #include <utility>
 #include <vector>
 
@@ -30,6 +31,11 @@ inline Key value_key(const char* name, Form form, Default fallback, const char* 
                      LawQuantity quantity = LawQuantity::value) {
   const bool numbers = form == Form::number || form == Form::numbers || form == Form::points;
   return {name, form, numbers ? Unit::any : Unit::none, std::move(fallback), help, {}, quantity};
+}
+
+/// Throws ParameterError for the first of these keys of a law that is not finite.
+inline void require_finite(const char* law, std::initializer_list<std::pair<const char*, double>> keys) {
+  for (const auto& [key, value] : keys) require_finite(law, key, value);
 }
 
 /// The circular frequency, rad/s, from the one of the keys "omega" and "frequency" that is given.

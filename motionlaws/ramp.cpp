@@ -7,9 +7,7 @@
 namespace lockstep {
 
 LawPtr<MotionLaw> laws::ramp(double slope, double t0, double y0) {
-  require_finite("ramp", "slope", slope);
-  require_finite("ramp", "t0", t0);
-  require_finite("ramp", "y0", y0);
+  require_finite("ramp", {{"slope", slope}, {"t0", t0}, {"y0", y0}});
   return law([=](Time t) { return y0 + slope * (t - t0); });
 }
 

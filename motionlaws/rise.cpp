@@ -32,8 +32,7 @@ class Rise final : public MotionLaw {
   Rise(const char* law, const RiseSettings& k, RiseShape shape) : k_(k), shape_(shape) {
     require_finite(law, "rise", k.rise);
     require_positive(law, "duration", k.duration);
-    require_finite(law, "t0", k.t0);
-    require_finite(law, "y0", k.y0);
+    require_finite(law, {{"t0", k.t0}, {"y0", k.y0}});
   }
   LawValue at(double t) const override {
     const double u = (t - k_.t0) / k_.duration;

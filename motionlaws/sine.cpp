@@ -13,10 +13,7 @@ namespace {
 class Sine final : public MotionLaw {
  public:
   explicit Sine(const SineSettings& k) : k_(k) {
-    require_finite("sine", "amplitude", k.amplitude);
-    require_finite("sine", "omega", k.omega);
-    require_finite("sine", "phase", k.phase);
-    require_finite("sine", "offset", k.offset);
+    require_finite("sine", {{"amplitude", k.amplitude}, {"omega", k.omega}, {"phase", k.phase}, {"offset", k.offset}});
   }
   LawValue at(double t) const override {
     const double a = k_.omega * t + k_.phase;

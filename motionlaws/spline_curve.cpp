@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include <lockstep/author/law_checks.h>
 #include <lockstep/error.h>

@@ -14,9 +14,7 @@ class Trapezoid final : public MotionLaw {
  public:
   explicit Trapezoid(const TrapezoidSettings& k) : t0_(k.t0), y0_(k.y0) {
     const char* law = "trapezoid";
-    require_finite(law, "distance", k.distance);
-    require_finite(law, "t0", k.t0);
-    require_finite(law, "y0", k.y0);
+    require_finite(law, {{"distance", k.distance}, {"t0", k.t0}, {"y0", k.y0}});
     for (const auto& [key, value] :
          {std::pair{"speed", k.speed}, std::pair{"acceleration", k.acceleration}, std::pair{"duration", k.duration}})
       require(std::isfinite(value) && value >= 0, law, key, "is " + text::number(value) + "; must be above 0");

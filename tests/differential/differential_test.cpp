@@ -2,7 +2,6 @@
 // Random mechanisms, computed in all ways: every two ways agree, or one says by name why it does not go. A disagreement
 // prints its seed and the smallest scene that shows it. LOCKSTEP_SEEDS="FROM:TO" takes other seeds than the default.
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <functional>
 #include <iostream>

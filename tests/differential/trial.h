@@ -2,7 +2,6 @@
 // One computation of a scene, and how far two of them are from each other.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -2,7 +2,6 @@
 // The system fails under the program: writing, fsync, rename and kill -9. It ends by a documented exit code with a
 // sentence, old results are never lost, and what was computed is gone on with.
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>

@@ -4,7 +4,6 @@
 // one: 600 000 runs of the program, some four hours.
 #include <algorithm>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <string>
 

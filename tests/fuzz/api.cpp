@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <functional>
 #include <limits>
 #include <memory>
 #include <stdexcept>

@@ -2,10 +2,8 @@
 // Changes to inputs, the same for the same seed.
 #pragma once
 
-#include <cstdint>
 #include <random>
 #include <string>
-#include <vector>
 
 namespace lockstep::fuzz {
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <memory>
-#include <string>
 
 #include <spdlog/spdlog.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What random slips (tests/mutants/random) got past.
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <sstream>
 #include <string>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a plugin registers looks, in every command, like what is built in, and says where it comes from.
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include <lockstep/author/loader.h>

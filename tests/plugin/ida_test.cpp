@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The plugin ida: BDF of SUNDIALS on mechanisms, stiff and not.
-#include <algorithm>
 #include <string>
 
 #include <lockstep/author/loader.h>

@@ -2,7 +2,6 @@
 // Plugins: found, read, checked before their code runs, taken whole or not at all.
 #include <lockstep/author/loader.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>

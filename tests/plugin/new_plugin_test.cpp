@@ -3,7 +3,6 @@
 // installed package (tests/install/new_plugin.sh) and of the templates themselves (tests template.*).
 #include "framework/tools/program/new_plugin.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>

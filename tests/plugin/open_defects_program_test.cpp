@@ -5,7 +5,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include <lockstep/recorder.h>
 #include "framework/tools/program/progress.h"

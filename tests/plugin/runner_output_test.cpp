@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The program, as other programs use it: JSON, standard streams, completion, the manual.
 #include <algorithm>
-#include <cctype>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>

@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
-#include <thread>
 #include <type_traits>
 
 #include <lockstep/author/registry.h>

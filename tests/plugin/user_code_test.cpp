@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What laws, links, forces and integrators of a plugin do wrong while they are used reaches the host by name.
-#include <cmath>
 #include <exception>
 #include <functional>
 #include <memory>

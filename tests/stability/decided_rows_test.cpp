@@ -4,7 +4,6 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <utility>
 
 #include <lockstep/analysis.h>
 #include <lockstep/batch.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Steps far too large: no method crashes, and none is wrong without a word.
-#include <cmath>
 
 #include "tests/support/catch.h"
 #include "tests/support/outcome.h"

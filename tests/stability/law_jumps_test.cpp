@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Laws that jump: in acceleration (followed), in velocity (an impact, booked), in position (refused by name); and steps
 // that end on, before and behind the jump.
-#include <cmath>
 
 #include "tests/support/catch.h"
 #include "tests/support/outcome.h"

@@ -3,7 +3,6 @@
 // parallelograms of two and three cranks, an antiparallelogram, a kite, a slider-crank of equal arms.
 #include <cmath>
 #include <functional>
-#include <memory>
 #include <random>
 #include <string>
 #include <vector>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Implicit methods at very small steps: the scaling of their linear systems keeps forces and motion.
-#include <cmath>
 
 #include "tests/support/catch.h"
 #include "tests/support/outcome.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Starts that the links do not allow, and links that switch at one instant.
-#include <cmath>
 
 #include "tests/support/catch.h"
 #include "tests/support/outcome.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A stiff spring and a strong damper: every method against the step that its theory allows.
-#include <algorithm>
 #include <cmath>
 
 #include <lockstep/author/registry.h>

@@ -5,7 +5,6 @@
 /// The formulas of the theory for jacobians and right sides do not occur here: this is what they are tested with.
 
 #include <array>
-#include <cstddef>
 
 #include <Eigen/Core>
 

@@ -4,7 +4,6 @@
 /// Rows and right side of the lock derived in four ways from one configuration, and a lock that is made of them. For
 /// tests and benchmarks: what the compact formulas of the theory save, and what the other ways cost.
 
-#include <cmath>
 #include <string>
 #include <vector>
 

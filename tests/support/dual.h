@@ -4,7 +4,6 @@
 /// Exact derivatives along one direction, for the oracles of the tests: nothing here is shared with the library.
 /// Number, vector, quaternion and rotation matrix are plain structs, templates on the number type.
 
-#include <array>
 #include <cmath>
 #include <compare>
 

@@ -4,9 +4,7 @@
 /// What stands on the seven rows: standard functions phi(y, t) of relative coordinates with all their derivatives, and
 /// reactions, from the exact derivatives of the constraint alone. Nothing of (7.2), (7.4) or (8.6) is used.
 
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 
 #include <Eigen/Core>

@@ -2,7 +2,6 @@
 #pragma once
 /// @file Motions with a closed form, to hold integrators against.
 
-#include <algorithm>
 #include <boost/math/special_functions/ellint_1.hpp>
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 #include <cmath>

@@ -15,7 +15,6 @@
 #include <map>
 #include <span>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 #include <vector>
 

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include <lockstep/author/registry.h>
-#include <lockstep/recorder.h>
 #include <lockstep/sweep.h>
 #include "tests/support/paths.h"
 #include "tests/support/run_with_registry.h"

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <string>
 
 #include <lockstep/step_loop.h>
 #include <lockstep/solvers.h>

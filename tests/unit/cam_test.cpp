@@ -3,10 +3,6 @@
 // profiles are refused.
 #include <lockstep/couplings.h>
 
-#include <functional>
-#include <string>
-#include <vector>
-
 #include <lockstep/author/check.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Kept checkpoints: as long as the number of their layout is the same, they are gone on with.
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>

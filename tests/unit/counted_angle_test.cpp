@@ -2,7 +2,6 @@
 // Counted angles: what they are at the start, along motions with few steps, and where they have no value.
 #include <lockstep/detail/counted_angle.h>
 
-#include <array>
 #include <cmath>
 #include <memory>
 #include <string>

@@ -2,10 +2,6 @@
 // Points on curves and followers of paths: held against a search along the curve; round and round; what is refused.
 #include <lockstep/couplings.h>
 
-#include <functional>
-#include <string>
-#include <vector>
-
 #include <lockstep/author/check.h>
 #include <lockstep/error.h>
 #include <lockstep/frame_laws.h>

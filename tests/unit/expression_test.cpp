@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Formulas: grammar, units, and what is refused. As functions of variables: expression_function_test.cpp.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>

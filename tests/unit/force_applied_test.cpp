@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <limits>
 
 #include <lockstep/forces.h>
 #include "tests/support/catch.h"

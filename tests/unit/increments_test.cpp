@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/integrators.h>
 
-#include <cmath>
-
 #include "tests/support/catch.h"
 
 namespace increments_test {

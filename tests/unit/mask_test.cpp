@@ -2,8 +2,6 @@
 // Masks and axes in words, both ways, and what is no word.
 #include <lockstep/detail/kernel.h>
 
-#include <string>
-
 #include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

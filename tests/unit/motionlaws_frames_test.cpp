@@ -2,7 +2,6 @@
 // Translation and rotation laws. Oracle of rotations: w = 2 vec(q' qd), a = 2 vec(q' qdd) on jets of the quaternion's
 // formula, not the library's G; of the spline of orientations: differences of its own orientations, and motions that
 // are known.
-#include <array>
 
 #include <lockstep/error.h>
 #include <lockstep/frame_laws.h>

@@ -2,7 +2,6 @@
 // The laws as a scene asks for them: made by name from the registry, units taken, errors with place and key.
 #include <cstdio>
 #include <fstream>
-#include <functional>
 
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>

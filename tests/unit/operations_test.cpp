@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the kernel costs, counted on the numbers themselves: no more than the theory's table (5.2), nothing for the half
 // that a joint does not use, less for every row that is masked. The instance is chosen as MarkerLock chooses it.
-#include <array>
 #include <cmath>
 
 #include <lockstep/author/passes.h>

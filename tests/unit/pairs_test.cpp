@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Couplings and the other joints of the catalogue in scenes: "pairs" by links and by objects, and what is refused at
 // its place.
-#include <cmath>
 #include <string>
 #include <vector>
 

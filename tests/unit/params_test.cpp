@@ -2,7 +2,6 @@
 #include <lockstep/author/params.h>
 
 #include <cmath>
-#include <limits>
 
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The identities of the theory's section 1, on random quaternions, against the oracle's product matrices.
 #include <cmath>
-#include <numbers>
 
 #include <lockstep/math.h>
 #include "tests/support/catch.h"

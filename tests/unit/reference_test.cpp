@@ -3,7 +3,6 @@
 
 #include <map>
 #include <sstream>
-#include <vector>
 
 #include <lockstep/author/registry.h>
 #include "framework/description/scene/describe.h"

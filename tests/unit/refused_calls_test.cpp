@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Calls in C++ that cannot be meant: each is refused by name, value, limit and next move. Those of runs:
 // refused_runs_test.cpp.
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>

@@ -2,7 +2,6 @@
 // Checkpoints whose hash fits and whose numbers are those of no run: refused by their cause, and the run goes on from a
 // good one as if they had not been read.
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <string>
 #include <vector>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // States and numbers that cannot be where they are met: what feeds a rate, who reads what, how many unknowns.
-#include <cmath>
 #include <limits>
 #include <memory>
 #include <span>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every kind of bad scene: refused at its place, with the name of the thing, the value and the next move.
-#include <algorithm>
 #include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 

@@ -2,9 +2,6 @@
 // Parts of scenes: included ones somewhere else, their values by path, places of bodies in formulas.
 #include <unistd.h>
 
-#include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include <lockstep/author/registry.h>

@@ -6,7 +6,6 @@
 #include <clocale>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <locale>
 #include <sstream>

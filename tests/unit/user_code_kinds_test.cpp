@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whatever code of the host's throws, of whichever kind it is: the error tells kind, name and time, in its data and at
 // the beginning of its sentence, and nests what was thrown.
-#include <cmath>
 #include <exception>
 #include <functional>
 #include <memory>

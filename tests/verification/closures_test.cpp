@@ -2,7 +2,6 @@
 // Loops in joint coordinates: links beside the tree stay rows. Accelerations against omega, the choice of the tree,
 // projections.
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include <lockstep/assembly.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Links that count turns (gears, belts, differentials) along joints, where steps make many turns.
 #include <cmath>
-#include <numbers>
 
 #include <lockstep/assembly.h>
 #include <lockstep/author/force.h>

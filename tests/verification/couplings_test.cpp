@@ -3,7 +3,6 @@
 // and rejected steps, driven screws, a cam that its follower may leave. Closed forms.
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include <lockstep/author/registry.h>
 #include <lockstep/couplings.h>

@@ -2,7 +2,6 @@
 // Error against step has the slope of every explicit and symplectic method: on the heavy top (150 rad/s of spin, a
 // spherical joint), on a four-bar mechanism in space, whose joints are redundant, and on a chain of ten rods;
 // projection every step.
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>

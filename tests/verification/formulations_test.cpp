@@ -3,7 +3,6 @@
 // the paper's equations, literally, solved densely here (raw Cq, raw Qc, unit-length rows). All pairs of (2.13), never
 // mixed.
 #include <cmath>
-#include <functional>
 #include <memory>
 
 #include <Eigen/LU>

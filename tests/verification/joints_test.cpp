@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"

@@ -2,7 +2,6 @@
 // The kernel's two halves against lock-checks.json (1e-12) and against exact derivatives of the constraint (1e-11), in
 // every instance: all sets of laws, markers parallel to their bodies, with and without the values' rates and the scalar
 // row.
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <initializer_list>

@@ -2,7 +2,6 @@
 // The equations of one link at a state: C along motions of the bodies, differentiated, against Ct, J, Cq and Qc.
 #include <array>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <string>
 

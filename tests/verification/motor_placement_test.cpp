@@ -3,9 +3,7 @@
 // on the marker P, as a drive on the free axis of a joint. Same accelerations, same angle, same torque (force) of the
 // drive, at several instants of a motion; the drive's torque against Newton and Euler.
 #include <cmath>
-#include <functional>
 #include <memory>
-#include <string>
 
 #include <lockstep/dynamics.h>
 #include <lockstep/solvers.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Defects that are known and not mended yet, by what a run gives: see tests/support/open_defect.h.
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>

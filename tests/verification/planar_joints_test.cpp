@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Trees whose joints keep them in a plane: the planar recursion against omega, motions against those in space.
-#include <array>
 #include <cmath>
 
 #include <lockstep/author/passes.h>

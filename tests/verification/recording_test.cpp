@@ -5,10 +5,8 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <numeric>
 #include <span>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include <lockstep/author/jet.h>

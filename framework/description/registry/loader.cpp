@@ -16,6 +16,7 @@
 #include <lockstep/error.h>
 #include <lockstep/log.h>
 #include "framework/description/registry/shelves.h"
+#include "framework/foundation/support/at_end.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
@@ -25,16 +26,6 @@ namespace fs = std::filesystem;
 namespace dll = boost::dll;
 
 using Register = void(Registry&);
-
-// Restores the floating-point environment after a library was loaded, since some switch denormal numbers off.
-class KeepRounding {
- public:
-  KeepRounding() { std::fegetenv(&before_); }
-  ~KeepRounding() { std::fesetenv(&before_); }
-
- private:
-  std::fenv_t before_{};
-};
 
 std::string words_of(const PluginStamp& s) { return fmt::format("{} bytes with checksum {:016x}", s.size, s.checksum); }
 
@@ -94,7 +85,9 @@ std::string load_plugin(Registry& registry, const std::string& name_or_path, con
   if (expected && stamp != *expected)
     throw PluginError(who + file + " has " + words_of(stamp) + ", expected " + words_of(*expected) +
                       "; install the file again, or update the expected stamp");
-  const KeepRounding rounding;
+  std::fenv_t rounding{};
+  std::fegetenv(&rounding);
+  const AtEnd restore([&] { std::fesetenv(&rounding); });  // some libraries switch denormal numbers off
   dll::shared_library& library = opened(file, stamp);  // its code runs from here on
   if (!library.has(kRegisterSymbol))
     throw PluginError(who + "it exports no \"" + kRegisterSymbol + "\"; add LOCKSTEP_PLUGIN(registry) { ... } to it");

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <lockstep/author/registry.h>
-#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/registry/shelves.h"
 #include "framework/description/scene/builder.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/scene/tree.h"
 
-#include <algorithm>
 #include <iterator>
 
 namespace lockstep {

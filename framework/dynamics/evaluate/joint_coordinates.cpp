@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The coordinates of a state: conversions, and the rates in joint coordinates.
-#include <lockstep/dynamics.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,6 @@
 #include "framework/dynamics/evaluate/newton_factor.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <utility>
 

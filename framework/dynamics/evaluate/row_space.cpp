@@ -11,7 +11,6 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/solvers/graph.h"
-#include "framework/foundation/math/decompositions.h"
 
 namespace lockstep {
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/evaluate/singular_rate.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/speed_of.h"

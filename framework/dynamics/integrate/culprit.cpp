@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <lockstep/author/stepping.h>
-#include <lockstep/error.h>
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/mechanism/system/diagnose.h"
 

@@ -6,7 +6,6 @@
 // touches is hit a margin below its floor, zero or where it was released; the margin is some roundings of the projection.
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include <lockstep/detail/phi_function.h>

@@ -3,8 +3,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
-
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/dynamics/simulate/keep_state.h"
@@ -186,7 +184,7 @@ bool GuardFinder::of_method(const Guard& g, Sampled& a, Sampled& b) {
 // What is seen at an output before the first guard is met in this step, so that no row lies beyond one that is not.
 void GuardFinder::search_outputs() {
   if (!interval_.has_dense() || !(clock_.next_output() < first_before_end())) return;
-  const Uncounted uncounted(dynamics_);
+  const auto looking = uncounted(dynamics_);
   before_.clear();
   for (const Guard& g : guards_) before_.push_back(g.from);
   double last = interval_.from().t;

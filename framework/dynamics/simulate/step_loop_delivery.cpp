@@ -128,7 +128,7 @@ void StepLoop::output(Delivery& now, const Sample& sample) {
 void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1) {
   const double h = to.spacing();
   if (!std::isfinite(h)) return;
-  const Uncounted uncounted(dynamics);
+  const auto looking = uncounted(dynamics);
   for (double k = std::floor(t0 / h) + 1; k * h < t1; ++k) {
     if (!(k * h > t0)) continue;
     succeeds([&] {

@@ -84,13 +84,9 @@ void StepLoop::switch_now(const char* call, const Event& change) {
     aim_at(kNever);
     keeps_stop_ = true;
     start(false);
-    struct Switched {
-      const Event*& by_call;
-      Delivery& due;
-      ~Switched() {
-        if (std::exchange(by_call, nullptr) != nullptr && due.what <= Due::events) due = {};
-      }
-    } switched{parts_->by_call, parts_->due};
+    const AtEnd switched([this] {
+      if (std::exchange(parts_->by_call, nullptr) != nullptr && parts_->due.what <= Due::events) parts_->due = {};
+    });
     parts_->by_call = &change;
     settle_now();
     parts_->interval.note_acting(state_);

@@ -17,24 +17,13 @@ namespace lockstep {
 
 namespace {
 
-/// While it lives, the inputs are as they were seen, and `seen` has what was set.
-class AsSeen {
- public:
-  AsSeen(std::deque<ControlInput>& inputs, std::vector<double>& seen) : inputs_(inputs), seen_(seen) { swap(); }
-  ~AsSeen() { swap(); }
-  AsSeen(const AsSeen&) = delete;
-  AsSeen& operator=(const AsSeen&) = delete;
-
- private:
-  void swap() {
-    for (std::size_t k = 0; k < seen_.size(); ++k) {
-      const double set = inputs_[k].value();
-      inputs_[k].set(seen_[k]), seen_[k] = set;
-    }
+// The inputs become as they were seen, and `seen` has what was set.
+void swap_inputs(std::deque<ControlInput>& inputs, std::vector<double>& seen) {
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    const double set = inputs[k].value();
+    inputs[k].set(seen[k]), seen[k] = set;
   }
-  std::deque<ControlInput>& inputs_;
-  std::vector<double>& seen_;
-};
+}
 
 std::string set_of(const std::deque<ControlInput>& inputs, const std::vector<double>& seen) {
   std::string words;
@@ -69,7 +58,8 @@ bool StepLoop::take_inputs() {
 bool StepLoop::cross_inputs() {
   State slots = state_;
   const PositionJump jump = [&] {
-    const AsSeen before(dynamics_.control_inputs(), inputs_seen_);
+    swap_inputs(dynamics_.control_inputs(), inputs_seen_);
+    const AtEnd as_set([this] { swap_inputs(dynamics_.control_inputs(), inputs_seen_); });
     dynamics_.to_slots(slots);
     return PositionJump(dynamics_, slots);
   }();

@@ -18,6 +18,7 @@
 #include "framework/dynamics/simulate/keep_state.h"
 #include "framework/dynamics/simulate/step_interval.h"
 #include "framework/dynamics/simulate/user_code.h"
+#include "framework/foundation/support/at_end.h"
 
 namespace lockstep {
 
@@ -114,11 +115,9 @@ void StepLoop::exclusively(const char* what, Act&& act) {
     throw ModelError(fmt::format(
         "{} was called inside the run, by an observer, an event or progress; call it after run_until has returned",
         what));
-  struct Running {
-    bool &running, &stale;
-    const int before = std::uncaught_exceptions();
-    ~Running() { running = false, stale = stale || std::uncaught_exceptions() > before; }
-  } guard{running_, stale_};
+  const AtEnd ended([this, before = std::uncaught_exceptions()] {
+    running_ = false, stale_ = stale_ || std::uncaught_exceptions() > before;
+  });
   running_ = true;
   act();
 }

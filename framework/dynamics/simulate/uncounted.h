@@ -3,20 +3,13 @@
 #pragma once
 
 #include <lockstep/dynamics.h>
+#include "framework/foundation/support/at_end.h"
 
 namespace lockstep {
 
 /// Gives the counters of work back when it ends: what was looked at in between, as for pictures, does not count.
-class Uncounted {
- public:
-  explicit Uncounted(Dynamics& dynamics) : work_(dynamics.work()), before_(dynamics.work()) {}
-  ~Uncounted() { work_ = before_; }
-  Uncounted(const Uncounted&) = delete;
-  Uncounted& operator=(const Uncounted&) = delete;
-
- private:
-  WorkCount& work_;
-  const WorkCount before_;
-};
+inline auto uncounted(Dynamics& dynamics) {
+  return AtEnd([&work = dynamics.work(), before = dynamics.work()] { work = before; });
+}
 
 }  // namespace lockstep

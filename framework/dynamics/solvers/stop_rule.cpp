@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/solvers/stop_rule.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-#include "framework/dynamics/solvers/products.h"
-
 namespace lockstep {
 
 namespace {

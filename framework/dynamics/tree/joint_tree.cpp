@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <span>
 #include <utility>
 
-#include <lockstep/author/lock.h>
 #include "framework/dynamics/tree/buckets.h"
 #include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/spanning_tree.h"

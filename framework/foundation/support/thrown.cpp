@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <boost/core/demangle.hpp>
-#include <new>
 #include <string_view>
-#include <typeinfo>
 
 namespace lockstep {
 namespace {

@@ -7,6 +7,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/foundation/support/at_end.h"
 
 namespace lockstep::expression {
 namespace {
@@ -129,16 +130,12 @@ class ExpressionParser {
     fail(at_, "expected \"" + std::string(sign) + "\" for the " + what + " at column " + std::to_string(opened + 1));
   }
 
-  struct Descent {
-    ExpressionParser& p;
-    explicit Descent(ExpressionParser& parser) : p(parser) {
-      if (++p.depth_ > kMostNesting)
-        p.fail(p.at_, "it is nested deeper than " + std::to_string(kMostNesting) + "; define parts as parameters");
-    }
-    ~Descent() { --p.depth_; }
-    Descent(const Descent&) = delete;
-    Descent& operator=(const Descent&) = delete;
-  };
+  // One level deeper, as long as the result lives.
+  auto descend() {
+    if (++depth_ > kMostNesting)
+      fail(at_, "it is nested deeper than " + std::to_string(kMostNesting) + "; define parts as parameters");
+    return AtEnd([this] { --depth_; });
+  }
 
   int put(Operation operation, std::size_t at, std::vector<int> children = {}) {
     if (e_.nodes_.size() == kMostNodes)
@@ -151,7 +148,7 @@ class ExpressionParser {
   Node& last() { return e_.nodes_.back(); }
 
   int choice() {
-    const Descent descent(*this);
+    const auto deeper = descend();
     const int condition = binary(1);
     skip_blanks();
     const std::size_t at = at_;
@@ -187,7 +184,7 @@ class ExpressionParser {
     const std::size_t at = (skip_blanks(), at_);
     const bool no = next() == '!', minus = next() == '-';
     if (!no && !minus && next() != '+') return power();
-    const Descent descent(*this);
+    const auto deeper = descend();
     ++at_;
     const int of = signs();
     return no ? put(Operation::negation, at, {of}) : minus ? put(Operation::negate, at, {of}) : of;
@@ -199,7 +196,7 @@ class ExpressionParser {
     const std::size_t at = at_;
     if (!take("^")) return base;
     if (next() == '*' || next() == '^') fail(at_, "expected an exponent");
-    const Descent descent(*this);
+    const auto deeper = descend();
     const int exponent = signs();
     return put(Operation::power, at, {base, exponent});
   }

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include <lockstep/error.h>
-#include <lockstep/math.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/expression/evaluate.h"
 

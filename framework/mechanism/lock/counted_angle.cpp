@@ -2,7 +2,6 @@
 #include <lockstep/detail/counted_angle.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include <lockstep/author/relative.h>
 #include "framework/foundation/math/limits.h"

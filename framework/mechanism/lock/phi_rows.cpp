@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include <lockstep/author/relative.h>
 #include <lockstep/error.h>
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/lock/pair_setup.h"

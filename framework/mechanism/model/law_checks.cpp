@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <lockstep/function_laws.h>
-#include <lockstep/text.h>
 
 namespace lockstep {
 

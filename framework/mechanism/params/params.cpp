@@ -6,7 +6,6 @@
 #include <boost/locale/utf.hpp>
 #include <cmath>
 
-#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/params/csv_reader.h"

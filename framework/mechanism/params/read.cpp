@@ -3,12 +3,9 @@
 
 #include <algorithm>
 #include <boost/algorithm/string/split.hpp>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
-#include <lockstep/author/params.h>
-#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/params/units.h"
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <optional>
 
 #include <lockstep/text.h>
 #include "framework/mechanism/params/read.h"

@@ -2,7 +2,6 @@
 #include "framework/mechanism/system/diagnose.h"
 
 #include <cmath>
-#include <string>
 #include <utility>
 #include <vector>
 

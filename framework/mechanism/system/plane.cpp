@@ -15,6 +15,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/math/limits.h"
+#include "framework/foundation/support/at_end.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/rows_at_start.h"
@@ -295,12 +296,8 @@ Plane settle_in_plane(System& system, const std::function<bool(Plane)>& starts_i
 }
 
 Plane find_plane(System& system, const std::function<bool(Plane)>& starts_in) {
-  struct Restore {
-    System& system;
-    Plane plane = system.plane();
-    bool known = system.plane_is_known();
-    ~Restore() { system.set_planar(plane, known); }
-  } const restore{system};
+  const AtEnd restore(
+      [&, plane = system.plane(), known = system.plane_is_known()] { system.set_planar(plane, known); });
   return settle_in_plane(system, starts_in);
 }
 

@@ -2,12 +2,9 @@
 #include <lockstep/system.h>
 
 #include <array>
-#include <functional>
-#include <utility>
 
 #include <lockstep/author/force.h>
 #include <lockstep/author/lock.h>
-#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/system/diagnose.h"
 

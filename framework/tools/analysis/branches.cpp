@@ -3,7 +3,6 @@
 #include <lockstep/branches.h>
 
 #include <algorithm>
-#include <string>
 
 #include <lockstep/analysis.h>
 #include <lockstep/assembly.h>

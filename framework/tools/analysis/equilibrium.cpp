@@ -7,8 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
-#include <vector>
 
 #include <Eigen/LU>
 

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <ranges>
 
-#include <lockstep/author/lock.h>
 #include <lockstep/author/relative.h>
 #include <lockstep/error.h>
 #include "framework/mechanism/system/diagnose.h"

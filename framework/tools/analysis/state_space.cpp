@@ -17,6 +17,7 @@
 #include "framework/dynamics/evaluate/row_space.h"
 #include "framework/foundation/math/decompositions.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/foundation/support/at_end.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
 
@@ -25,21 +26,6 @@ namespace {
 
 constexpr double kDifferenceStep = 4e-3;  // of a difference, in rad, or of the length; the second step is half of it
 constexpr double kRateStep = 1e-2;        // the same of rates, in their units: what depends on them is nearly quadratic
-
-// Puts the inputs back to zero in any case.
-class Inputs0 {
- public:
-  explicit Inputs0(const std::vector<LinearInput>& all) : all_(all) { clear(); }
-  ~Inputs0() { clear(); }
-  Inputs0(const Inputs0&) = delete;
-  Inputs0& operator=(const Inputs0&) = delete;
-
- private:
-  void clear() const {
-    for (const LinearInput& input : all_) input.law->add({});
-  }
-  const std::vector<LinearInput>& all_;
-};
 
 // Derivative of a vector at 0 by central differences of sixth order with steps h and h/2; `off`: their largest
 // difference.
@@ -312,7 +298,11 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
   State state = given;
   dynamics.to_slots(state);
   const System::InSpace look = dynamics.look_in_space();
-  const Inputs0 put_back(inputs);
+  const auto clear = [&] {
+    for (const LinearInput& input : inputs) input.law->add({});
+  };
+  clear();
+  const AtEnd put_back(clear);
   const System& system = dynamics.system();
   const LinearMotion m = linear_motion(dynamics, state, options);
   const Reduced r = reduce(m, minimal_coordinates(dynamics, state, m).N);

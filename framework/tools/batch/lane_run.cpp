@@ -3,7 +3,6 @@
 // copy whose attempt is rejected repeats it with a smaller step while the others continue.
 #include "framework/tools/batch/lane_run.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <lockstep/error.h>

@@ -12,6 +12,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/foundation/support/at_end.h"
 #include "framework/foundation/support/child.h"
 #include "framework/foundation/support/lines.h"
 
@@ -19,29 +20,15 @@ namespace lockstep {
 namespace {
 namespace fs = std::filesystem;
 
-// A temporary folder for the script and for gnuplot's output; removed by the destructor.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "lockstep-chart-XXXXXX").string();
-    if (!mkdtemp(name.data()))
-      throw FileError(
-          fmt::format("cannot create the folder \"{}\" for the script of a chart: {}; set TMPDIR to a writable folder",
-                      name, std::strerror(errno)));
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string path() const { return path_.string(); }
-  std::string file(const char* name) const { return (path_ / name).string(); }
-
- private:
-  fs::path path_;
-};
+// A new folder for the script and for gnuplot's output.
+fs::path temporary_folder() {
+  std::string name = (fs::temp_directory_path() / "lockstep-chart-XXXXXX").string();
+  if (!mkdtemp(name.data()))
+    throw FileError(
+        fmt::format("cannot create the folder \"{}\" for the script of a chart: {}; set TMPDIR to a writable folder",
+                    name, std::strerror(errno)));
+  return name;
+}
 
 std::string base_of(const std::string& path) {
   for (const char* ending : {".svg", ".png"})
@@ -112,8 +99,12 @@ void draw(const Script& script, const std::string& path, int width, int height) 
         fmt::format("cannot draw \"{}\": gnuplot is not in PATH; install it with: apt-get install gnuplot-nox", path));
   const std::string base = base_of(path);
   if (base.empty()) throw FileError(fmt::format("cannot write a chart to \"{}\": give a file name", path));
-  const TemporaryFolder folder;
-  const std::string commands = folder.file("chart.gp");
+  const fs::path folder = temporary_folder();
+  const AtEnd removed([&] {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  });
+  const std::string commands = folder / "chart.gp";
   {
     std::ofstream out(commands, std::ios::binary);
     out << head("chart.png", fmt::format("pngcairo size {},{} font 'sans,12'", width, height)) << script.text()
@@ -123,10 +114,10 @@ void draw(const Script& script, const std::string& path, int width, int height) 
     if (!out.flush())
       throw FileError(fmt::format("cannot write \"{}\"; set TMPDIR to a folder with free space", commands));
   }
-  const auto [status, said] = run_child({program, "-d", "chart.gp"}, folder.path(), true);
+  const auto [status, said] = run_child({program, "-d", "chart.gp"}, folder, true);
   if (status != 0) throw FileError(fmt::format("gnuplot could not draw \"{}\"; its message: {}", path, said));
-  hand_over(folder.file("chart.svg"), base + ".svg", said);
-  hand_over(folder.file("chart.png"), base + ".png", said);
+  hand_over(folder / "chart.svg", base + ".svg", said);
+  hand_over(folder / "chart.png", base + ".png", said);
 }
 
 }  // namespace lockstep

@@ -25,25 +25,39 @@ ErrorKind kind_of(const Arguments& args) {
   return ErrorKind::position;
 }
 
-// What the choice of a run changes in the scene, apart from its integrator.
-struct Changed {
-  bool formulation, stabilization, solver;
+/// A setting of a run: its key, its value in a scene, and as a word of the command line, "" where that needs none.
+struct Setting {
+  std::string key;
+  Value value;
+  std::string word;
 };
-Changed changed_of(const Arguments& args, const RunSettings& scene, const WorkPrecisionRun& base,
-                   const WorkPrecisionRun& run) {
-  return {!args.all("--formulations").empty() || run.formulation != base.formulation,
-          run.stabilization != scene.stabilization.kind,
-          !needs_no_solver(run.formulation) && (!args.all("--solvers").empty() || run.solver != to_word(scene.solver))};
+
+// What the choice of a run changes in the scene. `run`: all its settings.
+std::vector<Setting> settings_to_change(const Arguments& args, const RunSettings& scene, const SceneBenchmark& measured,
+                                        const WorkPrecisionRun& best, const RunSettings& run) {
+  std::vector<Setting> all{{"integrator", to_value(run.integrator), in_quotes(best.integrator)},
+                           {best.adaptive ? "tolerance" : "step", best.setting, text::number(best.setting)}};
+  const double largest_step = measured.options.largest_step;
+  if (best.adaptive && largest_step > 0) all.push_back({"step", largest_step, ""});
+  if (!args.all("--formulations").empty() || best.formulation != measured.base.formulation)
+    all.push_back({"formulation", to_string(best.formulation), to_string(best.formulation)});
+  if (const Stabilization& s = run.stabilization, usual; best.stabilization != scene.stabilization.kind) {
+    Value kind = to_string(s.kind);
+    if (s.alpha != usual.alpha || s.beta != usual.beta || s.tolerance != usual.tolerance)
+      kind = Value::object({{"kind", kind}, {"alpha", s.alpha}, {"beta", s.beta}, {"tolerance", s.tolerance}});
+    all.push_back({"stabilization", std::move(kind), to_string(best.stabilization)});
+  }
+  const bool other_solver = !args.all("--solvers").empty() || best.solver != to_word(scene.solver);
+  if (other_solver && !needs_no_solver(best.formulation))
+    all.push_back({"solver", to_value(run.solver), in_quotes(best.solver)});
+  return all;
 }
 
-std::string command_line(const Arguments& args, const WorkPrecisionRun& run, const Changed& changed) {
+std::string command_line(const Arguments& args, const std::vector<Setting>& changed) {
   std::string text = "lockstep run " + in_quotes(args["scene"]);
   for (const std::string& plugin : args.all("--plugin")) text += " --plugin " + in_quotes(plugin);
-  text += " --integrator " + in_quotes(run.integrator) + (run.adaptive ? " --tolerance " : " --step ") +
-          text::number(run.setting);
-  if (changed.formulation) text += " --formulation " + to_string(run.formulation);
-  if (changed.stabilization) text += " --stabilization " + to_string(run.stabilization);
-  if (changed.solver) text += " --solver " + in_quotes(run.solver);
+  for (const Setting& s : changed)
+    if (!s.word.empty()) text += " --" + s.key + " " + s.word;
   if (!args["--until"].empty()) text += " --until " + in_quotes(args["--until"]);
   if (!args["--planar"].empty()) text += " --planar " + args["--planar"];
   if (args.has("--full")) text += " --full";
@@ -51,18 +65,9 @@ std::string command_line(const Arguments& args, const WorkPrecisionRun& run, con
 }
 
 // The same as keys of the scene's "run".
-std::string run_block(const RunSettings& run, const WorkPrecisionRun& r, double largest_step, const Changed& changed) {
-  Value block = Value::object({{"integrator", to_value(run.integrator)}});
-  const auto add = [&](const char* key, Value value) { block.object()->push_back({key, std::move(value), {}}); };
-  if (r.adaptive) add("tolerance", r.setting);
-  if (!r.adaptive || largest_step > 0) add("step", r.adaptive ? largest_step : r.setting);
-  if (changed.formulation) add("formulation", to_string(r.formulation));
-  const Stabilization &s = run.stabilization, usual;
-  Value kind = to_string(s.kind);
-  if (s.alpha != usual.alpha || s.beta != usual.beta || s.tolerance != usual.tolerance)
-    kind = Value::object({{"kind", kind}, {"alpha", s.alpha}, {"beta", s.beta}, {"tolerance", s.tolerance}});
-  if (changed.stabilization) add("stabilization", kind);
-  if (changed.solver) add("solver", to_value(run.solver));
+std::string run_block(const std::vector<Setting>& changed) {
+  Value block = Value::object({});
+  for (const Setting& s : changed) block.object()->push_back({s.key, s.value, {}});
   return write_json(block);
 }
 
@@ -159,8 +164,8 @@ Result advise(const Arguments& given) {
     if (k >= each.size()) return {};
     const WorkPrecisionRun& best = *each[k].run;
     const RunSettings run = settings_of(loaded.scene.run, best, loaded.registry);
-    const Changed by = changed_of(args, loaded.scene.run, benchmark.base, best);
-    return Choice{each[k], command_line(args, best, by), run_block(run, best, benchmark.options.largest_step, by)};
+    const std::vector<Setting> changed = settings_to_change(args, loaded.scene.run, benchmark, best, run);
+    return Choice{each[k], command_line(args, changed), run_block(changed)};
   };
   Result out(loaded, advise_fields(),
              Advised{error, kind, choice(0), choice(1), each,
@@ -174,17 +179,19 @@ Result advise(const Arguments& given) {
 }  // namespace
 
 Command advise_command() {
-  return {"advise",
-          join({measuring_options(),
-                {{"--error", "ERROR", "largest allowed error over the run, SI units; default 1e-6"},
-                 Option{"--of", "WHAT", "kind of error: position (m), velocity (m/s), energy (J), reaction (N)"}.among(
-                     "position,velocity,energy,reaction")}}),
-          advise,
-          "Measures like `lockstep chart`. First every integrator runs in the formulation of the scene, until two runs "
-          "meet\n"
-          "the error; then all other combinations run that may be cheaper. Exit code 1: no run met the error.\n\n"
-          "Example:\n  lockstep advise samples/scenes/double_pendulum.json --error 1e-6 --until 2",
-          {&advise_fields().schema()}};
+  return {
+      "advise",
+      join({measuring_options(),
+            {{"--error", "ERROR", "largest allowed error over the run, SI units; default 1e-6"},
+             Option{"--of", "WHAT", "kind of error: position (m), velocity (m/s), energy (J), reaction (N)"}.among(
+                 "position,velocity,energy,reaction")}}),
+      advise,
+      R"(Measures like `lockstep chart`. First every integrator runs in the formulation of the scene, until two runs meet
+the error; then all other combinations run that may be cheaper. Exit code 1: no run met the error.
+
+Example:
+  lockstep advise samples/scenes/double_pendulum.json --error 1e-6 --until 2)",
+      {&advise_fields().schema()}};
 }
 
 }  // namespace lockstep

@@ -91,17 +91,13 @@ Result show_assembled(const Arguments& args) {
   const double within = positive_number("--within", args["--within"], Unit::length, "0.1m");
   const double far = std::max(r.largest_move, m.system.length() * r.largest_turn);
   if (far <= within) return result;
-  const Finding found{
-      &finding::start_far,
-      "body '" + r.moved_most + "'",
-      fmt::format("the assembled start is {:.3g} m from the given one (limit {:g} m; rotations times the length of the "
-                  "mechanism): '{}' moved by {:.3g} m, '{}' rotated by {:.3g} rad",
-                  far, within, r.moved_most, r.largest_move, r.turned_most, r.largest_turn),
-      "",
-      far,
-      within,
-      "m"};
-  CommandFindings::add(found);
+  CommandFindings::add(
+      {&finding::start_far, "body '" + r.moved_most + "'",
+       fmt::format(
+           "the assembled start is {:.3g} m from the given one (limit {:g} m; rotations times the length of the "
+           "mechanism): '{}' moved by {:.3g} m, '{}' rotated by {:.3g} rad",
+           far, within, r.moved_most, r.largest_move, r.turned_most, r.largest_turn),
+       "", far, within, "m"});
   result.code = kExitDoubtful;
   return result;
 }

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <map>
 #include <mutex>
 #include <numeric>
@@ -15,6 +14,7 @@
 #include <lockstep/error.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
+#include "framework/foundation/support/thrown.h"
 #include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/commands/atlas_plan.h"
 #include "framework/tools/commands/benchmark.h"
@@ -102,12 +102,11 @@ class Atlas {
     std::exception_ptr failed;
     std::mutex mutex;
     const auto loop = [&] {
-      try {
+      const std::exception_ptr thrown = thrown_by([&] {
         for (long k = next++; k < n && !interrupt_.asked(); k = next++) work(k);
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        failed = std::current_exception(), next = n;
-      }
+      });
+      const std::lock_guard lock(mutex);
+      if (thrown) failed = thrown, next = n;
     };
     {
       std::vector<std::jthread> threads;
@@ -166,7 +165,7 @@ class Atlas {
     const std::vector<double> steps = axis_numbers(plan_.variables[k]), others = axis_numbers(plan_.variables[1 - k]);
     for (std::size_t i = 0; i < others.size(); ++i) {
       const auto run = static_cast<long>(1 + (k == 0 ? i : i * steps.size()));
-      double h = std::numeric_limits<double>::quiet_NaN();
+      double h = NAN;
       try {
         const Scene scene = plan_.scene(run, panel);
         if (build_mechanism(scene, plan_.loaded.registry).system.n_slots() <= kMostTheory)
@@ -175,7 +174,7 @@ class Atlas {
       } catch (const Error&) {  // no theory of a start that cannot be evaluated
       }
       const bool shown = h > 0.1 * steps.front() && h < 10 * steps.back();
-      const double along = shown ? h : std::numeric_limits<double>::quiet_NaN();
+      const double along = shown ? h : NAN;
       panel.limit_x.push_back(k == 0 ? along : others[i]), panel.limit_y.push_back(k == 0 ? others[i] : along);
     }
   }

@@ -11,6 +11,7 @@
 #include "framework/tools/commands/benchmark.h"
 #include "framework/tools/precision/certificate.h"
 #include "framework/tools/program/method_specs.h"
+#include "framework/tools/rank/doubts.h"
 
 namespace lockstep {
 namespace {
@@ -103,14 +104,11 @@ std::string verdict(const Certificate& c, const std::vector<Repeat>& repeats, bo
 // The columns without a verified digit.
 std::string doubt_of(const Certificate& c) {
   if (c.n_rows == 0) return "the repeats have no time in common with the run: no digit is verified";
-  std::vector<std::string> names = without_a_digit(c);
+  const std::vector<std::string> names = without_a_digit(c);
   if (names.empty()) return {};
-  constexpr std::size_t kNamed = 5;
-  const std::size_t n = names.size();
-  if (n > kNamed) names.resize(kNamed), names.push_back(fmt::format("{} more", n - kNamed));
   return fmt::format(
       "no digit of {} is verified; use a smaller tolerance or step, or a shorter run if the motion is chaotic",
-      lockstep::text::join(names));
+      first_of(names, 5));
 }
 
 // Repeats the run with a tighter tolerance (or shorter steps) and with a second method; reports how many digits of each

@@ -219,8 +219,7 @@ Command explain_command() {
                 {{"thing", "THING", "a body, joint or force by its name; default: every body"}, kJson, kAt}}),
           explain,
           "Forces and moments are in world axes, those of single constraints in axes of S. A missing value (-) is a "
-          "reaction that is unbounded near a singular "
-          "configuration.\n\n"
+          "reaction that is unbounded near a singular configuration.\n\n"
           "Example:\n  lockstep explain samples/scenes/four_bar.json coupler --at 0.1",
           {&account_fields().body.schema(), &account_fields().link.schema(), &account_fields().force.schema(),
            &account_fields().bodies.schema()}};

@@ -21,6 +21,7 @@
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/method_specs.h"
+#include "framework/tools/program/terminal.h"
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/record/channel_entry.h"
@@ -45,8 +46,7 @@ std::vector<std::string> fill_masses(Scene& scene) {
     names.clear();
     for (Value& body : items(root, "bodies")) {
       if (body.object() == nullptr) continue;
-      const bool has = std::ranges::any_of(kGiveMass, [&](const char* kind) { return body.find(kind) != nullptr; });
-      if (has) continue;
+      if (std::ranges::any_of(kGiveMass, [&](const char* kind) { return body.find(kind) != nullptr; })) continue;
       body.object()->push_back({"mass", Value(1.0), body.where});
       if (body.find("inertia") == nullptr)
         body.object()->push_back({"inertia", Value(Value::List{1.0, 1.0, 1.0}), body.where});
@@ -117,11 +117,10 @@ std::vector<double> pose_times(const RunSettings& run) {
   for (double k = 0; k <= whole; ++k) times.push_back(std::min(k * interval, until));
   if (times.back() < until * (1 - 1e-12)) times.push_back(until);
   if (interval > until)
-    fmt::print(
-        stderr,
-        "warning: the interval of the poses, {:.6g} s, is longer than the motion of {:.6g} s; only start and end "
-        "are computed\n",
-        interval, until);
+    tell(fmt::format(
+        "warning: the interval of the poses, {:.6g} s, is longer than the motion of {:.6g} s; only start and "
+        "end are computed\n",
+        interval, until));
   return times;
 }
 
@@ -220,7 +219,7 @@ Result follow(const Arguments& args, bool inverse) {
   State start = decided_start(dynamics, m);
   const AssemblyReport assembled = assemble_scene(dynamics, m, start);
   for (const EventRequest& e : m.events)
-    fmt::print(stderr, "warning: event '{}' has no effect without a simulation\n", e.event.name);
+    tell(fmt::format("warning: event '{}' has no effect without a simulation\n", e.event.name));
 
   const auto begun = std::chrono::steady_clock::now();
   DrivenMotion motion(dynamics, std::move(start));

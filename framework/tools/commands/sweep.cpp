@@ -17,6 +17,7 @@
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
 #include "framework/description/scene/write.h"
+#include "framework/foundation/support/at_end.h"
 #include "framework/foundation/support/lines.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/commands/run_queue.h"
@@ -84,10 +85,10 @@ struct Tally {
   long asked = 0, done = 0, failed = 0, wrong = 0, kept = 0, histories = 0, in_lanes = 0, unchecked = 0;
   std::string share{}, alone{};      // "2/8"; why runs are not vectorised
   std::vector<std::string> notes{};  // on the report
-  std::map<std::string_view, std::pair<Finding, long>>
-      found{};  // by code: the first warning, and how many runs have one
-  std::map<std::string, std::pair<std::string, std::vector<long>>>
-      reasons{};  // without their digits: the first reason, and the runs that failed by it
+  // By code: the first warning, and how many runs have one.
+  std::map<std::string_view, std::pair<Finding, long>> found{};
+  // By the reason without its digits: the first reason, and the runs that failed by it.
+  std::map<std::string, std::pair<std::string, std::vector<long>>> reasons{};
 };
 
 // Whoever shares out runs has a process for each processor.
@@ -116,7 +117,7 @@ class Sweep {
   Tally go() {
     {
       std::vector<std::jthread> threads;
-      const Stopper stopper{queue_};  // before the threads are joined
+      const AtEnd stopped([this] { queue_.stop(); });  // before the threads are joined
       start_threads(threads, under_way_.size(), [this](std::size_t k) { work(under_way_[k]); });
       while (go_on() && !queue_.all_taken()) {
         if (const std::optional<FinishedRun> run = queue_.take(std::chrono::milliseconds(100))) take(*run);
@@ -173,11 +174,6 @@ class Sweep {
     rows_.write();
     return {};
   }
-
-  struct Stopper {
-    RunQueue& queue;
-    ~Stopper() { queue.stop(); }
-  };
 
   bool go_on() const { return !interrupt_.asked() && !queue_.stopped(); }
   double n_done() const {

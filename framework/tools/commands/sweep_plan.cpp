@@ -15,6 +15,7 @@
 #include "framework/description/scene/run_outputs.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
+#include "framework/tools/rank/doubts.h"
 #include "framework/tools/sweep/sweep_lanes.h"
 
 namespace lockstep {
@@ -51,18 +52,15 @@ Table columns_of(const SweepPlan& plan) {
 
 // A length that is given in several places is usually meant to be one length.
 void warn_left_behind(const std::vector<Variable>& variables, const Loaded& loaded) {
-  constexpr std::size_t kMostPlaces = 6;
   for (const Variable& v : variables) {
     std::vector<std::string> places = left_behind(v, loaded.scene, loaded.registry);
     std::erase_if(places, [&](const std::string& place) {  // it varies too
       return std::any_of(variables.begin(), variables.end(), [&](const Variable& o) { return o.place == place; });
     });
     if (places.empty()) continue;
-    const std::size_t n = places.size();
-    if (n > kMostPlaces) places.resize(kMostPlaces), places.push_back(fmt::format("{} more", n - kMostPlaces));
     report_finding({&finding::length_repeated, "",
                     fmt::format("--vary: the length at {} is also given at {}, which {} not vary with it", v.path,
-                                text::join(places), n == 1 ? "does" : "do"),
+                                first_of(places, 6), places.size() == 1 ? "does" : "do"),
                     "make it a parameter and write \"=name\" in these places, or name the point"});
   }
 }

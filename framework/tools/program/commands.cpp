@@ -11,11 +11,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <functional>
-#include <map>
 #include <new>
 
-#include <lockstep/error.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include <lockstep/version.h>

@@ -56,7 +56,7 @@ void PictureRows::load(SnapshotReader& in) {
 // solution is not counted, and observers of the run solve again.
 bool PictureRows::add(const Sample& sample, bool of_jump) {
   if (of_jump_.size() == kMostKept) return false;
-  const Uncounted uncounted(sample.dynamics());
+  const auto looking = uncounted(sample.dynamics());
   Sample own(sample.dynamics(), sample.state, sample.report);
   own.cause = sample.cause;
   try {

@@ -10,7 +10,6 @@
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <cerrno>
 #include <chrono>
-#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

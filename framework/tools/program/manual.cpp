@@ -7,7 +7,6 @@
 
 #include <lockstep/version.h>
 #include "framework/foundation/support/lines.h"
-#include "framework/tools/program/options.h"
 #include "framework/tools/program/tools.h"
 
 namespace lockstep {

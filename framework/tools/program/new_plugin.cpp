@@ -9,7 +9,6 @@
 #include <cctype>
 #include <filesystem>
 
-#include <lockstep/author/registry.h>
 #include "framework/description/registry/shelves.h"
 #include "framework/foundation/support/lines.h"
 #include "framework/tools/program/options.h"

@@ -145,36 +145,24 @@ class ProgramRun {
     begin(std::move(start));
     const std::exception_ptr error = run_on(), unwritten = thrown_by([&] { file_.write(); });  // which hides no other
     if (error) fail(error, unwritten);
-    const Audit found = audit_.result();
-    EndedRun end{sim_,
-                 m_.run,
-                 found,
-                 seconds_,
-                 interrupted_,
-                 singular_.passed(),
-                 formulation_.name(sim_, m_.run.formulation),
-                 missed_events(m_, sim_),
-                 run_findings(sim_, loaded_.registry, found, doubts_, singular_),
-                 &rows_.rows(),
-                 frames_taken(loaded_.scene),
-                 not_unique_,
-                 decided(near_.all, m_.run.nearly_redundant),
-                 assembled_,
-                 moved_,
-                 resumed_at_};
-    for (const MissedEvent& e : end.missed) end.findings.push_back(finding_of(e));
-    for (Finding& f : suspects_of(end, system_of(m_), singular_.n_passed())) end.findings.push_back(std::move(f));
-    CommandFindings::add(end.findings);
+    end_.audit = audit_.result();
+    end_.formulation = formulation_.name(sim_, m_.run.formulation);
+    end_.missed = missed_events(m_, sim_);
+    end_.findings = run_findings(sim_, loaded_.registry, end_.audit, doubts_, singular_);
+    end_.near = decided(near_.all, m_.run.nearly_redundant);
+    for (const MissedEvent& e : end_.missed) end_.findings.push_back(finding_of(e));
+    for (Finding& f : suspects_of(end_, system_of(m_), singular_.n_passed())) end_.findings.push_back(std::move(f));
+    CommandFindings::add(end_.findings);
     std::vector<std::string> files;
     try {
-      files = conclude(end, unwritten);
+      files = conclude(unwritten);
     } catch (...) {  // the result is printed all the same
-      print(result_of(end), args_);
+      print(result(), args_);
       throw;
     }
-    Result result = result_of(end);
-    result.files = files, result.code = exit_code(end);
-    return result;
+    Result out = result();
+    out.files = files, out.code = exit_code();
+    return out;
   }
 
  private:
@@ -183,7 +171,7 @@ class ProgramRun {
     if (from_ != nullptr) return start;
     if (m_.run.assemble) {
       const AssemblyReport assembled = assemble_told(start);
-      if (assembled.is_notable()) assembled_ = assembled.text(), moved_ = assembled.is_moved();
+      if (assembled.is_notable()) end_.assembled = assembled.text(), end_.moved = assembled.is_moved();
     } else {
       begin_turns(dynamics_, start);
     }
@@ -192,9 +180,9 @@ class ProgramRun {
     if (m_.system.n_velocities() <= kFewVelocities) refuse_driven_lock(dynamics_, start);
     refuse_short_laws(m_, dynamics_, start);
     if (args_.has("--quiet")) return start;
-    if (records_reactions(m_.run)) not_unique_ = columns_not_unique(m_.run, uniqueness(dynamics_, start));
-    if (!not_unique_.empty()) {
-      const std::string names = first_of(not_unique_);
+    if (records_reactions(m_.run)) end_.not_unique = columns_not_unique(m_.run, uniqueness(dynamics_, start));
+    if (!end_.not_unique.empty()) {
+      const std::string names = first_of(end_.not_unique);
       CommandFindings::add({&finding::reactions_not_unique, names,
                             names + ": reactions are not unique, because constraints are redundant",
                             "lockstep check --verbose lists them"});
@@ -217,10 +205,10 @@ class ProgramRun {
     for (const NearDependency& d : near_.all) CommandFindings::add(finding_of(d, m_.run.nearly_redundant));
   }
 
-  Result result_of(const EndedRun& end) const {
-    Result result(loaded_, run_fields(), end);
-    result.brief = run_text(end, args_.has("--summary"), args_.has("--verbose"));
-    return result;
+  Result result() const {
+    Result out(loaded_, run_fields(), end_);
+    out.brief = run_text(end_, args_.has("--summary"), args_.has("--verbose"));
+    return out;
   }
 
   bool judged() const { return !args_.has("--quiet") || args_.has("--strict"); }
@@ -243,7 +231,7 @@ class ProgramRun {
       rows_.go_on();
       sim_.load(from_->run);
       CommandFindings::add(sim_.report().findings);
-      resumed_at_ = sim_.state().t;
+      end_.resumed_at = sim_.state().t;
       return;
     }
     sim_.set_state(start);
@@ -268,8 +256,8 @@ class ProgramRun {
     };
     const std::exception_ptr error = thrown_by([&] { sim_.run_until(m_.run.until); });
     progress.finish();
-    interrupted_ = interrupt.asked() && sim_.state().t < m_.run.until;
-    seconds_ = before + progress.seconds();
+    end_.interrupted = interrupt.asked() && sim_.state().t < m_.run.until;
+    end_.seconds = before + progress.seconds();
     return error;
   }
 
@@ -320,15 +308,15 @@ class ProgramRun {
   }
 
   // Files, pictures, report and verified digits of a run that reached its end; of one that was interrupted, its rows.
-  std::vector<std::string> conclude(EndedRun& end, const std::exception_ptr& unwritten) {
+  std::vector<std::string> conclude(const std::exception_ptr& unwritten) {
     try {
       if (judged() && m_.system.n_velocities() > kFewVelocities && is_as_given(m_.system, sim_.state()))
         warn_of_no_freedom(m_, dynamics_, sim_, kManyVelocities);
     } catch (const std::exception&) {  // results are written even if this warning fails
     }
     if (unwritten) std::rethrow_exception(unwritten);
-    const std::string lines = report_ ? run_text(end, true, true) + text_of(end.findings) : "";
-    if (end.interrupted) {  // it replaces nothing: its rows and its report have other names
+    const std::string lines = report_ ? run_text(end_, true, true) + text_of(end_.findings) : "";
+    if (end_.interrupted) {  // it replaces nothing: its rows and its report have other names
       std::vector<std::string> files{file_.partial()};
       const std::string why = fmt::format("interrupted at t = {:.9g} s", sim_.state().t);
       if (report_) files.push_back(report_.write(sim_, lines, why));
@@ -338,9 +326,9 @@ class ProgramRun {
     checkpoints_.remove();
     std::vector<std::string> files{csv_ == "-" ? "standard output" : csv_};
     if (!args_.has("--no-picture") && csv_ != "-" &&
-        !draw_run(csv_, loaded_.title(), rows_.rows(), details_.get(), m_.run, outputs_, files, end.notes) &&
+        !draw_run(csv_, loaded_.title(), rows_.rows(), details_.get(), m_.run, outputs_, files, end_.notes) &&
         args_.has("--quiet"))
-      tell(fmt::format("note: {}\n", end.notes.front()));
+      tell(fmt::format("note: {}\n", end_.notes.front()));
     if (report_) {
       files.push_back(report_.write(sim_, lines));
       if (args_.has("--open"))
@@ -349,13 +337,13 @@ class ProgramRun {
     }
     if (certify_ != nullptr) {
       const CertifiedRun certified = certify_(loaded_, args_, m_.run, recorder_->table());
-      end.certificate = certified.text, uncertified_ = certified.doubt;
+      end_.certificate = certified.text, uncertified_ = certified.doubt;
     }
     return files;
   }
 
-  int exit_code(const EndedRun& end) {
-    if (end.interrupted) {
+  int exit_code() {
+    if (end_.interrupted) {
       tell(fmt::format(
           "note: interrupted at t = {:.9g} s; rows saved in {}{}\n", sim_.state().t, file_.partial(),
           checkpoints_ ? "; continue with: lockstep resume " + in_quotes(checkpoints_.file()) : std::string()));
@@ -380,12 +368,6 @@ class ProgramRun {
   const std::string csv_;
   const std::unique_ptr<Recorder> recorder_;
   const RunOutputs outputs_;
-  std::vector<std::string> not_unique_;  // columns of reactions
-  std::string assembled_;
-  bool moved_ = false;        // by assembling
-  bool interrupted_ = false;  // by the user
-  double seconds_ = 0;        // wall-clock, so far
-  double resumed_at_ = NAN;
   std::string uncertified_;  // columns without a digit verified by --certify
   GrowingFile file_;
   Checkpoints checkpoints_;
@@ -402,6 +384,7 @@ class ProgramRun {
   Doubts doubts_;
   NearRows near_;
   State started_;
+  EndedRun end_{sim_, m_.run, rows_.rows(), singular_.passed(), frames_taken(loaded_.scene)};
 };
 
 Result resume_run(const Arguments& args) {

@@ -13,7 +13,6 @@
 #include <lockstep/step_loop.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/along_laws.h"
-#include "framework/tools/rank/branch_point.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/scene_run/scene_run.h"
 

@@ -119,8 +119,8 @@ const Fields<ColumnEnds>& column_fields() {
 }
 std::vector<ColumnEnds> columns_of(const EndedRun& run) {
   std::vector<ColumnEnds> all;
-  const Table table = run.rows->table();
-  for (const RowRange& range : run.rows->ranges()) {
+  const Table table = run.rows.table();
+  for (const RowRange& range : run.rows.ranges()) {
     const Column& column = table.columns()[all.size() + 1];
     all.push_back({range, column.name, column.unit});
   }
@@ -286,7 +286,7 @@ const Fields<EndedRun>& run_fields() {
          return texts_of_those(r.findings, [](const Finding& f) { return f.severity() == Severity::doubt; });
        }},
       {"singular_positions", "", [](const Run& r) { return r.passed; }, kPassed},
-      {"rows", "", "rows", [](const Run& r) { return r.rows->n_rows(); }},
+      {"rows", "", "rows", [](const Run& r) { return r.rows.n_rows(); }},
       {"columns", "", columns_of, column_fields()},
       {"frames_taken", "", "places assumed", &Run::frames_taken, first_places},
       {"notes", "", "", &Run::notes},

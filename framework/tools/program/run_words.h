@@ -24,19 +24,20 @@ struct MissedEvent {
 /// Those of a run that ended. The requests are in the order of its events.
 std::vector<MissedEvent> missed_events(Mechanism&, const StepLoop&);
 
-/// A run that ended: complete, stopped by an event, or interrupted.
+/// A run that ended: complete, stopped by an event, or interrupted. It is filled during the run.
 struct EndedRun {
   StepLoop& sim;
   const RunSettings& settings;
-  const Audit& audit;
-  double seconds = 0;        ///< wall-clock time
-  bool interrupted = false;  ///< by the user
+  const RowEnvelope& rows;                    ///< its table
   const std::vector<PassedPosition>& passed;  ///< the first singular configurations passed without projected stages
-  std::string formulation{};                  ///< of its steps: "joint", "omega", "quaternion"
-  std::vector<MissedEvent> missed{};          ///< events that did not happen
-  std::vector<Finding> findings{};            ///< run_findings(), missed events, suspects_of()
-  const RowEnvelope* rows = nullptr;          ///< its table
-  std::vector<std::string> frames_taken{}, not_unique{};  ///< places assumed; columns of reactions
+  std::vector<std::string> frames_taken;      ///< places assumed
+  Audit audit{};
+  double seconds = 0;                     ///< wall-clock time
+  bool interrupted = false;               ///< by the user
+  std::string formulation{};              ///< of its steps: "joint", "omega", "quaternion"
+  std::vector<MissedEvent> missed{};      ///< events that did not happen
+  std::vector<Finding> findings{};        ///< run_findings(), missed events, suspects_of()
+  std::vector<std::string> not_unique{};  ///< columns of reactions
   std::vector<DecidedNear> near{};
   std::string assembled{};  ///< what assembling the start did; "" if little
   bool moved = false;       ///< whether assembling moved a body

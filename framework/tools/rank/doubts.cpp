@@ -6,6 +6,7 @@
 #include <spdlog/fmt/ranges.h>
 
 #include <algorithm>
+#include <span>
 #include <string_view>
 
 #include <lockstep/dynamics.h>
@@ -79,10 +80,9 @@ std::string times_of(const std::vector<double>& first, std::size_t n) {
   return words + (n > shown ? ", ... s" : " s");
 }
 
-std::string first_of(const std::vector<std::string>& names) {
-  constexpr std::size_t kMost = 24;  // in one line
-  if (names.size() <= kMost) return text::join(names);
-  return fmt::format("{} and {} more", fmt::join(names.begin(), names.begin() + kMost, ", "), names.size() - kMost);
+std::string first_of(const std::vector<std::string>& names, std::size_t most) {
+  if (names.size() <= most) return text::join(names);
+  return fmt::format("{} and {} more", fmt::join(std::span(names).first(most), ", "), names.size() - most);
 }
 
 std::string by_joint(const std::vector<std::string>& constraints) {

@@ -42,8 +42,8 @@ class LOCKSTEP_API Doubts final : public Observer {
 /// "0.51, 1.02, 1.53, ... s": the first of n times.
 LOCKSTEP_API std::string times_of(const std::vector<double>& first, std::size_t n);
 
-/// "A, B and C", or the first of them "and 7 more".
-LOCKSTEP_API std::string first_of(const std::vector<std::string>& names);
+/// "A, B and C", or the first of them "and 7 more", if there are more than these.
+LOCKSTEP_API std::string first_of(const std::vector<std::string>& names, std::size_t most = 24);
 
 /// Constraints "A.x", "A.y" and "B.e1", grouped: "A x y; B e1".
 LOCKSTEP_API std::string by_joint(const std::vector<std::string>& constraints);

@@ -6,6 +6,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/row_space.h"
+#include "framework/foundation/support/at_end.h"
 #include "framework/tools/rank/motion_words.h"
 
 namespace lockstep {
@@ -13,21 +14,6 @@ namespace {
 
 constexpr double kStep = 0.05;  // rad, or of the length: as far as a projection follows from one pose to the next
 constexpr int kSteps = 6;  // 0.3 rad: what depends in one position only is violated by a hundredth of the length there
-
-/// Rows that are left out as long as it lives.
-class LeftOutForNow {
- public:
-  LeftOutForNow(System& system, const std::vector<NamedRow>& rows) : system_(system) {
-    leave_out(system, rows);
-    system.setup();
-  }
-  LeftOutForNow(const LeftOutForNow&) = delete;
-  LeftOutForNow& operator=(const LeftOutForNow&) = delete;
-  ~LeftOutForNow() { take_back(system_); }  // it was set up before with all rows: that does not throw
-
- private:
-  System& system_;
-};
 
 /// A row by itself, in lengths: C, and its Jacobian in these unknowns.
 struct OneRow {
@@ -99,7 +85,9 @@ void take_back(System& system) {
 
 double violation_without(System& system, Dynamics& dynamics, const State& start, const std::vector<NamedRow>& rows,
                          const std::vector<NamedRow>& all_left_out) {
-  const LeftOutForNow for_now(system, all_left_out);
+  leave_out(system, all_left_out);
+  system.setup();
+  const AtEnd back([&] { take_back(system); });  // it was set up before with all rows: that does not throw
   double most = 0;
   for (const NamedRow& row : rows) {
     FreeWay way(dynamics, start);

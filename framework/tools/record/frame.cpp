@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/record/frame.h"
 
-#include <lockstep/author/relative.h>
-
 namespace lockstep::channels {
 
 MarkerFrame Frame::folded() const {

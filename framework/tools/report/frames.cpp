@@ -119,7 +119,7 @@ void Frames::put(const Quat& q) {
 // depend on who looks at it.
 void Frames::put_loads(const Sample& of_run) {
   if (loads_.empty()) return;
-  const Uncounted uncounted(of_run.dynamics());
+  const auto looking = uncounted(of_run.dynamics());
   const Sample sample(of_run.dynamics(), of_run.state, of_run.report);
   const std::size_t first = rows_.size();
   try {

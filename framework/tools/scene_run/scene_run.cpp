@@ -6,7 +6,6 @@
 #include <lockstep/error.h>
 #include <lockstep/solvers.h>
 #include "framework/dynamics/simulate/decided_rows.h"
-#include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/rank/branch_point.h"

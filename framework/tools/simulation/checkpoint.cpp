@@ -16,6 +16,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/version.h>
+#include "framework/foundation/support/at_end.h"
 
 namespace lockstep {
 
@@ -54,17 +55,6 @@ void check_layout(std::string_view bytes, const std::string& file) {
                              layout, kCheckpointLayout));
 }
 
-// Closes the file, and removes it unless it was finished.
-struct Partial {
-  std::string name;
-  int file = -1;
-  bool finished = false;
-  ~Partial() {
-    if (file >= 0) ::close(file);
-    if (file >= 0 && !finished) std::remove(name.c_str());
-  }
-};
-
 }  // namespace
 
 void check_replaceable(const std::string& file) {
@@ -87,22 +77,27 @@ void write_checkpoint(const std::string& file, const Snapshot& snapshot) {
     bytes.append(reinterpret_cast<const char*>(part->data()), 8 * part->size());
   append(bytes, hash_of(bytes));
 
-  Partial partial{file + ".partial"};
+  const std::string partial = file + ".partial";
   const auto fail = [&](const char* what) {
     refuse(file,
            fmt::format("{}: {}; check the folder and the free space, or use another file", what, std::strerror(errno)));
   };
-  partial.file = ::open(partial.name.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
-  if (partial.file < 0) fail("cannot be written");
+  const int out = ::open(partial.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
+  if (out < 0) fail("cannot be written");
+  bool finished = false;
+  const AtEnd closed([&] {
+    ::close(out);
+    if (!finished) std::remove(partial.c_str());
+  });
   for (std::size_t at = 0; at < bytes.size();) {
-    const ssize_t n = ::write(partial.file, bytes.data() + at, bytes.size() - at);
+    const ssize_t n = ::write(out, bytes.data() + at, bytes.size() - at);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) fail("cannot be written");
     at += n;
   }
-  if (::fsync(partial.file) != 0 && errno != EINVAL && errno != EROFS) fail("cannot be flushed to disk");
-  if (std::rename(partial.name.c_str(), file.c_str()) != 0) fail("cannot be renamed");
-  partial.finished = true;
+  if (::fsync(out) != 0 && errno != EINVAL && errno != EROFS) fail("cannot be flushed to disk");
+  if (std::rename(partial.c_str(), file.c_str()) != 0) fail("cannot be renamed");
+  finished = true;
 }
 
 Snapshot checkpoint_from(std::string_view bytes, const std::string& file) {

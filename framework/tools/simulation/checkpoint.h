@@ -9,7 +9,6 @@
 // unsigned 64-bit numbers. The hash (FNV-1a) detects any changed byte.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <string_view>
 

@@ -3,7 +3,6 @@
 // mechanism, Bricard's loop, the flyball governor. World axes, everything at the start.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "tests/benchmark/peers/mechanisms.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/benchmark/peers/mechanisms.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <lockstep/math.h>

@@ -2,8 +2,6 @@
 // ODE: rigid bodies in maximal coordinates, hinges; its direct step (LCP) and its iterated one ("quick").
 #include <ode/ode.h>
 
-#include <stdexcept>
-
 #include "tests/benchmark/peers/measure.h"
 
 using namespace lockstep::peers;

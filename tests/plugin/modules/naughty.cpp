@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A law, a link, a force and an integrator that do what their key "does" says, as soon as they can.
-#include <cmath>
 #include <stdexcept>
 
 #include <lockstep/author/integrator.h>
