@@ -179,19 +179,17 @@ Result advise(const Arguments& given) {
 }  // namespace
 
 Command advise_command() {
-  return {
-      "advise",
-      join({measuring_options(),
-            {{"--error", "ERROR", "largest allowed error over the run, SI units; default 1e-6"},
-             Option{"--of", "WHAT", "kind of error: position (m), velocity (m/s), energy (J), reaction (N)"}.among(
-                 "position,velocity,energy,reaction")}}),
-      advise,
-      R"(Measures like `lockstep chart`. First every integrator runs in the formulation of the scene, until two runs meet
-the error; then all other combinations run that may be cheaper. Exit code 1: no run met the error.
-
-Example:
-  lockstep advise samples/scenes/double_pendulum.json --error 1e-6 --until 2)",
-      {&advise_fields().schema()}};
+  return {"advise",
+          join({measuring_options(),
+                {{"--error", "ERROR", "largest allowed error over the run, SI units; default 1e-6"},
+                 Option{"--of", "WHAT", "kind of error: position (m), velocity (m/s), energy (J), reaction (N)"}.among(
+                     "position,velocity,energy,reaction")}}),
+          advise,
+          "Measures like `lockstep chart`. First every integrator runs in the formulation of the scene, until two runs "
+          "meet\n"
+          "the error; then all other combinations run that may be cheaper. Exit code 1: no run met the error.\n\n"
+          "Example:\n  lockstep advise samples/scenes/double_pendulum.json --error 1e-6 --until 2",
+          {&advise_fields().schema()}};
 }
 
 }  // namespace lockstep
