@@ -53,6 +53,30 @@ std::string two_motors(const std::string& second) {
     "run": {"until": 0.1, "record": ["shaft.omega_world_z"]})");
 }
 
+// A parallelogram in line with its base; `of_crank`: more of joint A.
+std::string flat_parallelogram(const std::string& of_crank) {
+  return scene_file("flat", R"("gravity": [0, -9.81, 0], "bodies": [
+    {"name": "a", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}},
+    {"name": "b", "rod": {"mass": 1, "from": [1,0,0], "to": [3,0,0]}},
+    {"name": "c", "rod": {"mass": 1, "from": [2,0,0], "to": [3,0,0]}}], "joints": [
+    {"name": "A", "type": "revolute", "p": "a", "s": "ground", "at": [0,0,0])" +
+                                of_crank + R"(},
+    {"name": "B", "type": "revolute", "p": "b", "s": "a", "at": [1,0,0]},
+    {"name": "C", "type": "revolute", "p": "c", "s": "b", "at": [3,0,0]},
+    {"name": "D", "type": "revolute", "p": "c", "s": "ground", "at": [2,0,0]}],
+    "run": {"until": 0.5, "output": 0.1, "record": ["A.rz"]})");
+}
+
+// Two rods of 0.5 m from the horizontal, at rest.
+std::string two_rods() {
+  return scene_file("two_rods", R"("gravity": [0, -9.81, 0], "bodies": [
+    {"name": "a", "rod": {"mass": 1, "from": [0,0,0], "to": [0.5,0,0]}},
+    {"name": "b", "rod": {"mass": 1, "from": [0.5,0,0], "to": [1,0,0]}}], "joints": [
+    {"name": "A", "type": "revolute", "p": "a", "s": "ground", "at": [0,0,0]},
+    {"name": "B", "type": "revolute", "p": "b", "s": "a", "at": [0.5,0,0]}],
+    "run": {"until": 5, "output": 0.1, "record": ["A.rz", "B.rz"]})");
+}
+
 void check_mistake(const Mistake& m) {
   const Called called = call(m.line);
   INFO(m.line << "\n" << called.text);
@@ -90,7 +114,8 @@ TEST_CASE("drives that contradict are reported with their speeds", "[runner]") {
     check_mistake(
         {command + two_motors("61 rpm") + "'",
          5,
-         {"error: drives A.rz and B.rz contradict", "6.283 rad/s and 6.388 rad/s", "hint: remove one of them"}});
+         {"error: drives A.rz and B.rz contradict",
+          "at t = 0 s: B.rz prescribes 6.388 rad/s, A.rz requires 6.283 rad/s of it", "hint: remove one of them"}});
   check_mistake({"check '" + two_motors("60 rpm") + "'", 0, {"OK: "}});
 }
 
@@ -179,6 +204,45 @@ TEST_CASE("a start outside a stop and a step that is too long are reported as su
       {"run '" + mount + "' --integrator rk4 --step 1e-3 --no-picture",  // not the rate of the last state
        7,
        {"too long: at t = 0 s the fastest motion has a rate of 2.37e+04 1/s", "take a step below 4.2e-05 s"}});
+}
+
+TEST_CASE("a step that is too long is judged by the pose alone, as the speed may have grown", "[runner]") {
+  const std::string line = "run '" + two_rods() + "' --no-picture --record rods.csv --integrator ";
+  for (const char* method : {"dopri5:fixed=true --step 0.5", "dop853:fixed=true --step 0.2"}) {
+    const Called ran = call(line + method);
+    INFO(ran.text);
+    CHECK(ran.exit == 7);
+    CHECK(contains(ran.text, "hint: reduce the step, or use a method that chooses it"));
+    CHECK_FALSE(contains(ran.text, "fastest motion"));  // 1e6 1/s at the last speed
+    CHECK_FALSE(contains(ran.text, "its function"));
+    CHECK(contains(ran.text, "such as dopri5 without \"fixed\""));
+  }
+  const Called cut = call(line + "rattle2 --step 0.5");
+  INFO(cut.text);
+  CHECK(cut.exit != 0);
+  CHECK_FALSE(contains(cut.text, "the step of 0.5 s"));
+  CHECK_FALSE(contains(cut.text, "check its laws"));
+  const Called newton = call(line + "radau5:fixed=true --step 0.05");
+  INFO(newton.text);
+  CHECK(contains(newton.text, "hint: take a smaller step (--step), or let the method choose it"));
+  CHECK_FALSE(contains(newton.text, "changes most"));
+  check_mistake({line + "semi_implicit_euler --step 0.2", 7, {"the kinetic energy is inf", "hint: reduce the step"}});
+}
+
+TEST_CASE("a run from a singular start is reported as undetermined, not as locked", "[runner]") {
+  const std::string drive = R"(, "drive": {"axis": "rz", "law": {"type": "ramp", "slope": "60 rpm"}})";
+  const std::string fact =
+      "error: the configuration at t = 0 s is singular: the direction in which the loop of joints A, B, C and D "
+      "continues, if there is one, is undetermined";
+  const auto run = [](const std::string& scene) { return "run '" + scene + "' --no-picture --record flat.csv"; };
+  check_mistake({run(flat_parallelogram(drive)), 6, {fact, "hint: start near it, on the intended side, or change"}});
+  const std::string turns = R"(, "start": {"velocity": {"rz": 1}})";
+  check_mistake(
+      {run(flat_parallelogram(turns)), 6, {fact, "give every joint of the loop a velocity along one branch"}});
+  const Called at_rest = call(run(flat_parallelogram("")));
+  INFO(at_rest.text);
+  CHECK(contains(at_rest.text, "hint: start slightly off it"));
+  CHECK_FALSE(contains(at_rest.text, "dense"));
 }
 
 TEST_CASE("a run that stops because its constraints drifted is not reported as a dead centre", "[runner]") {

@@ -340,7 +340,8 @@ TEST_CASE("a law that jumps in position is rejected by name, with every stabilis
     run.run_until(1);
     FAIL("no error");
   } catch (const AssemblyError& error) {
-    check_words(error.what(), {"drive z of joint 'guide' jumps in position at t = 0.5 s by 1 m", "ramp"});
+    check_words(error.what(),
+                {"drive guide.z jumps in position at t = 0.5 s by 1 m", "ramp", "\"continue\": true of a sequence"});
     CHECK(error.thing.label() == "joint 'guide' (prismatic)");
     CHECK(error.t == Approx(0.5));
   }

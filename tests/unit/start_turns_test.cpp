@@ -388,7 +388,7 @@ TEST_CASE("a drive that cannot begin where its law does is named", "[unit][assem
   State state = m.system.start();
   const std::string error = message_of<AssemblyError>([&] { assemble(dynamics, state); });
   CAPTURE(error);
-  CHECK(testing::says(error, {"drive rz of joint 'A' begins at 180 deg, 180 deg from the given poses"}));
+  CHECK(testing::says(error, {"drive A.rz begins at 180 deg, 180 deg from the given poses"}));
 }
 
 // The hinges of a parallelogram turn along with its crank, which begins a turn away: D's angle is that of A.

@@ -20,7 +20,7 @@ constexpr double kNotableChange = 1e-2;  // relative change
 constexpr double kSmall = 1e-3;          // of the largest of its kind: what is smaller changes little
 
 // What links and forces give at one state: of each force its wrenches, 6 per slot; of each row its Jacobian, slot by
-// slot, and Qhat, the acceleration that it prescribes.
+// slot, and Qhat, the acceleration that it prescribes; zeros of joints whose rows follow the motion alone.
 using Given = std::array<std::vector<VecX>, 3>;
 
 Given given_at(Dynamics& dynamics, const State& state) {
@@ -32,10 +32,11 @@ Given given_at(Dynamics& dynamics, const State& state) {
   for (const auto& force : e.system().forces()) forces.push_back(wrench_of(e.system(), e.inputs(), *force, &reactions));
   for (const RowEntry& entry : e.rows().entries) {
     const RowView block = e.rows().block(entry);
+    const bool computes = has_function(*e.system().links()[entry.link]);
     for (int k = 0; k < entry.m; ++k) {
-      asked.push_back(VecX::Constant(1, block.Qhat(k)));
-      VecX& direction = directions.emplace_back(6 * entry.slots.n);
-      for (int i = 0; i < entry.slots.n; ++i) {
+      asked.push_back(VecX::Constant(1, computes ? block.Qhat(k) : 0));
+      VecX& direction = directions.emplace_back(VecX::Zero(6 * entry.slots.n));
+      for (int i = 0; computes && i < entry.slots.n; ++i) {
         const auto r = block.J(i, k);
         std::copy_n(r.begin(), 6, direction.begin() + 6 * i);
       }

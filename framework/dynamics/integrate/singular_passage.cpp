@@ -94,7 +94,7 @@ bool SingularPassage::evaluate(Dynamics& dynamics, const State& y, double h, int
   throw StepError(
       fmt::format("{}: at t = {:.9g} s the mechanism is in a singular configuration, or constraints are nearly "
                   "redundant: several motions continue, or none (smallest relative pivot {:.2g}); start slightly off "
-                  "it with the intended velocity, remove a redundant joint (lockstep check), or use --solver dense",
+                  "it with the intended velocity, or remove a redundant joint (lockstep check)",
                   method_, y.t, c.pivot),
       y.t);
 }

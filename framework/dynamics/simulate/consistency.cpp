@@ -193,8 +193,12 @@ static std::vector<PositionJump::Prescribed> prescribed(const System& system, co
   std::vector<PositionJump::Prescribed> all;
   for (const auto& link : system.links())
     if (const Jointed* joint = link->jointed(); joint != nullptr && state.modes[link->number()])
-      for (int d = 0; const Drive& drive : joint->imposed().drives)
-        all.push_back({link.get(), d++, drive.speed ? 0 : drive.law->at(state.t).y});
+      for (int d = 0; const Drive& drive : joint->imposed().drives) {
+        const LawValue law = drive.law->at(state.t);
+        const Quantity of = link->driven()->drive(d++);
+        all.push_back({link.get(), "drive " + link->name() + "." + of.name, of.unit, drive.speed ? 0 : law.y,
+                       drive.speed ? law.y : law.yd});
+      }
   return all;
 }
 
@@ -203,6 +207,14 @@ PositionJump::PositionJump(Dynamics& dynamics, const State& state)
 
 bool PositionJump::changes_rows(Dynamics& dynamics, const State& state) const {
   return Residuals(dynamics.gather_rows(state)) != before_;
+}
+
+std::string PositionJump::cause(const System& system, const State& state) const {
+  for (std::size_t k = 0; const Prescribed& now : prescribed(system, state))
+    if (const double before = prescribed_[k++].yd;
+        std::abs(now.yd - before) > kSlight * std::max(std::abs(now.yd), std::abs(before)))
+      return "the jump of " + now.name + " in speed";
+  return "the jump of a law";
 }
 
 std::optional<AssemblyError> PositionJump::refusal(Dynamics& dynamics, const State& state, double limit) const {
@@ -217,14 +229,12 @@ std::optional<AssemblyError> PositionJump::refusal(Dynamics& dynamics, const Sta
   std::string who = "a law of " + thing.words(), far = fmt::format("{:.3g} m", jump);
   double most = limit;
   for (std::size_t k = 0; const Prescribed& now : prescribed(system, state))
-    if (const double by = std::abs(now.y - prescribed_[k++].y); by > most) {
-      const Quantity of = now.link->driven()->drive(now.drive);
-      most = by, thing = thing_of(*now.link), who = fmt::format("drive {} of {}", of.name, thing.words());
-      far = fmt::format("{:.4g} {}", by, of.unit);
-    }
+    if (const double by = std::abs(now.y - prescribed_[k++].y); by > most)
+      most = by, thing = thing_of(*now.link), who = now.name, far = fmt::format("{:.4g} {}", by, now.unit);
   return AssemblyError(
-      fmt::format("{} jumps in position at t = {:.9g} s by {}; use a continuous law (ramp, cycloid, spline)", who,
-                  state.t, far),
+      fmt::format("{} jumps in position at t = {:.9g} s by {}; use a continuous law (ramp, cycloid, spline), "
+                  "\"continue\": true of a sequence, or \"drift\": true of a repeat",
+                  who, state.t, far),
       {.thing = std::move(thing), .t = state.t});
 }
 

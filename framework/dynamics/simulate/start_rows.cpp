@@ -59,9 +59,7 @@ CoordinateRow coordinate_row(Dynamics& dynamics, const State& state, const Lock&
 
 std::string StartTarget::name() const { return link->name() + "." + std::string(to_string(axis)); }
 
-std::string StartTarget::who() const {
-  return drive >= 0 ? fmt::format("drive {} of joint '{}'", to_string(axis), link->name()) : "start by " + name();
-}
+std::string StartTarget::who() const { return drive >= 0 ? "drive " + name() : "start by " + name(); }
 
 double StartTarget::value(Dynamics& dynamics, const State& state, double about) const {
   const double value = coordinate_row(dynamics, state, *link, axis).value;

@@ -37,7 +37,7 @@ struct StartTarget {
   bool turns() const { return is_rotation(axis); }
   bool exact() const { return std::isinf(weight); }
   std::string name() const;  ///< "A.rz"
-  std::string who() const;   ///< "drive rz of joint 'A'", "start by A.rz"
+  std::string who() const;   ///< "drive A.rz", "start by A.rz"
   /// Value at this state, on the branch nearest to `about`.
   double value(Dynamics&, const State&, double about) const;
 };

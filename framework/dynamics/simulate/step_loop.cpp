@@ -312,7 +312,7 @@ const Inputs* StepLoop::end_step(double wanted) {
     if (landed || met || touched) p.clock.set_anchor(state_.t);
     p.fall_due(Due::rows);
     if (touched || met || jump)
-      p.change = {true, jump, touched ? "an impact" : jump ? "the jump of a law" : "", std::move(refusal)};
+      p.change = {true, jump, touched ? "an impact" : jump ? p.jumping : "", std::move(refusal)};
     return seen;
   } catch (...) {
     keep_state(p.interval.from(), state_);
@@ -345,6 +345,7 @@ std::optional<AssemblyError> StepLoop::cross_jump(double t) {
   if (state_.coordinates && !state_.coordinates->followed().empty()) parts_->to_slots(dynamics_, state_);
   const PositionJump jump(dynamics_, state_);
   cross_rest(dynamics_, state_, t, parts_->crossing);
+  parts_->jumping = jump.cause(system(), state_);
   return jump.refusal(dynamics_, state_, options_.start_limit);
 }
 

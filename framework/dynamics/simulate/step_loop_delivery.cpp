@@ -187,8 +187,8 @@ void StepLoop::warn_of_turns() {
   if (!(report_.largest_turn > kLongTurn) || warned_of_turns_) return;
   warned_of_turns_ = true;
   const char* next = method_->info().adaptive ? "limit the step (--step)"
-                                              : "use a smaller step (--step), or a method with step control "
-                                                "(--integrator dopri5)";
+                                              : "use a smaller step (--step), or a method with step control, "
+                                                "such as dopri5 without \"fixed\"";
   add_finding(
       {&finding::long_turn, "body '" + report_.turned_most + "'",
        fmt::format("body '{}' rotates by up to {:.3g} rad in one step of {}, which is seldom accurate beyond {:g} rad",

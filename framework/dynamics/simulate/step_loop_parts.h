@@ -68,6 +68,7 @@ struct StepLoop::Parts {
   EventLocator events;
   ContactManager contacts;
   StateRate crossing;       // scratch for cross_jump
+  std::string jumping;      // what jumped last, in words
   State before_change;      // in the coordinates of the formulation: revolutions are counted on from there
   State kept;               // of or_as_before
   Clock::Target target;     // of the present step

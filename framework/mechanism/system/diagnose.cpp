@@ -94,6 +94,8 @@ void check_mass_finite(const Body& body, double t) {
 Thing thing_of(const Lock& link) { return thing_of_kind("joint", link); }
 Thing thing_of(const Force& force) { return thing_of_kind("force", force); }
 
+bool has_function(const Lock& link) { return link.jointed() == nullptr || link.jointed()->has_laws(); }
+
 Thing thing_of_row(const System& system, const RowTable& table, int row) {
   for (const RowEntry& e : table.entries)
     if (row >= e.first_row && row < e.first_row + e.m) return thing_of(*system.links()[e.link]);
@@ -196,9 +198,11 @@ void check_finite(const System& system, const Inputs& in, const RowTable& table,
     for (std::size_t i = 0; i < block.size(); ++i) sum += block.numbers()[i];
     if (!std::isfinite(sum)) {
       const Lock& link = *system.links()[e.link];
-      refuse_number(
-          link, in.t, " computed a number that is not finite" + bad_number(system, in, e, block, link),
-          std::string("check its function and its pose") + (in.t == 0 ? "" : std::string(", or ") + kShorterStep));
+      const std::string own = has_function(link) ? "check its function and its pose"
+                              : in.t == 0        ? "check its pose"
+                                                 : "";
+      refuse_number(link, in.t, " computed a number that is not finite" + bad_number(system, in, e, block, link),
+                    own + (in.t == 0 ? "" : (own.empty() ? "" : ", or ") + std::string(kShorterStep)));
     }
   }
   if (f.allFinite()) return;

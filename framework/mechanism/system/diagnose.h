@@ -20,6 +20,8 @@ inline constexpr const char* kShorterStep =
 /// Kind, name, type and plugin. type() is user code: the type is "?" if it throws.
 LOCKSTEP_API Thing thing_of(const Lock&);
 LOCKSTEP_API Thing thing_of(const Force&);
+/// Whether its rows contain more than the coordinates between its markers: a function, or laws.
+LOCKSTEP_API bool has_function(const Lock&);
 /// The joint that a row of the table belongs to; unnamed for a row that the table lacks.
 LOCKSTEP_API Thing thing_of_row(const System&, const RowTable&, int row);
 

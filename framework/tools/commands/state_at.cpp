@@ -28,7 +28,7 @@ State run_to(Mechanism& m, const Registry& registry, double t) {
   try {
     loop.run_until(t);
   } catch (const Error& error) {
-    rethrow_with(cause_of_stop(dynamics, loop.state(), loop.integrator().info().adaptive ? 0 : m.run.step), error);
+    rethrow_with(cause_of_stop(dynamics, loop.state(), fixed_step(loop, m.run.step)), error);
   }
   const SimulationReport& report = loop.report();
   if (report.stopped)

@@ -295,7 +295,7 @@ class ProgramRun {
 
   // Why it stopped; the start may explain it if a method of fixed steps has left the constraints.
   Cause cause() {
-    const double step = sim_.integrator().info().adaptive ? 0 : m_.run.step;
+    const double step = fixed_step(sim_, m_.run.step);
     Cause found = cause_of_stop(dynamics_, sim_.state(), step);
     if (found.possible && from_ == nullptr)  // a step that was too long at the start: the state may have grown since
       if (Cause at_start = cause_of_stop(dynamics_, started_, step); at_start.possible) found = std::move(at_start);

@@ -19,6 +19,8 @@
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/scales.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/foundation/support/finding_kinds.h"
+#include "framework/tools/rank/branch_point.h"
 #include "framework/tools/rank/loop_rows.h"
 
 namespace lockstep {
@@ -121,19 +123,20 @@ std::optional<Cause> open_loop(const System& system, const State& state) {
 
 // -- rows that contradict, or lock
 
-/// "1 rad/s": the rate that a drive prescribes.
-std::string asked_rate(const NamedRow& row, double t) {
+/// "1 rad/s": this part of the rate that a drive prescribes.
+std::string asked_rate(const NamedRow& row, double t, double part) {
   const int d = row.link->row(row.own).drive;
   const Jointed* joint = row.link->jointed();
   if (joint == nullptr || d >= static_cast<int>(joint->imposed().drives.size())) return "";
   const Drive& drive = joint->imposed().drives[d];
   const LawValue law = drive.law->at(t);
-  return fmt::format("{:.4g} {}/s", drive.speed ? law.y : law.yd, row.link->driven()->drive(d).unit);
+  return fmt::format("{:.4g} {}/s", part * (drive.speed ? law.y : law.yd), row.link->driven()->drive(d).unit);
 }
 
 /// A combination of rows that is zero, although laws prescribe its change: the drives, stops and joints in it.
 struct Contradiction {
-  Names drives, rates, stops, joints, guides;  // guides: joints with a free translation
+  Names drives, stops, joints, guides;  // guides: joints with a free translation
+  std::string wrong, asked, agreeing;   // the last drive that moves, its rate, and that which agrees with the others
 };
 
 std::optional<Contradiction> contradiction(const System& system, const Evaluation& e, const VecX& rates, double t) {
@@ -158,7 +161,9 @@ std::optional<Contradiction> contradiction(const System& system, const Evaluatio
         if (!takes_part(k)) continue;
         const NamedRow row(system, table, rows.numbers[k]);
         if (const std::string drive = row.drive(); !drive.empty()) {
-          who.drives.push_back(drive), who.rates.push_back(asked_rate(row, t));
+          who.drives.push_back(drive);
+          if (const double part = found.circuits(k, c) * rates[rows.numbers[k]]; part != 0)
+            who.wrong = drive, who.asked = asked_rate(row, t, 1), who.agreeing = asked_rate(row, t, 1 - sum / part);
         } else {
           add_name(row.link->name(), row.link->unilateral() != nullptr ? who.stops : who.joints);
           const Jointed* joint = row.link->jointed();
@@ -272,6 +277,7 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
   if (!who) {
     const Evaluation& of_motion = dynamics.gather_rows(moving);
     who = contradiction(system, of_motion, accelerations_asked(of_motion), at.t);
+    if (who) who->wrong.clear();  // rates agree
   }
   if (!who) return {};
   const std::string when = fmt::format("at t = {:.4g} s", at.t);
@@ -285,14 +291,28 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
   if (!who->stops.empty() && !mover.empty())
     return Cause{fmt::format("{} runs into stop {} {}", mover, text::join(who->stops), when),
                  "end the motion before the stop, or move the stop", false, Error::Kind::assembly};
+  if (who->drives.empty() && guide.empty() && branch_point(dynamics, still).singular)
+    return Cause{
+        fmt::format("the configuration {} is singular: the direction in which the loop of joints {} continues, "
+                    "if there is one, is undetermined",
+                    when, text::join(who->joints)),
+        "start near it, on the intended side, or " +
+            (mover.empty() ? "give every joint of the loop a velocity along one branch" : other_lengths),
+        false, Error::Kind::step};
   if (who->drives.empty())
     return Cause{fmt::format("{}the loop of joints {} allows no further motion {}: the configuration is singular",
                              mover.empty() ? "" : mover + " cannot continue: ", text::join(who->joints), when),
                  other_lengths + ", or release one constraint of these joints", false, Error::Kind::step};
-  if (who->drives.size() > 1)
-    return Cause{fmt::format("drives {} contradict: they prescribe {} of coordinates that depend on each other {}",
-                             text::join(who->drives, " and "), text::join(who->rates, " and "), when),
+  if (who->drives.size() > 1) {
+    Names others = who->drives;
+    std::erase(others, who->wrong);
+    return Cause{fmt::format("drives {} contradict {}: ", text::join(who->drives, " and "), when) +
+                     (who->wrong.empty()
+                          ? "they prescribe accelerations that do not agree"
+                          : fmt::format("{} prescribes {}, {} require{} {} of it", who->wrong, who->asked,
+                                        text::join(others, " and "), others.size() > 1 ? "" : "s", who->agreeing)),
                  "remove one of them, or let their motions agree"};
+  }
   if (std::optional<Cause> cause = locked(dynamics, still)) return cause;
   return Cause{
       fmt::format(
@@ -327,12 +347,14 @@ double fastest_rate(Dynamics& dynamics, const State& at) {
   return rate;
 }
 
+// A run may have left its motion before it stopped: its pose counts then, but not its velocities.
 std::optional<Cause> long_step(Dynamics& dynamics, State at, double step) {
   if (!(step > 0)) return {};
+  if (at.t != dynamics.system().start().t) at.v.setZero();
   dynamics.to_formulation(at);
   const double rate = fastest_rate(dynamics, at);
-  // rad in a step: explicit methods are unstable beyond 1 to 3; that of a state that has grown without bound means nothing
-  if (!(rate * step > 1) || rate * step > 1 / kRoundOff) return {};
+  // rad in a step: explicit methods are unstable beyond 1 to 3
+  if (!(rate * step > 1)) return {};
   return Cause{
       fmt::format("the step of {:.3g} s is too long: at t = {:.4g} s the fastest motion has a rate of {:.3g} 1/s", step,
                   at.t, rate),
@@ -363,6 +385,12 @@ Cause cause_of_lock(Dynamics& dynamics, const State& at) {
 
 Cause cause_of_stop(Dynamics& dynamics, const State& at, double step) {
   return first_found({[&] { return contradicting(dynamics, at); }, [&] { return long_step(dynamics, at, step); }});
+}
+
+double fixed_step(StepLoop& run, double step) {
+  if (run.integrator().info().adaptive) return 0;
+  const auto cut = std::ranges::find(run.report().findings, finding::long_steps.code, &Finding::code);
+  return cut == run.report().findings.end() ? step : cut->limit;
 }
 
 void rethrow_with(const Cause& cause, const Error& error, const std::string& lines) {

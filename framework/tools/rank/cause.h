@@ -7,6 +7,7 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
+#include <lockstep/step_loop.h>
 
 namespace lockstep {
 
@@ -19,8 +20,10 @@ struct Cause {
 
 /// What is wrong with a start that cannot be assembled. `given`: the start as it was given.
 LOCKSTEP_API Cause cause_of_start(Dynamics&, const State& given);
-/// Why a run cannot continue from a state on its constraints. `step`: of a method of fixed steps, s; 0: of any other.
+/// Why a run cannot continue from a state on its constraints. `step`: fixed_step(), s.
 LOCKSTEP_API Cause cause_of_stop(Dynamics&, const State& at, double step);
+/// The length of the steps that a run makes, which its outputs may cut, s; 0: the method chooses it. `step`: of its settings.
+LOCKSTEP_API double fixed_step(StepLoop&, double step);
 /// That its joints leave a driven mechanism no degree of freedom.
 LOCKSTEP_API Cause cause_of_lock(Dynamics&, const State& at);
 

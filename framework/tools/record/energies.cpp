@@ -29,7 +29,8 @@ void add_energy(const Sample& s, int k, const char* what, double energy, double&
   if (std::isfinite(sum)) return;
   const Thing body{.kind = "body", .name = s.system().body_of_slot(k).name};
   throw NonFiniteError(at_time(s.state.t) + "with " + body.words() + " the " + what + " energy is " +
-                           text::number(sum) + ", which is not finite; check gravity, masses and speeds",
+                           text::number(sum) + ", which is not finite; " +
+                           (s.state.t == 0 ? "check gravity, masses and speeds" : kShorterStep),
                        {.thing = body, .t = s.state.t});
 }
 

@@ -57,7 +57,7 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
     sim.run_until(m.run.until);
   } catch (const Error& error) {
     result.steps = report.steps;
-    rethrow_with(cause_of_stop(dynamics, sim.state(), sim.integrator().info().adaptive ? 0 : m.run.step), error);
+    rethrow_with(cause_of_stop(dynamics, sim.state(), fixed_step(sim, m.run.step)), error);
   }
   result.steps = report.steps;
   if (!singular.passed().empty())
