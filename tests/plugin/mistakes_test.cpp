@@ -111,11 +111,11 @@ TEST_CASE("a loop that cannot close is reported by the lengths of its bodies", "
 
 TEST_CASE("drives that contradict are reported with their speeds", "[runner]") {
   for (const char* command : {"check '", "run '"})
-    check_mistake(
-        {command + two_motors("61 rpm") + "'",
-         5,
-         {"error: drives A.rz and B.rz contradict",
-          "at t = 0 s: B.rz prescribes 6.388 rad/s, A.rz requires 6.283 rad/s of it", "hint: remove one of them"}});
+    check_mistake({command + two_motors("61 rpm") + "'",
+                   5,
+                   {"error: drives A.rz and B.rz contradict",
+                    "at t = 0 s: B.rz prescribes 6.388 rad/s, but 6.283 rad/s is required of it by A.rz",
+                    "hint: remove one of them"}});
   check_mistake({"check '" + two_motors("60 rpm") + "'", 0, {"OK: "}});
 }
 

@@ -211,8 +211,7 @@ bool PositionJump::changes_rows(Dynamics& dynamics, const State& state) const {
 
 std::string PositionJump::cause(const System& system, const State& state) const {
   for (std::size_t k = 0; const Prescribed& now : prescribed(system, state))
-    if (const double before = prescribed_[k++].yd;
-        std::abs(now.yd - before) > kSlight * std::max(std::abs(now.yd), std::abs(before)))
+    if (const double was = prescribed_[k++].yd; std::abs(now.yd - was) > kSlight * std::abs(now.yd + was))
       return "the jump of " + now.name + " in speed";
   return "the jump of a law";
 }

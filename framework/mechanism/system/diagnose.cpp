@@ -198,9 +198,7 @@ void check_finite(const System& system, const Inputs& in, const RowTable& table,
     for (std::size_t i = 0; i < block.size(); ++i) sum += block.numbers()[i];
     if (!std::isfinite(sum)) {
       const Lock& link = *system.links()[e.link];
-      const std::string own = has_function(link) ? "check its function and its pose"
-                              : in.t == 0        ? "check its pose"
-                                                 : "";
+      std::string own = has_function(link) ? "check its function and its pose" : in.t == 0 ? "check its pose" : "";
       refuse_number(link, in.t, " computed a number that is not finite" + bad_number(system, in, e, block, link),
                     own + (in.t == 0 ? "" : (own.empty() ? "" : ", or ") + std::string(kShorterStep)));
     }

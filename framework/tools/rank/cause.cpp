@@ -136,7 +136,7 @@ std::string asked_rate(const NamedRow& row, double t, double part) {
 /// A combination of rows that is zero, although laws prescribe its change: the drives, stops and joints in it.
 struct Contradiction {
   Names drives, stops, joints, guides;  // guides: joints with a free translation
-  std::string wrong, asked, agreeing;   // the last drive that moves, its rate, and that which agrees with the others
+  std::string wrong, rates;             // the last drive that moves; its rate, and that which agrees with the others
 };
 
 std::optional<Contradiction> contradiction(const System& system, const Evaluation& e, const VecX& rates, double t) {
@@ -163,7 +163,8 @@ std::optional<Contradiction> contradiction(const System& system, const Evaluatio
         if (const std::string drive = row.drive(); !drive.empty()) {
           who.drives.push_back(drive);
           if (const double part = found.circuits(k, c) * rates[rows.numbers[k]]; part != 0)
-            who.wrong = drive, who.asked = asked_rate(row, t, 1), who.agreeing = asked_rate(row, t, 1 - sum / part);
+            who.wrong = drive, who.rates = fmt::format("{} prescribes {}, but {}", drive, asked_rate(row, t, 1),
+                                                       asked_rate(row, t, 1 - sum / part));
         } else {
           add_name(row.link->name(), row.link->unilateral() != nullptr ? who.stops : who.joints);
           const Jointed* joint = row.link->jointed();
@@ -276,8 +277,7 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
     if (rates[k] != 0) add_name(NamedRow(system, e.rows(), k).link->name(), leading);
   if (!who) {
     const Evaluation& of_motion = dynamics.gather_rows(moving);
-    who = contradiction(system, of_motion, accelerations_asked(of_motion), at.t);
-    if (who) who->wrong.clear();  // rates agree
+    if ((who = contradiction(system, of_motion, accelerations_asked(of_motion), at.t))) who->rates.clear();
   }
   if (!who) return {};
   const std::string when = fmt::format("at t = {:.4g} s", at.t);
@@ -304,13 +304,10 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
                              mover.empty() ? "" : mover + " cannot continue: ", text::join(who->joints), when),
                  other_lengths + ", or release one constraint of these joints", false, Error::Kind::step};
   if (who->drives.size() > 1) {
-    Names others = who->drives;
-    std::erase(others, who->wrong);
-    return Cause{fmt::format("drives {} contradict {}: ", text::join(who->drives, " and "), when) +
-                     (who->wrong.empty()
-                          ? "they prescribe accelerations that do not agree"
-                          : fmt::format("{} prescribes {}, {} require{} {} of it", who->wrong, who->asked,
-                                        text::join(others, " and "), others.size() > 1 ? "" : "s", who->agreeing)),
+    const std::string fact = fmt::format("drives {} contradict {}: ", text::join(who->drives, " and "), when);
+    std::erase(who->drives, who->wrong);
+    return Cause{fact + (who->rates.empty() ? "they prescribe accelerations that do not agree"
+                                            : who->rates + " is required of it by " + text::join(who->drives, " and ")),
                  "remove one of them, or let their motions agree"};
   }
   if (std::optional<Cause> cause = locked(dynamics, still)) return cause;
