@@ -150,7 +150,7 @@ int main() {
   std::ofstream csv(samples::output("derivations.csv"));
   csv << "derivation,operations,cpu of a lock [ns],error of the rows,error of the right side [1/s^2],best error of a "
          "trajectory [m],its cpu [s]\n";
-  fmt::print("{:20} {:>10} {:>8} {:>10} {:>12} {:>12} {:>9}\n", "derivation", "operations", "ns", "rows", "right side",
+  fmt::print("{:32} {:>10} {:>8} {:>10} {:>12} {:>12} {:>9}\n", "derivation", "operations", "ns", "rows", "right side",
              "trajectory m", "CPU s");
 
   for (const Way way : kWays) {
@@ -175,7 +175,7 @@ int main() {
     by_trajectory.panels[0].series.push_back(curve);
     csv << fmt::format("{},{},{:.4g},{:.3g},{:.3g},{:.3g},{:.3g}\n", name(way), n, r.ns, r.error_J, r.error_Qhat, error,
                        cpu);
-    fmt::print("{:20} {:10} {:8.0f} {:10.1e} {:12.1e} {:12.1e} {:9.2g}   references agree to {:.1e} m\n", name(way), n,
+    fmt::print("{:32} {:10} {:8.0f} {:10.1e} {:12.1e} {:12.1e} {:9.2g}   references agree to {:.1e} m\n", name(way), n,
                r.ns, r.error_J, r.error_Qhat, error, cpu, runs.agreement.position);
   }
   // Other steps of the differences: no step is good for the right side.

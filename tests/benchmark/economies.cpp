@@ -76,14 +76,14 @@ int main() {
   std::ofstream csv(file);
   csv << "feature,absent,present,unknowns absent,unknowns present,rows absent,rows present,cpu absent [us],cpu present "
          "[us]\n";
-  fmt::print("{:16} {:>9} {:>9}   unknowns, rows\n", "", "absent us", "present");
+  fmt::print("{:20} {:>9} {:>9}   unknowns, rows\n", "", "absent us", "present");
   const auto add = [&](const std::string& name, const std::string& absent_is, const std::string& present_is,
                        double absent, double present, Size a, Size p) {
     bars.categories.push_back(name);
     bars.groups[0].values.push_back(absent), bars.groups[1].values.push_back(present);
     csv << fmt::format("{},{},{},{},{},{},{},{:.4g},{:.4g}\n", name, absent_is, present_is, a.unknowns, p.unknowns,
                        a.rows, p.rows, absent, present);
-    fmt::print("{:16} {:9.2f} {:9.2f}   {}, {} -> {}, {}: {} -> {}\n", name, absent, present, a.unknowns, a.rows,
+    fmt::print("{:20} {:9.2f} {:9.2f}   {}, {} -> {}, {}: {} -> {}\n", name, absent, present, a.unknowns, a.rows,
                p.unknowns, p.rows, absent_is, present_is);
   };
   for (const Economy& e : all())

@@ -23,7 +23,8 @@ namespace lockstep::derivations {
 enum class Way { compact, products, jets, differences };
 inline constexpr Way kWays[] = {Way::compact, Way::products, Way::jets, Way::differences};
 inline const char* name(Way way) {
-  constexpr const char* kNames[] = {"compact analytic", "paper's products", "exact jets", "finite differences"};
+  constexpr const char* kNames[] = {"compact analytic expressions", "products of the original paper",
+                                    "automatic differentiation (jets)", "finite differences"};
   return kNames[static_cast<int>(way)];
 }
 

@@ -47,8 +47,53 @@ std::string spelled(std::string method) {
   return method;
 }
 
-/// As `--integrator` takes it: without the mark of its own interpolation.
-std::string as_option(const std::string& method) { return spelled(method.substr(0, method.find("+dense"))); }
+/// As `--integrator` takes it: without the mark of its own interpolation, and without the default of `stages`.
+std::string as_option(const std::string& method) {
+  std::string option = spelled(method.substr(0, method.find("+dense")));
+  const std::string usual = ":stages=auto";
+  if (const std::size_t at = option.find(usual); at != std::string::npos) option.erase(at, usual.size());
+  return option;
+}
+
+/// "5 to 109 (13)": an engine's time over lockstep's, of the mechanisms in which both met the error.
+std::string ratios(const Costs& table, const std::string& system, double limit) {
+  std::vector<double> all;
+  for (const std::string& m : table.mechanisms()) {
+    const MaybeCost ours = table.cheapest(m, kOurs, limit, &Line::error),
+                    peer = table.cheapest(m, system, limit, &Line::error);
+    if (ours && peer && !ours->guess && !peer->guess) all.push_back(peer->cpu / ours->cpu);
+  }
+  if (all.empty()) return "never";
+  const auto [least, most] = std::minmax_element(all.begin(), all.end());
+  return rounded(*least) + (all.size() > 1 ? " to " + rounded(*most) : "") + " (" + std::to_string(all.size()) + ")";
+}
+
+void write_ratios(std::ostream& out, const Costs& table) {
+  out << "\n## CPU time of each engine relative to lockstep\nEach entry has the smallest and the largest ratio over "
+         "the "
+         "mechanisms. In brackets: the number of mechanisms in which both met the error. Extrapolated values are "
+         "excluded. The last column lists the methods, and for how many mechanisms each was measured.\n\n"
+         "| engine | mechanisms |";
+  for (const double limit : kLimits) out << " error " << rounded(limit) << " m |";
+  out << " methods |\n|---|---|";
+  for (std::size_t i = 0; i < kLimits.size() + 1; ++i) out << "---|";
+  out << '\n';
+  for (const std::string& system : table.systems()) {
+    if (system == kOurs) continue;
+    std::size_t n = 0;
+    std::map<std::string, int> methods;
+    for (const std::string& m : table.mechanisms()) {
+      n += table.tried(m, system) ? 1 : 0;
+      for (const auto& [method, lines] : table.methods(m, system)) ++methods[spelled(method)];
+    }
+    out << "| " << system << " | " << n << " |";
+    for (const double limit : kLimits) out << ' ' << ratios(table, system, limit) << " |";
+    std::string list;
+    for (const auto& [method, count] : methods)
+      list += (list.empty() ? "" : ", ") + method + " " + std::to_string(count);
+    out << ' ' << list << " |\n";
+  }
+}
 
 void write_markdown(std::ostream& out, const Costs& table) {
   out << "\n## Largest error over the run, at 101 times\n\n| mechanism | error [m] |";
@@ -159,17 +204,19 @@ int main(int argc, char** argv) {
          "has a summary, and the limits of the comparison. [The method](../peers/README.md) describes mechanisms, "
          "engines and measurement.\n\nMeasured: "
       << argv[1]
-      << "\n\nA line of the first table is one mechanism with one limit of the error, the largest over the bodies. "
+      << "\n\nA line of the second table is one mechanism with one limit of the error, the largest over the bodies. "
          "Each engine has a column with the user CPU time in s for one simulated second, in its cheapest run within "
          "that error.\nThe next column divides the time of the best other engine by that of lockstep. The last two "
          "give lockstep's method as `--integrator` takes it, and its setting. The setting is the step of a method with "
-         "fixed steps (`fixed=true`, `rk4`), otherwise the tolerance.\nIn `flyball`, the limit of stability sets the "
+         "fixed steps (`fixed=true`, `rk4`), otherwise the tolerance.\nDo not use lockstep for contact, rolling or "
+         "flexible bodies.\nIn `flyball`, the limit of stability sets the "
          "steps of `dop853`: "
          "its cost does not depend on the error.\n\n| entry | meaning |\n|---|---|\n"
          "| a number in brackets | extrapolated beyond the budget |\n"
          "| `never` | no run of the engine met the error |\n"
          "| `only lockstep` | no run of any other engine met the error |\n"
          "| empty | not run; in the last two columns: extrapolated |\n";
+  write_ratios(markdown, table);
   write_markdown(markdown, table);
   write_growth(markdown, table);
   markdown << "\nNext: [the method](../peers/README.md), [benchmarks](../../../framework/docs/charts.md).\n";
