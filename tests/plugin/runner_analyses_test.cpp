@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The verbs statics, kinematics, inverse and explain, and assemble --branches, as a person calls them.
+#include <array>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -98,10 +100,48 @@ TEST_CASE("runner: statics prints poses, reactions and stability", "[plugin][run
   CHECK(value_of(listed.text, "starts") == "20 random ones, and the given one; there may be more equilibria");
   CHECK(says(listed.text, {"starts that lead here", "without damping"}));
   CHECK(value_of(listed.text, "fastest growth").starts_with("time constant 0."));
+  CHECK(call("statics " + sample("rod_pendulum") + " --all 20 -v").text == listed.text);
   check_refused(call("statics " + sample("rod_pendulum") + " --all some"), 2,
                 {"--all: \"some\" is not a whole number from 1 to 1000000"});
   const Called standing = call("statics " + sample("rod_pendulum") + " --nearest --at 0.5 --json");
   CHECK(standing.exit == 0);
+}
+
+// Two rods of 1 m on a slider: mirrored positions differ in no recorded quantity, and folded rods rotate freely about A.
+TEST_CASE("runner: statics --all shows what differs, moves from the given start, and a family as one",
+          "[plugin][runner]") {
+  const std::string path = scene_file("toggle", R"("gravity": [0, 0, 0],
+    "bodies": [{"name": "left", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0.8, 0.6, 0]}},
+               {"name": "right", "rod": {"mass": 1, "from": [0.8, 0.6, 0], "to": [1.6, 0, 0]}},
+               {"name": "slider", "sphere": {"mass": 1, "radius": 0.05}, "position": [1.6, 0, 0]}],
+    "joints": [{"name": "A", "type": "revolute", "p": "left", "s": "ground", "at": [0, 0, 0]},
+               {"name": "B", "type": "revolute", "p": "right", "s": "left", "at": [0.8, 0.6, 0]},
+               {"name": "C", "type": "revolute", "p": "slider", "s": "right", "at": [1.6, 0, 0]},
+               {"name": "D", "type": "prismatic", "p": "slider", "s": "ground", "at": [1.6, 0, 0], "axis": "x"}],
+    "forces": [{"name": "spring", "type": "spring_damper", "p": "slider", "s": "ground", "at_p": [1.6, 0, 0],
+                "at_s": [3, 0, 0], "stiffness": 1000, "damping": 5, "free_length": 1.5}],
+    "run": {"until": 2, "output": 0.01, "record": ["slider.x"]})");
+  const Json all = json_of("statics '" + path + "' --all 60 --json")["equilibria"];
+  int folded = 0;
+  for (const Json& e : all) {
+    const double x = e["bodies"]["slider"]["position"][0];
+    folded += std::abs(x) < 1e-6 && e["stability"] == "neutral" ? 1 : 0;
+    double most = 0;
+    const std::map<std::string, std::array<double, 2>> start{
+        {"left", {0.4, 0.3}}, {"right", {1.2, 0.3}}, {"slider", {1.6, 0}}};
+    for (const auto& [name, at] : start) {
+      const Json& to = e["bodies"][name]["position"];
+      most = std::max(most, std::hypot(to[0].get<double>() - at[0], to[1].get<double>() - at[1]));
+    }
+    CHECK(e["largest_move"].get<double>() == Approx(most).margin(1e-9));
+  }
+  CHECK(folded == 1);
+  const Called text = call("statics '" + path + "' --all 60");
+  INFO(text.text);
+  const std::string first = row_of(text.text, "1"), second = row_of(text.text, "2");
+  CHECK(first.find("slider.x 1.5 m") != std::string::npos);
+  CHECK(first.substr(first.find("slider.x")) != second.substr(second.find("slider.x")));
+  CHECK(contains(first, ".y "));
 }
 
 namespace {

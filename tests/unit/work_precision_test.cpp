@@ -3,6 +3,7 @@
 #include "framework/tools/precision/work_precision_chart.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include <lockstep/error.h>
@@ -204,6 +205,27 @@ TEST_CASE("a key without effect does not make a separate method", "[unit][work_p
   const WorkPrecision swapped = work_precision({.make = swinging, .length = 1.0, .outputs = 5}, options);
   CHECK(swapped.runs.size() == 4);
   for (const WorkPrecisionRun& run : swapped.runs) CHECK(run.integrator != "dopri5:key=other");
+}
+
+TEST_CASE("the method with fewer changes comes first, and a key is a change", "[unit][work_precision]") {
+  WorkPrecisionOptions options = quick_options();
+  options.integrators = {choice<Rk4>("rk4"), choice<Dopri5>("dopri5:key=other"), choice<Dop853>("dop853")};
+  const WorkPrecision result = work_precision({.make = swinging, .length = 1.0, .outputs = 5}, options);
+  CHECK(values_of(result, ChartBy::integrator) == std::vector<std::string>{"rk4", "dop853", "dopri5:key=other"});
+}
+
+TEST_CASE("a picture lists all methods of the Pareto front, in lines", "[unit][work_precision]") {
+  WorkPrecision result;
+  for (int k = 0; k < 12; ++k) {
+    WorkPrecisionRun run;
+    run.integrator = "a_method_with_a_long_name:key=" + std::to_string(k), run.solver = "sparse";
+    run.error.position = std::pow(0.1, k), run.cpu = k + 1, run.setting = 1;
+    result.runs.push_back(run);
+  }
+  const GridSpec chart = integrators_chart(result, "many", result.runs.front(), CostKind::cpu);
+  std::string all;
+  for (const std::string& line : chart.remarks) CHECK(line.size() <= 250), all += line;
+  for (const WorkPrecisionRun& run : result.runs) CHECK(all.find(run.integrator + ", omega") != std::string::npos);
 }
 
 TEST_CASE("one dimension at a time keeps the others at the base", "[unit][work_precision]") {

@@ -82,9 +82,10 @@ struct EquilibriumReport {
   double largest_force = 0;          ///< N
   double largest_move = 0;           ///< of a centre of mass from the given state, m
   std::string moved_most;            ///< its body; "" if none moved
+  double energy = 0;                 ///< potential energy, J
   VecX lambda;                       ///< multipliers, 1 per active constraint
   Stability stability;               ///< of the equilibrium
-  /// Whether constraints nearly lose rank there, within 1e-3: reactions may have no limit. Not found beyond 300
+  /// Whether constraints nearly lose rank there, within 1e-3: reactions may grow without bound. Not found beyond 300
   /// constraints.
   bool singular = false;
   std::vector<std::string> left;     ///< unstable equilibria that were found and left, by the motion that grew
@@ -137,8 +138,8 @@ struct EquilibriaOptions {
 
 /// Searches a stable equilibrium from this state, then from random assembled poses, alternately with and without
 /// EquilibriumOptions::nearest, which finds unstable ones too. All of them are without friction. Positions along a
-/// motion without stiffness count as one equilibrium: they have the same lowest stiffness, the same largest force, and
-/// the same pose in all other motions. Throws as find_equilibrium() does for the given state.
+/// motion without stiffness count as one equilibrium: they have the same potential energy, and the same pose in all
+/// other motions. Moves count from the given state. Throws as find_equilibrium() does for the given state.
 LOCKSTEP_API EquilibriaReport find_equilibria(Dynamics&, const State&, const EquilibriaOptions& options = {});
 
 }  // namespace lockstep

@@ -39,6 +39,13 @@ VecX multipliers_of(const RowTable& rows, const RowTable& in_space, const VecX& 
 
 }  // namespace
 
+void measure_move(const System& system, const State& from, const State& to, EquilibriumReport& report) {
+  report.largest_move = 0;
+  for (int k = 0; k < system.n_slots(); ++k)
+    if (const double move = (to.slot_pose(k).x - from.slot_pose(k).x).norm(); move > report.largest_move)
+      report.largest_move = move, report.moved_most = system.body_of_slot(k).name;
+}
+
 void go_back_to_plane(Dynamics& dynamics, System::InSpace& look, const State& start, const std::vector<AtRest>& found) {
   if (!look.plane()) return;
   std::vector<RowTable> rows;

@@ -15,6 +15,9 @@ struct AtRest {
   EquilibriumReport& report;
 };
 
+/// The largest move of a centre of mass between two states, and its body.
+void measure_move(const System&, const State& from, const State& to, EquilibriumReport&);
+
 /// Ends a look in space: where all of `found` lie in the plane, as `start` does, the system goes back to it, with their
 /// multipliers; else it stays in space.
 void go_back_to_plane(Dynamics&, System::InSpace& look, const State& start, const std::vector<AtRest>& found);

@@ -45,14 +45,14 @@ bool same_pose(const Pose& p, const Pose& q, const Unheld& unheld, double length
 }
 
 /// Whether two equilibria are one: the same poses, poses near one singular configuration, or, where a motion is held by
-/// nothing, the same family of them: as stiff, under the same forces, and the same in all that is held.
+/// nothing, the same family of them: with the same potential energy, and the same in all that is held.
 bool same_equilibrium(const System& system, const Equilibrium& a, const Equilibrium& b, double same) {
   const double near = a.report.singular && b.report.singular ? 2 * kNearlyDependent : same;
   if (apart(system, a.state, b.state) <= near * system.length()) return true;
   const Stability &s = a.report.stability, &o = b.report.stability;
-  const auto alike = [](double x, double y) { return std::abs(x - y) <= kSlight * std::max(std::abs(x), std::abs(y)); };
+  const double E = a.report.energy, other = b.report.energy, work = a.report.largest_force * system.length();
   if (s.neutral.empty() || s.neutral.size() != o.neutral.size() || s.unstable.size() != o.unstable.size() ||
-      !alike(s.softest, o.softest) || !alike(a.report.largest_force, b.report.largest_force))
+      std::abs(E - other) > kSlight * std::max({std::abs(E), std::abs(other), work}))
     return false;
   for (int k = 0; k < system.n_slots(); ++k) {
     Unheld unheld = unheld_of(s, system, k);
@@ -112,7 +112,8 @@ EquilibriaReport find_equilibria(Dynamics& dynamics, const State& start, const E
     return std::pair(e.report.singular, e.report.stability.unstable.size());
   });
   std::vector<AtRest> found;
-  for (Equilibrium& e : report.all) found.push_back({e.state, e.report});
+  for (Equilibrium& e : report.all)
+    measure_move(system, first, e.state, e.report), found.push_back({e.state, e.report});
   go_back_to_plane(dynamics, look, first, found);
   return report;
 }

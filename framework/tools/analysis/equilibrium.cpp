@@ -23,6 +23,7 @@
 #include "framework/tools/analysis/friction_at_rest.h"
 #include "framework/tools/analysis/rest_matrices.h"
 #include "framework/tools/rank/motion_words.h"
+#include "framework/tools/record/energies.h"
 
 namespace lockstep {
 namespace {
@@ -385,10 +386,9 @@ class EquilibriumSearch {
     report_.largest_force = now_.force;
     for (std::size_t i = 0; i < contacts_.size(); ++i)
       (contacts_.in_force(i, state_) ? report_.pressed : report_.free).push_back(contacts_[i].link->name());
-    for (int k = 0; k < system_.n_slots(); ++k)
-      if (const double move = (state_.q.segment<3>(7 * k) - start_.q.segment<3>(7 * k)).norm();
-          move > report_.largest_move)
-        report_.largest_move = move, report_.moved_most = system_.body_of_slot(k).name;
+    const StepReport none{};
+    report_.energy = EnergyTerms::potential(Sample(dynamics_, state_, none));
+    measure_move(system_, start_, state_, report_);
     if (const std::string words = beyond_friction(); !words.empty()) note("", words);
     if (options_.friction && !report_.by_friction && !now_.e->reacting().empty())
       note("", "this equilibrium is without friction; with friction, positions near it are at rest too");
@@ -400,7 +400,7 @@ class EquilibriumSearch {
       note("", "integrated states (controllers, drives by speed) keep their initial values");
     report_.singular = nearly_loses_rank(dynamics_, state_);
     if (report_.singular)
-      note("", "the equilibrium is near a singular configuration, where reactions may have no limit");
+      note("", "the equilibrium is near a singular configuration, where reactions may grow without bound");
   }
 
   Dynamics& dynamics_;

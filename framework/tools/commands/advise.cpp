@@ -100,6 +100,7 @@ std::string hint_of(const Advised& a) {
         "the reference solutions differ by {:.2g} {}, so no method can be shown to meet the error; allow a larger "
         "error, or shorten the run (--until)",
         agreement, unit_of(a.kind));
+  if (!a.cheapest && a.measured->left_out.empty()) return "allow a larger error, other methods or finer settings";
   if (!a.cheapest) return "increase --budget, or allow a larger error";
   if (!a.cheapest->cost.confirmed) return "not confirmed by a finer run; increase --budget";
   if (a.cheapest->command.find(" --stabilization none") == std::string::npos) return "";

@@ -8,7 +8,9 @@
 #include <optional>
 
 #include <lockstep/analysis.h>
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/findings.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/scene_run/scene_run.h"
 
@@ -166,7 +168,7 @@ Options measuring_options() {
             kStabilizations),
         {"--solvers", "A,B", "solvers; default: all of `lockstep list solvers`"},
         {"--separately", "",
-         "vary one of the four at a time, the others as in the scene: faster than all combinations"},
+         "vary integrator, formulation, stabilisation and solver one at a time: faster than all combinations"},
         {"--tolerances", "COARSE:FINE", "range of tolerances; default 1:1e-12"},
         {"--steps", "COARSE:FINE", "range of fixed steps, s; default: a hundredth of the run, and 2^14 times less"},
         kUntil,
@@ -239,6 +241,10 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args) {
   const Subject first = benchmark.trajectory.make();
   Dynamics dynamics(*first.system, make_solver(run, registry));
   benchmark.imposed = !first.system->links().empty() && mobility(dynamics, first.start).freedoms == 0;
+  if (benchmark.imposed)
+    CommandFindings::add(
+        {&finding::analysis_note, "",
+         "the motion is fully prescribed: lockstep kinematics or inverse computes it without integration"});
 
   WorkPrecisionOptions& o = benchmark.options;
   for (const MethodSpec& spec :
@@ -254,7 +260,7 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args) {
   o.formulations = formulations_of(args, run.formulation, along_joints.why_not_joint(first.start.modes).empty(),
                                    dynamics, first.start);
   o.loops = has_loops(along_joints, first.start);
-  o.stabilizations = values_of(args.all("--stabilizations"), benchmark.imposed ? Kind::none : run.stabilization.kind,
+  o.stabilizations = values_of(args.all("--stabilizations"), run.stabilization.kind,
                                {Kind::project, Kind::baumgarte, Kind::none}, read_stabilization);
   o.separately = args.has("--separately");
   o.gains = run.stabilization;
@@ -308,8 +314,6 @@ std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Argument
   for (const WorkPrecisionRun& run : result->runs)
     if (run.interrupted) result->left_out.push_back(label(run));
   std::erase_if(result->runs, [](const WorkPrecisionRun& run) { return run.interrupted; });
-  if (args.all("--formulations").empty() && args.all("--solvers").empty())  // what nobody named is not missed
-    std::erase_if(result->unsuited, [](const auto& u) { return u.why.starts_with("formulation "); });
   return result;
 }
 

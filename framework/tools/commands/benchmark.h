@@ -39,7 +39,7 @@ inline constexpr Option kIntegrators{"--integrators", "A,B",
                                      "integrators, with keys if needed: rk4,dopri5:fixed=true; default: all"},
     kUntil{"--until", "TIME", "end of the runs, s"},
     kBudget{"--budget", "TIME", "CPU time for all runs together; default 60 s"},
-    kFolder{"--out", "DIR", "folder for CSV and pictures; default: LOCKSTEP_OUTPUT or here"};
+    kFolder{"--out", "DIR", "folder for CSV and pictures; default: LOCKSTEP_OUTPUT or the current folder"};
 /// What chart and advise take.
 Options measuring_options();
 /// The same arguments; in space if --formulations names quaternion, which no plane has.

@@ -113,6 +113,8 @@ std::vector<Cheapest> cheapest_of(const WorkPrecision& result) {
 }
 constexpr const char* kBest =
     "least CPU time with each (<= T: no coarser run missed the error; > T: no run met it, the longest took T)";
+const std::string kRecommended =
+    fmt::format("recommended (within {:.0f} % of the cheapest, fewest changes to the scene)", 100 * (kTie - 1));
 struct Charted {
   const WorkPrecision& result;
   const SceneBenchmark& benchmark;
@@ -123,7 +125,9 @@ const Fields<Charted>& chart_fields() {
       Fields<Cheapest>{{"limit", "m", "error below [m]", &Cheapest::limit, digits_text<3>}}.with(&Cheapest::cost,
                                                                                                  cost_fields());
   static const Fields<Winner> kWinner = [] {
-    Fields<Winner> all{{"by", "", "by", &Winner::by}, {"value", "", "value", &Winner::value}};
+    Fields<Winner> all{{"by", "", "by", &Winner::by,
+                        [](const Json& by) { return by == "stabilization" ? "stabilisation" : by.get<std::string>(); }},
+                       {"value", "", "value", &Winner::value}};
     for (std::size_t k = 0; k < std::size(kLimits); ++k)
       all.add({fmt::format("below_{}", kLimits[k]), "", fmt::format("below {} m", kLimits[k]),
                [k](const Winner& w) { return w.cost[k]; }});
@@ -131,11 +135,10 @@ const Fields<Charted>& chart_fields() {
   }();
   static const Fields<Charted> kFields =
       Fields<Charted>{
-          {"cheapest", "cheapest", [](const Charted& c) { return cheapest_of(c.result); }, kCheapest},
+          {"cheapest", kRecommended, [](const Charted& c) { return cheapest_of(c.result); }, kCheapest},
           {"best", kBest, [](const Charted& c) { return winners_of(c.result, c.benchmark.base.formulation); }, kWinner},
           {"length", "s", "duration", [](const Charted& c) { return c.benchmark.trajectory.length; }},
-          // no degree of freedom: projection gives the motion at any step, and pictures are without it
-          {"imposed", "", "motion fully prescribed", [](const Charted& c) { return c.benchmark.imposed; }}}
+          {"imposed", "", "", [](const Charted& c) { return c.benchmark.imposed; }}}
           .with([](const Charted& c) -> const WorkPrecision& { return c.result; }, measurement_fields())
           .with({{"remarks", "", "left out", [](const Charted& c) { return c.benchmark.remarks; }},
                  {"no_pictures", "", "no pictures", &Charted::no_pictures}});

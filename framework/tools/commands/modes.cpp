@@ -116,7 +116,7 @@ const Fields<FoundModes>& modes_fields() {
       {"kind", "", "kind", [](const Shown& m) { return word(m.mode.kind); }},
       {"frequency", "Hz", "frequency [Hz]", [](const Shown& m) { return m.mode.frequency(); }, unless_zero},
       {"omega", "rad/s", "omega [rad/s]", [](const Shown& m) { return m.mode.omega(); }, unless_zero},
-      {"damping", "", "damping ratio", [](const Shown& m) { return m.mode.damping(); },
+      {"damping", "", "damping ratio", [](const Shown& m) { return m.mode.is_marginal() ? 0 : m.mode.damping(); },
        [](const Json& d) { return std::abs(d.get<double>()) < 1 ? number_text(d) : ""; }},
       {"decay_rate", "1/s", "decay rate",
        [](const Shown& m) { return m.mode.is_marginal() ? 0 : -m.mode.value.real(); }},

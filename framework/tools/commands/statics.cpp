@@ -113,7 +113,6 @@ struct AtRest {
   NamedPoses poses;
   std::vector<std::pair<std::string, NamedReaction>> reactions;
   std::vector<PoseNumber> quantities;
-  double energy = 0;          // potential, J
   int number = 0, found = 0;  // of --all: its own; of starts that lead here
 };
 
@@ -126,9 +125,7 @@ bool is_unique(const UniquenessReport& unique, const std::string& reaction) {
 
 /// `tells`: whether its notes are findings of the command.
 AtRest found_of(Resting& r, bool tells = true) {
-  const StepReport none{};
-  AtRest found{r.report, poses_of(r.m.system, r.state), reactions_of(r.m.system, r.values()), r.quantities(),
-               make_channel(system_of(r.m), "energy.potential").value(Sample(r.dynamics, r.state, none))};
+  AtRest found{r.report, poses_of(r.m.system, r.state), reactions_of(r.m.system, r.values()), r.quantities()};
   const UniquenessReport unique = uniqueness(r.dynamics, r.state);
   for (auto& [name, reaction] : found.reactions) {
     for (double& x : reaction.wrench.force) x = r.without_rounding(x, "N");
@@ -206,7 +203,7 @@ const Fields<AtRest>& rest_fields() {
   static const Fields<AtRest> kFields =
       Fields<AtRest>{}
           .with(&AtRest::report, report_fields())
-          .with({{"energy", "J", "potential energy", &AtRest::energy},
+          .with({{"energy", "J", "potential energy", [](const AtRest& r) { return r.report.energy; }},
                  {"found", "", "starts that lead here", &AtRest::found, unless_zero},
                  {"bodies", "bodies", &AtRest::poses, pose_fields()},
                  {"quantities", "forces and recorded quantities", &AtRest::quantities, number_fields()},
@@ -238,23 +235,39 @@ const Fields<AllAtRest>& all_fields() {
   static const Fields<AllAtRest> kFields = fields_of_all("equilibrium", rest_fields());
   return kFields;
 }
-/// One line for each equilibrium, with the first quantities that differ between them.
+/// One line for each equilibrium, with the first quantities that differ between them; where these are equal for two, with
+/// the coordinate of a body that differs most.
 std::string overview_of(const AllAtRest& found) {
-  const auto words = [&found](const AtRest& r, std::size_t k) {  // round-off of the column is 0
-    double largest = 0;
-    for (const AtRest& other : found.all) largest = std::max(largest, std::abs(other.quantities[k].value));
-    const PoseNumber& n = r.quantities[k];
-    return fmt::format("{} {:.4g} {}", n.name, std::abs(n.value) <= kNegligible * largest ? 0 : n.value, n.unit);
-  };
-  const auto first = [&found, words](const AtRest& r) {
-    constexpr std::size_t kMost = 4;
-    std::vector<std::string> all;
-    for (std::size_t k = 0; k < r.quantities.size() && all.size() < kMost; ++k) {
-      const auto differs = [&](const AtRest& other) { return words(other, k) != words(r, k); };
-      if (found.all.size() == 1 || std::ranges::any_of(found.all, differs)) all.push_back(words(r, k));
+  constexpr std::size_t kMost = 4;
+  const std::vector<AtRest>& all = found.all;
+  std::vector<std::vector<std::string>> shown(all.size());
+  for (std::size_t k = 0, n = 0; k < all.front().quantities.size() && n < kMost; ++k) {
+    double largest = 0;  // round-off of the column is 0
+    for (const AtRest& r : all) largest = std::max(largest, std::abs(r.quantities[k].value));
+    std::vector<std::string> words;
+    for (const AtRest& r : all) {
+      const PoseNumber& q = r.quantities[k];
+      words.push_back(
+          fmt::format("{} {:.4g} {}", q.name, std::abs(q.value) <= kNegligible * largest ? 0 : q.value, q.unit));
     }
-    return text::join(all, ", ");
-  };
+    if (all.size() > 1 && std::ranges::count(words, words.front()) == std::ssize(words)) continue;
+    for (std::size_t i = 0; i < all.size(); ++i) shown[i].push_back(words[i]);
+    ++n;
+  }
+  auto words = shown;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      if (shown[i] != shown[j]) continue;
+      double most = 0;
+      std::string word;
+      for (std::size_t b = 0; b < all[i].poses.size(); ++b)
+        for (int k = 0; k < 3; ++k) {
+          const auto& [name, pose] = all[i].poses[b];
+          const double apart = std::abs(pose.x[k] - all[j].poses[b].second.x[k]);
+          if (apart > most) most = apart, word = fmt::format("{}.{} {:.4g} m", name, "xyz"[k], pose.x[k]);
+        }
+      if (most > 0 && std::ranges::find(words[i], word) == words[i].end()) words[i].push_back(word);
+    }
   const Fields<AtRest> line{
       {"number", "", "nr", &AtRest::number},
       {"stability", "", "stability", [](const AtRest& r) { return to_string(r.report.stability.kind); }},
@@ -262,12 +275,10 @@ std::string overview_of(const AllAtRest& found) {
        [](const AtRest& r) { return std::sqrt(r.report.stability.softest) / kTwoPi; }, unless_zero},
       {"growth_time", "s", "growth time constant",
        [](const AtRest& r) { return growth_time(r.report.stability.softest); }},
-      {"energy", "J", "potential energy", &AtRest::energy},
+      {"energy", "J", "potential energy", [](const AtRest& r) { return r.report.energy; }},
       {"found", "", "starts", &AtRest::found},
-      {"quantities", "", "quantities", first},
-      {"note", "", "note", [](const AtRest& r) {
-         return r.report.singular ? "near a singular configuration: reactions may have no limit" : "";
-       }}};
+      {"quantities", "", "quantities", [&](const AtRest& r) { return text::join(words[r.number - 1], ", "); }},
+      {"note", "", "note", [](const AtRest& r) { return r.report.singular ? "near a singular configuration" : ""; }}};
   const Fields<AllAtRest> fields = fields_of_all("equilibria", line);
   return text_of(fields.schema(), fields(found));
 }
@@ -441,7 +452,7 @@ Command statics_command() {
                 "look for all equilibria, unstable ones too, from N random starts; 200 is a good value, but the list "
                 "may be incomplete"}
                 .without("--nearest"),
-            Option{"--verbose", "", "print all details of each equilibrium"}.along("--all"),
+            Option{"--verbose,-v", "", "print all details of each equilibrium"}.along("--all"),
             Option{"--vary", "NAME=VALUES",
                    "follow the equilibrium over a:b:n, a:b:n:log or v1,v2,... of a parameter, one CSV row each; may be "
                    "repeated"}

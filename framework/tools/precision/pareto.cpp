@@ -8,7 +8,6 @@ namespace lockstep {
 namespace {
 
 constexpr double kLuck = 2;  // factor by which the error of a finer run may be larger
-constexpr double kTie = 1.2;  // factor between CPU times that differ by chance
 
 }  // namespace
 

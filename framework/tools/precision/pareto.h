@@ -32,6 +32,7 @@ struct CostAtError {
 LOCKSTEP_API std::vector<CostAtError> costs_at_error(const WorkPrecision&, double error,
                                                      ErrorKind = ErrorKind::position);
 
+inline constexpr double kTie = 1.2;  ///< factor between CPU times that differ by chance
 /// Of those costs the one to recommend, null if there is none: confirmed if one is, and of those that cost about as much
 /// as the cheapest, the nearest to the base.
 LOCKSTEP_API const CostAtError* recommended(const std::vector<CostAtError>&);

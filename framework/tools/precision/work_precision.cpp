@@ -62,7 +62,7 @@ class Benchmark {
     for (const Combination& c : combinations_)
       if (!c.over) result_.left_out.push_back(label(run_of(c))), result_.open.push_back(run_of(c));
     for (const Combination& c : combinations_)
-      if (c.over && c.n_stuck == 0 && std::isfinite(c.best)) result_.falling.push_back(run_of_first(c));
+      if (c.over && c.n_stuck == 0 && any_done(c)) result_.falling.push_back(run_of_first(c));
     sort_runs();
     return std::move(result_);
   }
@@ -95,7 +95,9 @@ class Benchmark {
             const int n = in_form + differs(&method != &o.integrators.front());
             if (o.separately && n > 1) continue;
             const double handicap = std::pow(kPatience, in_form) * (n > in_form ? kOther : 1.0);
-            all.emplace_back(n, Combination{&method, &solver, formulation, kind, *adaptive, in_form == 0, handicap});
+            const bool keyed = n > in_form && integrator_type(method.name) != method.name;  // a key is a change as well
+            all.emplace_back(n + differs(keyed),
+                             Combination{&method, &solver, formulation, kind, *adaptive, in_form == 0, handicap});
           }
     }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -211,8 +213,7 @@ class Benchmark {
   // Ends the one with the longer name; the other has the runs of both.
   void merge(Combination& c, Combination& other) {
     c.over = true;
-    if (std::ranges::any_of(result_.runs, [&](const WorkPrecisionRun& run) { return run.done() && is_of(run, c); }))
-      return;  // they are not the same at other settings
+    if (any_done(c)) return;  // they are not the same at other settings
     std::erase_if(result_.runs, [&](const WorkPrecisionRun& run) { return is_of(run, c); });
     if (c.formulation != other.formulation || c.method->name.size() >= other.method->name.size()) return;
     for (WorkPrecisionRun& run : result_.runs)
@@ -270,9 +271,10 @@ class Benchmark {
     ++c.rung;
     c.over = c.rung >= n_rungs(c);
     if (!run.done()) return;
-    const double e = relative(run.error);
-    c.n_stuck = e < kFalls * c.best ? 0 : c.n_stuck + 1;
-    c.best = std::min(c.best, e);
+    if (const double e = relative(run.error); !run.wrong || e > kWrong) {  // else its error is not why
+      c.n_stuck = e < kFalls * c.best ? 0 : c.n_stuck + 1;
+      c.best = std::min(c.best, e);
+    }
     if (c.n_stuck >= (c.best < kSettled ? 2 : 4)) c.over = true;
     if (hopeless(run)) c.over = true;
     if (options_.target <= 0) return;
@@ -297,7 +299,8 @@ class Benchmark {
   bool hopeless(const WorkPrecisionRun& run) const {
     if (relative(run.error) > kWrong) return false;  // such errors are cheap
     return std::any_of(result_.runs.begin(), result_.runs.end(), [&](const WorkPrecisionRun& other) {
-      return other.done() && relative(other.error) <= relative(run.error) && run.cpu > options_.hopeless * other.cpu;
+      return other.done() && !other.wrong && relative(other.error) <= relative(run.error) &&
+             run.cpu > options_.hopeless * other.cpu;
     });
   }
 
@@ -308,6 +311,9 @@ class Benchmark {
       for (const WorkPrecisionRun& run : result_.runs)
         if (is_of(run, c)) sorted.push_back(run);
     result_.runs = std::move(sorted);
+  }
+  bool any_done(const Combination& c) const {
+    return std::ranges::any_of(result_.runs, [&](const WorkPrecisionRun& run) { return run.done() && is_of(run, c); });
   }
   bool is_of(const WorkPrecisionRun& run, const Combination& c) const { return same_way(run_of_first(c), run); }
   WorkPrecisionRun run_of_first(Combination c) const {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <set>
 #include <span>
 
 #include <lockstep/error.h>
@@ -234,15 +235,19 @@ GridSpec integrators_chart(const WorkPrecision& result, const std::string& title
     curves.emplace_back(name, [name, base](const WorkPrecisionRun& run) {
       return run.integrator == name && like(run, base, ChartBy::integrator);
     });
-  std::string front;
-  for (const WorkPrecisionRun* run : pareto_front(result, ErrorKind::position, by))
-    if (const std::string way = way_of(*run); front.find(way) == std::string::npos) front += "; " + way;
-  return chart_of(
-      result, title,
-      {fmt::format("curves: formulation {}, stabilisation {}, solver {}", value_of(base, ChartBy::formulation),
-                   value_of(base, ChartBy::stabilization), base.solver),
-       shortened("Pareto front of all combinations: " + (front.empty() ? "none" : front.substr(2)), kMostLetters)},
-      {{"", curves}}, kErrorKinds, by);
+  std::vector<std::string> remarks{
+      fmt::format("curves: formulation {}, stabilisation {}, solver {}", value_of(base, ChartBy::formulation),
+                  value_of(base, ChartBy::stabilization), base.solver),
+      "Pareto front of all combinations: "};
+  std::set<std::string> named;
+  for (const WorkPrecisionRun* run : pareto_front(result, ErrorKind::position, by)) {
+    const std::string way = way_of(*run);
+    if (!named.insert(way).second) continue;
+    if (remarks.back().size() + way.size() > kMostLetters) remarks.emplace_back("    ");
+    remarks.back() += way + "; ";
+  }
+  if (named.empty()) remarks.back() += "none";
+  return chart_of(result, title, std::move(remarks), {{"", curves}}, kErrorKinds, by);
 }
 
 GridSpec forms_chart(const WorkPrecision& result, const std::string& title, const WorkPrecisionRun& base, ChartBy by,

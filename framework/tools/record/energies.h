@@ -27,7 +27,7 @@ class EnergyTerms {
   Energies at(const Sample&) const;
 
   static double kinetic(const Sample&);
-  static double potential(const Sample&);
+  LOCKSTEP_API static double potential(const Sample&);
   /// Energy lost in the impacts of all unilateral links up to this state, J.
   static double lost_in_impacts(const Sample&);
 
