@@ -93,7 +93,7 @@ void add_spline_rotation(LawTypes& types) {
   TypeInfo i{kLaw,
              "spline through orientations",
              {{"points", Form::any, Unit::none, kRequired,
-               "[[t, orientation], ...], times increasing, orientations in any form"}}};
+               "list of [t, orientation]: times increasing, orientations in any form"}}};
   add_spline_keys(i.keys);
   types.rotation_laws.add(std::move(i), [](const Params& p) {
     const Value& list = p.value("points");

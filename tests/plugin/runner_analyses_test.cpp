@@ -62,7 +62,7 @@ TEST_CASE("runner: check counts degrees of freedom, redundant constraints and re
   CHECK(says(door.text, {"reactions not unique",
                          "1 of low y e1; high y e1 is nearly redundant (relative singular value "
                          "6.9e-08"}));
-  CHECK(row_of(door.text, "low y e1; high y") == "low y e1; high y 0 1");  // none redundant, one nearly
+  CHECK(row_of(door.text, "low y e1; high y e1") == "low y e1; high y e1 1 1");  // one redundant, one nearly
   CHECK(value_of(door.text, "reactions").empty());
   const Called flat = call("check --verbose " + sample("slider_crank"));
   CHECK(value_of(flat.text, "plane") == "normal z; out-of-plane constraints are not counted (--full counts them)");
@@ -309,6 +309,13 @@ TEST_CASE("runner: explain does not call nearly dependent constraints redundant"
   CHECK(Json::parse(r.text)["dependencies"].empty());
 }
 
+TEST_CASE("runner: explain names the command that lists reactions that are not unique", "[plugin][runner]") {
+  const Called r = call("explain '" + std::string(paths::kSource) +
+                        "/tests/stability/scenes/door.json' low --set links.high.at.0=0");
+  INFO(r.text);
+  CHECK(contains(r.text, "; lockstep check --verbose lists them"));
+}
+
 TEST_CASE("runner: kinematics needs no masses, and rejects too few drives", "[plugin][runner]") {
   const std::string members = R"("bodies": [{"name": "arm"}],
     "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0], "axis": "z",
@@ -461,12 +468,14 @@ TEST_CASE("runner: explain shows the gap of a stop, and the length of a spring",
   const std::string arm = "'" + scene_file("explained_stop", R"(
     "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
     "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0],
-               "stops": [{"axis": "rz", "low": -0.5}]}],
+               "stops": [{"axis": "rz", "low": -0.5, "restitution": 0.25}]}],
     "forces": [{"name": "k", "type": "spring_damper", "p": "arm", "s": "ground", "at_p": [1, 0, 0],
                 "at_s": [1, 2, 0], "stiffness": 5, "free_length": 1}])") +
                           "'";
   const Called stop = call("explain " + arm + " A.stop_rz_low");
   INFO(stop.text);
+  CHECK(value_of(stop.text, "active") == "yes");
+  CHECK(value_of(stop.text, "restitution") == "0.25");
   CHECK(value_of(stop.text, "state") == "open");
   CHECK(row_of(stop.text, "A.stop_rz_low.gap") == "A.stop_rz_low.gap 0.5 rad");
   const Called spring = call("explain " + arm + " k");

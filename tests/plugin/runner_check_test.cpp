@@ -37,6 +37,30 @@ TEST_CASE("check prints the degrees of freedom, what drives them, and how they a
   CHECK(contains(free.text, "2 degrees of freedom are free"));
 }
 
+TEST_CASE("check counts a singular start as such, and nothing of a loop that cannot close", "[runner]") {
+  const std::string flat = scene_file("flat_parallelogram", R"("bodies": [
+    {"name": "a", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}},
+    {"name": "b", "rod": {"mass": 1, "from": [1, 0, 0], "to": [3, 0, 0]}},
+    {"name": "c", "rod": {"mass": 1, "from": [2, 0, 0], "to": [3, 0, 0]}}],
+    "joints": [{"name": "A", "type": "revolute", "p": "a", "s": "ground", "at": [0, 0, 0]},
+               {"name": "B", "type": "revolute", "p": "b", "s": "a", "at": [1, 0, 0]},
+               {"name": "C", "type": "revolute", "p": "c", "s": "b", "at": [3, 0, 0]},
+               {"name": "D", "type": "revolute", "p": "c", "s": "ground", "at": [2, 0, 0]}])");
+  const Called singular = call("check '" + flat + "'");
+  INFO(singular.text);
+  CHECK(contains(singular.text,
+                 "  The mechanism assembles in a singular configuration; 2 instantaneous degrees of freedom.\n"));
+  CHECK_FALSE(contains(singular.text, "OK:"));
+  for (const std::string verbose : {"", " --verbose"}) {
+    const Called open = call("check '" + flat + "' --set joints.D.at.0=9" + verbose);
+    INFO(open.text);
+    CHECK(open.exit != 0);
+    CHECK(value_of(open.text, "degrees of freedom") == "not computed");
+    CHECK_FALSE(contains(open.text, "all are unique"));
+    CHECK_FALSE(contains(open.text, "redundant constraints"));
+  }
+}
+
 TEST_CASE("check reports unintended settings, and that the run has no end", "[runner]") {
   const Called r = call("check '" + scene_file("settings", R"("bodies": [{"name": "bob", "particle": 1}],
     "forces": [{"name": "k", "type": "spring_damper", "p": "bob", "s": "ground", "at_p": [0, 0, 0], "at_s": [0, 1, 0],
@@ -75,6 +99,7 @@ TEST_CASE("degrees of freedom are counted in space, although a run is solved in 
   CHECK(value_of(held.text, "unknown velocities") == "6");
   CHECK(value_of(held.text, "constraints") == "5");
   CHECK(value_of(held.text, "degrees of freedom") == "1");
+  CHECK(contains(held.text, "normal y (the start and all loads lie in it; counts are in space)"));
 }
 
 TEST_CASE("a door at rest is solved in space by check, run and statics, not in a plane that locks it", "[runner]") {
@@ -114,7 +139,7 @@ TEST_CASE("check names what keeps a scene in space that moves in a plane", "[run
       "'template_force' does not declare that it stays in the plane with normal z; add to its "
       "class: \"bool stays_in_plane(lockstep::Plane) const override { return true; }\"";
   const std::string in_space = "joint: 2 unknown velocities, and the loop-closure constraints of D";
-  CHECK(value_of(checked(""), "formulation") == in_space);
+  CHECK(value_of(checked(""), "solved as") == in_space);
   CHECK(contains(checked(""), proposal));
   CHECK(contains(checked("--planar auto"), proposal));
   CHECK(contains(checked("--planar z"), "in the plane with normal z"));
@@ -124,7 +149,7 @@ TEST_CASE("check names what keeps a scene in space that moves in a plane", "[run
   scene["joints"][3]["at"] = {0.28, 0, 0.1};  // a lever arm along the normal
   CHECK_FALSE(contains(checked(""), "gives 9"));
   scene["joints"][3]["at"] = {0.28, 0, 0}, scene["markers"][1]["at"] = {1, 0, 1};  // now it pulls out of the plane
-  CHECK(value_of(checked(""), "formulation") == in_space);
+  CHECK(value_of(checked(""), "solved as") == in_space);
   CHECK_FALSE(contains(checked(""), "gives 9"));
 }
 
@@ -139,7 +164,7 @@ TEST_CASE("check reports the joint coordinates of a scene, and why there are non
     const Called checked = call("check '" + scene + "' --verbose " + options);
     INFO(checked.text);
     CHECK(checked.exit == 0);
-    return value_of(checked.text, "formulation");
+    return value_of(checked.text, "solved as");
   };
   const auto branch = [](const std::string& scene, const std::string& options, const std::string& body) {
     const std::string text = call("check '" + scene + "' --verbose " + options).text;
@@ -247,6 +272,31 @@ TEST_CASE("check counts the mechanism, assemble reports the bodies that it moved
   CHECK(report["largest_move"].get<double>() == Approx(0.1));
   CHECK(report["moved_most"] == "bob");
   CHECK(report["bodies"]["bob"]["position"][0].get<double>() == Approx(1.0));
+  CHECK(report["bodies"]["bob"]["moved"].get<double>() == Approx(0.1));
+  CHECK(report["bodies"]["bob"]["ends"].empty());
+
+  // The ends of rods, with which the same scene is not moved again.
+  const std::string rod = scene_file("off_rod", R"("bodies": [
+    {"name": "arm", "rod": {"mass": 1, "from": ["100 mm", 0, 0], "to": [1.1, 0, 0]}},
+    {"name": "box", "box": {"mass": 1, "size": [1, 1, 1]}, "position": [9, 0, 0]}],
+    "joints": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at_p": [0.1, 0, 0], "at_s": [0, 0.1, 0]}])");
+  const Called moved = call("assemble '" + rod + "'");
+  INFO(moved.text);
+  CHECK(contains(row_of(moved.text, "name"), "moved [m]"));
+  CHECK(row_of(moved.text, "box").starts_with("box 0 0 [9, 0, 0]"));
+  const auto arm = [&](const std::string& options) {
+    const std::string text = call("assemble '" + rod + "' --json" + options).text;
+    return nlohmann::json::parse(text.substr(std::min(text.find('{'), text.size())))["bodies"]["arm"];
+  };
+  const auto first = arm("");
+  CHECK(first["moved"].get<double>() > 0.1);
+  CHECK(first["rotated"].get<double>() > 0.1);
+  std::string again;
+  for (int k = 0; k < 3; ++k)
+    for (const auto& [key, end] :
+         {std::pair("bodies.arm.rod.from.", 0), std::pair("bodies.arm.rod.to.", 1), std::pair("joints.A.at_p.", 0)})
+      again += " --set " + std::string(key) + std::to_string(k) + "=" + first["ends"][end][k].dump();
+  CHECK(arm(again)["moved"].get<double>() < 1e-9);
   const Called run = call("run '" + off + "' --record off.csv");
   CHECK(run.exit == 0);
   CHECK(contains(run.text, "moved 'bob' by 0.1 m"));

@@ -35,6 +35,21 @@ TEST_CASE("runner: nearly dependent constraints hold as written, and are free or
   REQUIRE(by_itself["nearly_redundant"].size() == 1);
   CHECK(by_itself["nearly_redundant"][0]["decided"] == "held");
   CHECK(by_itself["nearly_redundant"][0]["left_out"].size() == 4);
+  // Constraints that are left out are counted as redundant.
+  for (const auto& [choice, left_out] : {std::pair(&by_itself, 4), std::pair(&free, 5)}) {
+    CHECK((*choice)["rows"] == 10);
+    CHECK((*choice)["redundant"] == left_out);
+    int too_many = 0;
+    for (const Json& set : (*choice)["dependencies"]) {
+      too_many += set["too_many"].get<int>();
+      if (set["nearly"] == 1) CHECK(set["rows"] == Json{"low.y", "low.e1", "high.y", "high.e1"});
+    }
+    CHECK(too_many == 4);
+  }
+  const std::string verbose = call("check " + door + " --verbose").text;
+  CHECK(value_of(verbose, "constraints") == "10");
+  CHECK(value_of(verbose, "redundant constraints") == "4");
+  CHECK(contains(verbose, "4 of these left out: high x z e1 e2\n"));
   const Json told = after_warnings("check " + door + " --nearly-redundant report --json");
   CHECK(told["freedoms"] == 0);
   REQUIRE(told["nearly_redundant"].size() == 1);

@@ -337,7 +337,8 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
     state.q.segment<3>(7 * sys.body("bar").slot) += Vec3(0.6, 0, 0);
     const AssemblyReport report = assemble(dynamics, state);
     REQUIRE(report.findings.size() == 1);
-    CHECK(says(report.findings.front().text(), {"assembly moved body '", "draw the body where it fits its joints"}));
+    CHECK(says(report.findings.front().text(),
+               {"the given poses do not fit the joints: assembly moved '", "give poses that fit the joints"}));
   }
   SECTION("a joint that alone is drawn open") {
     System own;
@@ -347,7 +348,7 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
     State state = own.start();
     const AssemblyReport report = assemble(one, state);
     REQUIRE(report.findings.size() == 1);
-    CHECK(says(report.findings.front().text(), {"because joint 'A' is drawn open by 1.5 m", "\"at_p\""}));
+    CHECK(says(report.findings.front().text(), {"the given poses violate joint 'A' by 1.5 m", "\"at_p\""}));
   }
   SECTION("drawn in its zero position, and taken by a law to where it begins") {
     System own;

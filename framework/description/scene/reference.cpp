@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/scene/describe.h"
 
+#include <boost/algorithm/string/case_conv.hpp>
 #include <boost/algorithm/string/replace.hpp>
 #include <sstream>
 
@@ -17,9 +18,10 @@ std::string cell(const std::string& text) { return boost::replace_all_copy(text,
 // The object of a joint has its older name in the tables.
 std::string shown_object(const std::string& object) { return object == "link" ? "joint" : object; }
 
+// The help of a key of any form begins with its form: "list of [t, x]: times increasing".
 std::string form_cell(const Key& key, const std::vector<Part>& parts) {
   const std::string words = form_words(key, parts);
-  return words == "any" ? "as described" : cell(words.substr(0, words.find(": see ")));
+  return cell(words == "any" ? key.help.substr(0, key.help.find(": ")) : words.substr(0, words.find(": see ")));
 }
 
 std::string default_cell(const Key& key) {
@@ -32,7 +34,7 @@ std::string default_cell(const Key& key) {
 std::string seen_cell(const Key& key, const std::vector<Part>& parts) {
   for (const Part& part : parts)
     if (part.key == key.name && !part.table.empty() && !part.names_type())
-      return " (*" + shown_object(part.table) + "*)";
+      return " ([" + shown_object(part.table) + "](#" + shown_object(part.table) + "))";
   return "";
 }
 
@@ -46,7 +48,8 @@ void write_keys(std::ostream& out, const std::vector<Key>& keys, const std::vect
 
 void write_type(std::ostream& out, const Description& d) {
   const std::string kind = d.shelf.substr(0, d.shelf.find("_laws"));
-  out << "\n### " << shown_object(d.info.name) << (kind != d.shelf ? " (" + kind + " law)" : "") << "\n"
+  out << "\n### " << shown_object(d.info.name) << (kind != d.shelf ? " " + kind : "")
+      << (d.shelf.ends_with("laws") ? " law" : "") << "\n"
       << d.info.help << ".";
   if (d.origin != "built in") out << " From plugin `" << d.origin << "`.";
   out << "\n";
@@ -70,30 +73,33 @@ struct Chapter {
   const char *name, *heading, *text;
 };
 constexpr Chapter kChapters[] = {
-    {"links", "Joints and couplings", "Under `joints` of the scene. Each also has the keys of *joint*."},
-    {"forces", "Forces", "Under `forces` of the scene. Each also has the keys of *force*."},
+    {"links", "Joints and couplings", "Under `joints` of the scene. Each also has the keys of [joint](#joint)."},
+    {"forces", "Forces", "Under `forces` of the scene. Each also has the keys of [force](#force)."},
     {"laws", "Laws", "Functions of time, for every key that holds a law. `y` has the unit of that key."},
     {"integrators", "Integrators", "`run.integrator`: the name, or an object with its `type` and keys."},
     {"solvers", "Linear solvers", "`run.solver`: the name, or an object with its `type` and keys."}};
 
-// "23 objects, 61 types, 402 keys."
-std::string coverage_words(const Registry& registry) {
-  std::size_t n_types = 0, n_keys = 0;
-  for (const Description& d : all_descriptions(registry)) n_types += d.shelf != "scene", n_keys += d.info.keys.size();
-  return "It is complete: " + std::to_string(scene_tables().size()) + " objects, " + std::to_string(n_types) +
-         " types, " + std::to_string(n_keys) + " keys.";
+// A line of links for each chapter, to the anchors that GitHub makes of headings.
+std::string index_of(const std::string& text) {
+  std::string index;
+  for (const std::string& line : lines_of(text)) {
+    if (!line.starts_with("##")) continue;
+    const bool chapter = line[2] == ' ';
+    const std::string heading = line.substr(chapter ? 3 : 4);
+    const std::string anchor = boost::replace_all_copy(boost::to_lower_copy(heading), " ", "-");
+    index += (chapter ? "\n- **[" : " [") + heading + "](#" + anchor + (chapter ? ")**:" : ")");
+  }
+  return index + "\n";
 }
 
 }  // namespace
 
 std::string scene_reference(const Registry& registry) {
-  std::ostringstream out;
-  out << "# Scene reference\nEvery object, type and key of a scene file, for authors of scenes; "
-         "[Scenes](scenes.md) explains the format. "
-         "A value is in SI units (m, kg, s, rad), unless it is a text with another unit. A name in italics, such as "
-         "*joint*, is an object with its own section. `lockstep describe NAME` shows one entry, "
-         "`lockstep reference` all of them. "
-      << coverage_words(registry) << "\n";
+  std::ostringstream head, out;
+  head << "# Scene reference\nEvery object, type and key of a scene file, for authors of scenes; "
+          "[Scenes](scenes.md) explains the format. "
+          "A value is in SI units (m, kg, s, rad), unless it is a text with another unit. "
+          "`lockstep describe NAME` shows one entry, `lockstep reference` all of them.\n";
   out << "\n## Objects\n";
   for (const Description& d : all_descriptions(registry))
     if (d.shelf == "scene") write_type(out, d);
@@ -110,7 +116,7 @@ std::string scene_reference(const Registry& registry) {
   out << "\n| quantity | SI unit | example |\n|---|---|---|\n";
   for (const Unit unit : units())
     out << "| " << name_of(unit) << " | " << si_unit(unit) << " | `\"" << example_of(unit) << "\"` |\n";
-  return out.str();
+  return head.str() + index_of(out.str()) + out.str();
 }
 
 }  // namespace lockstep

@@ -63,11 +63,11 @@ inertia | [x, y, z], 3 rows of 3, or object; inertia | | moments of inertia: [Jx
 inertia_at | [x, y, z] or choice; ; center | | reference point of the inertia, own frame; default: the centre of mass
 inertia_axes | orientation | [1, 0, 0, 0] | axes of the inertia, own frame
 center | vector3; length | [0, 0, 0] | centre of mass, own frame
-rod | object; rod | | a rod; the frame is at mid-length, x along the rod
+rod | object; rod | | a rod; the frame is at mid-length, x along the rod, so "position" and "orientation" are not given
 box | object; box | | a box, centred at the origin of its frame
 cylinder | object; cylinder | | a cylinder, centred at the origin of its frame, along z
 sphere | object; sphere | | a sphere, centred at the origin of its frame
-## body | | a rigid body, a particle or a fixed frame
+## body | | a rigid body, a particle or a fixed frame; one of "mass", "rod", "box", "cylinder", "sphere", "compound", "particle" and "fixed" is required
 name | text | ! | name, unique in the scene
 < matter
 compound | list of objects; part | | rigidly connected parts, each placed in the body frame
@@ -81,7 +81,7 @@ omega_world | vector3; angular speed | | angular velocity at the start, world ax
 assembled | choice; approximate; exact; free | "approximate" | change of the start pose by assembly: as small as possible, none, or free
 start_weight | number | 1 | weight of the start pose in assembly, relative to other bodies
 visual | object; visual | | appearance in reports
-## part | | an object of "compound": a part of a body
+## part | | an object of "compound": a part of a body; one of "mass", "rod", "box", "cylinder" and "sphere" is required
 < matter
 position | vector3; length | [0, 0, 0] | origin of the part's frame, body frame
 orientation | orientation | [1, 0, 0, 0] | orientation of the part's frame, body frame
@@ -164,8 +164,8 @@ density | number; density | | density, or "mass"
 radius | number; length | ! | radius
 ## drive | | an ideal motor: it prescribes the motion of one free coordinate of a joint by one constraint
 axis | choice; x; y; z; rx; ry; rz | ! | coordinate of P relative to S
-law | law; quantity | | coordinate as a function of time, m or rad
-speed | law; quantity | | rate as a function of time, m/s or rad/s; its integral is the coordinate
+law | law; quantity | | coordinate as a function of time, m or rad; required, or "speed"
+speed | law; quantity | | rate as a function of time, m/s or rad/s; its integral is the coordinate; required, or "law"
 ## start | | initial conditions of the free coordinates of a joint
 velocity | object; start_velocity | | rates
 position | object; start_position | | values, met exactly
@@ -182,8 +182,8 @@ rest_speed | number; quantity | 0.001 | an impact with a lower rebound speed end
 side | choice; above; below | "above" | free side: a value above the one that the joint holds, as for a floor, or below it, as for a rope
 ## travel | | an object of "stops": limits of one coordinate of a joint
 axis | choice; x; y; z; rx; ry; rz | ! | coordinate of P relative to S
-low | number; quantity | | lower limit, m or rad
-high | number; quantity | | upper limit, m or rad
+low | number; quantity | | lower limit, m or rad; required, or "high", or both
+high | number; quantity | | upper limit, m or rad; required, or "low", or both
 restitution | number | 0 | ratio of the speed after an impact to the speed before, from 0 to 1
 rest_speed | number; quantity | 0.001 | an impact with a lower rebound speed ends at rest, m/s or rad/s
 ## friction | | dry and viscous friction in a joint, from its present reaction

@@ -122,7 +122,7 @@ std::string not_given(const System& system, const State& given, const State& ass
   return words;
 }
 
-// A joint that start poses leave open, and by how much, m, rotations as lengths.
+// A joint that start poses violate, and by how much, m, rotations as lengths.
 using Opening = std::pair<std::string, double>;
 
 // Those of the start poses, drives apart; none of a mechanism drawn in its zero position, which its drives take to where
@@ -155,18 +155,18 @@ void add_warnings(Dynamics& dynamics, const State& given, const State& assembled
   const std::vector<Opening> open = moved || turned ? drawn_open(dynamics, given) : std::vector<Opening>{};
   if (!open.empty()) {
     const bool one = open.size() == 1;
-    const std::string& body = moved ? report.moved_most : report.turned_most;
-    const double by = moved ? report.largest_move : report.largest_turn;
-    const char* const unit = moved ? "m" : "rad";
-    const std::string why =
-        one ? fmt::format("because joint '{}' is drawn open by {:.3g} m", open[0].first, open[0].second)
-            : "from its start pose";
-    const char* const check = one ? "check the places of the joint (\"at_p\" and \"at_s\" are in world axes), or " : "";
+    std::vector<std::string> changes;
+    if (moved) changes.push_back(fmt::format("moved '{}' by {:.3g} m", report.moved_most, report.largest_move));
+    if (turned) changes.push_back(fmt::format("rotated '{}' by {:.3g} rad", report.turned_most, report.largest_turn));
     report.findings.push_back(
-        {&finding::start_moved, "body '" + body + "'",
-         fmt::format("assembly {} body '{}' by {:.3g} {} {}", moved ? "moved" : "rotated", body, by, unit, why),
-         fmt::format("{}draw the body where it fits its joints", check), by, kMuch * (moved ? system.length() : kTwoPi),
-         unit});
+        {&finding::start_moved, "body '" + (moved ? report.moved_most : report.turned_most) + "'",
+         fmt::format("the given poses {}: assembly {}",
+                     one ? fmt::format("violate joint '{}' by {:.3g} m", open[0].first, open[0].second)
+                         : "do not fit the joints",
+                     text::join(changes)),
+         one ? "check \"at_p\" and \"at_s\" (world axes), or the poses" : "give poses that fit the joints",
+         moved ? report.largest_move : report.largest_turn, kMuch * (moved ? system.length() : kTwoPi),
+         moved ? "m" : "rad"});
   }
   const double lost = report.kinetic_before - report.kinetic_after;
   if (!(lost > kMuch * report.kinetic_before)) return;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include <lockstep/text.h>
 #include "framework/dynamics/tree/buckets.h"
 #include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/spanning_tree.h"
@@ -153,11 +154,12 @@ std::string obstacle(const System& system) {
   if (system.n_slots() == 0) return "nothing moves";
   for (const auto& force : system.forces())
     if (force->reacting()) return "force '" + force->name() + "' reads reactions";
-  for (const auto& link : system.links()) {
-    if (system.merged(*link)) continue;
-    if (system.left_out(*link) != 0) return "redundant constraints of joint '" + link->name() + "' are left out";
-  }
-  return {};
+  std::vector<std::string> names;
+  for (const auto& link : system.links())
+    if (!system.merged(*link) && system.left_out(*link) != 0) names.push_back("'" + link->name() + "'");
+  if (names.empty()) return {};
+  return std::string("redundant constraints of joint") + (names.size() > 1 ? "s " : " ") + text::join(names) +
+         " are left out";
 }
 
 std::pair<int, int> slots_of(const Lock& link) {

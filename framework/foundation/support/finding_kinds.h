@@ -48,7 +48,7 @@ inline constexpr FindingKind start_far{"start-far", Severity::doubt,
 inline constexpr FindingKind renamed_key{"renamed-key", Severity::warning,
                                          "A key of the scene, or of --set, has its old name.", "Use the new name."};
 inline constexpr FindingKind implausible{"implausible", Severity::warning,
-                                         "A quantity has a value that no machine has; a unit is probably wrong.",
+                                         "Gravity, or an inertia for its mass, is too large. Lengths are not tested.",
                                          "Give numbers in m, kg and s, or with their units, as \"500 mm\"."};
 inline constexpr FindingKind not_included{
     "not-included", Severity::warning,

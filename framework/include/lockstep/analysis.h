@@ -59,8 +59,8 @@ struct Dependency {
 struct MobilityReport {
   int bodies = 0;                            ///< moving bodies; merged ones count as one
   int unknowns = 0;                          ///< velocities: 6 per body, 3 per particle; in a plane 3 and 2
-  int rows = 0;                              ///< constraints of the active joints, drives included
-  int rank = 0;                              ///< of the constraints, in this pose
+  int rows = 0;                              ///< constraints of the active joints, with drives and those left out
+  int rank = 0;                              ///< of the constraints that are not left out, in this pose
   int freedoms = 0;                          ///< degrees of freedom: unknowns - rank
   int redundant = 0;                         ///< redundant constraints: rows - rank
   std::vector<Dependency> dependencies;      ///< groups of dependent constraints; the order of joints has no effect

@@ -65,7 +65,7 @@ struct LinkAccount {
       type,                              ///< of the joint
       on_p,                              ///< body of P in its first pair
       on_s;                              ///< body of S in its first pair
-  bool in_force = true;                  ///< whether it is active; without constraints otherwise
+  bool in_force = true;                  ///< whether it is active; otherwise, and if open, it has no constraints
   bool merged = false;                   ///< whether its bodies were welded into one, so that it has no constraints
   std::vector<Vec3> axes;                ///< x, y and z of S, world; empty without markers
   std::vector<RowAccount> rows;          ///< its constraints, if it is active

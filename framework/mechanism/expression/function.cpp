@@ -154,7 +154,7 @@ template Jet<8> FormulaFunction::operator()(std::span<const Jet<8>>) const;
 
 Key constants_key() {
   return {"parameters", Form::any, Unit::none, kOptional,
-          "named numbers for its formulas; parameters of the scene, in SI, are known too"};
+          "object of numbers: named numbers for its formulas; parameters of the scene, in SI, are known too"};
 }
 
 std::vector<Constant> read_constants(const Params& p, const std::string& key) {

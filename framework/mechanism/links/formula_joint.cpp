@@ -122,7 +122,7 @@ TypeInfo FormulaJoint::info() {
       "formulas of the pose of P relative to S, each held at zero; degrees of freedom left: 6 less the formulas and "
       "mask",
       {{"phi", Form::any, Unit::none, kRequired,
-        "a formula, or a list of up to 3, of x, y, z (m), e0 ... e3 (quaternion), rz (rad, counted) and t"},
+        "formula, or list of up to 3: of x, y, z (m), e0 ... e3 (quaternion), rz (rad, counted) and t"},
        {"mask", Form::text, Unit::none, "", "further constraints, as of a lock: words of x y z e1 e2 e3"},
        expression::constants_key()}};
 }

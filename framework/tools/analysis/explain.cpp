@@ -134,7 +134,7 @@ LinkAccount account_of(Dynamics& dynamics, const State& state, const Lock& link)
     out.axes = {S.col(0), S.col(1), S.col(2)};
   }
   const int entry = out.merged ? -1 : v.rows.entry_of_link[link.number()];
-  out.in_force = entry >= 0 || (!out.merged && !out.left_out.empty() && state.modes[link.number()]);
+  out.in_force = !out.merged && (state.modes[link.number()] || state.watched[link.number()]);
   if (entry < 0) return out;
   out.incomplete = left_out_in(system.plane());
   const RowEntry& e = v.rows.entries[entry];

@@ -40,8 +40,9 @@ template <class Account>
 struct At {
   double t;
   Account account;
-  std::string contact{};  // of a one-sided joint
   std::vector<PoseNumber> quantities{};
+  std::string contact{};  // of a one-sided joint
+  double restitution = NAN;
 };
 
 const Fields<BodyBalance>& balance_fields() {
@@ -134,8 +135,9 @@ struct AccountFields {
   Fields<At<BodyBalance>> body = at_instant(balance_fields());
   Fields<At<LinkAccount>> link =
       at_instant(link_fields())
-          .with({{"contact", "", "state", &At<LinkAccount>::contact},
-                 {"quantities", "quantities, not in the sums above", &At<LinkAccount>::quantities, number_fields()}});
+          .with({{"restitution", "", "restitution", &At<LinkAccount>::restitution},
+                 {"contact", "", "state", &At<LinkAccount>::contact},
+                 {"quantities", "other quantities", &At<LinkAccount>::quantities, number_fields()}});
   Fields<At<ForceEffect>> force =
       at_instant(force_fields()).with({{"quantities", "quantities", &At<ForceEffect>::quantities, number_fields()}});
   Fields<Balances> bodies{{"t", "s", "t", &Balances::t}, {"bodies", "body", &Balances::account, balance_fields()}};
@@ -193,17 +195,16 @@ Result explain(const Arguments& args) {
     const Channel channel = make_channel(system_of(m), name);
     quantities.push_back({name, channel.unit, channel.value(sample)});
   }
-  const auto at = [&]<class Account>(Account account, const char* contact = "") {
-    return At<Account>{state.t, std::move(account), contact, quantities};
-  };
+  const auto at = [&]<class Account>(Account account) { return At<Account>{state.t, std::move(account), quantities}; };
   for (const Body& body : system.bodies())
     if (body.name == thing) return {loaded, account_fields().body, at(balance_of(dynamics, state, body))};
-  for (const auto& link : system.links())
-    if (link->name() == thing)
-      return {loaded, account_fields().link,
-              at(account_of(dynamics, state, *link), link->unilateral() == nullptr ? ""
-                                                     : state.modes[link->number()] ? "in contact"
-                                                                                   : "open")};
+  for (const auto& link : system.links()) {
+    if (link->name() != thing) continue;
+    At<LinkAccount> account = at(account_of(dynamics, state, *link));
+    if (const Unilateral* side = link->unilateral())
+      account.contact = state.modes[link->number()] ? "in contact" : "open", account.restitution = side->restitution;
+    return {loaded, account_fields().link, account};
+  }
   for (const auto& force : system.forces())
     if (force->name() == thing) return {loaded, account_fields().force, at(account_of(dynamics, state, *force))};
   Balances all{state.t, {}};

@@ -12,6 +12,7 @@
 #include <lockstep/author/lock.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/write.h"
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/foundation/support/finding_kinds.h"
@@ -135,12 +136,7 @@ std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m, boo
   return all;
 }
 
-std::string value_text(const Value& v) {
-  if (v.list() == nullptr) return plain_text(v);
-  std::string text;
-  for (const Value& each : *v.list()) text += (text.empty() ? "" : ", ") + value_text(each);
-  return "[" + text + "]";
-}
+std::string value_text(const Value& v) { return v.list() == nullptr ? plain_text(v) : write_json_line(v); }
 
 /// Adds "torque.csv: 101 points; time 0 to 0.5 s; torque -1.4 to 2.21 N m" for each table of a law, in its own units.
 void add_tables(const Value& v, Names& lines) {
@@ -181,7 +177,8 @@ std::string formulation_of(const Mechanism& m, const std::string& why_not_joint,
   const Formulation asked = m.run.formulation;
   if (asked == Formulation::quaternion || (asked == Formulation::omega && !m.system.plane())) return to_string(asked);
   const Plane plane = m.system.plane();
-  const std::string where = plane ? fmt::format(", in the plane with normal {}", "xyz"[plane.n]) : "";
+  const char* counts = found.moves.plane.empty() ? " (the start and all loads lie in it; counts are in space)" : "";
+  const std::string where = plane ? fmt::format(", in the plane with normal {}{}", "xyz"[plane.n], counts) : "";
   if (asked == Formulation::omega) return "omega" + where;
   if (!why_not_joint.empty()) return "omega" + where + ": " + why_not_joint;
   const int unknowns = found.tree.n_coordinates;
@@ -233,7 +230,7 @@ const Fields<Findings>& check_fields() {
   static const Fields<Findings> kFields =
       Fields<Findings>{}
           .with(&Findings::moves, mobility_fields())
-          .with({{"formulation", "", "formulation", &Findings::formulation},
+          .with({{"formulation", "", "", &Findings::formulation},
                  {"stages", "", "", &Findings::stages},
                  {"violation", "m", "", &Findings::violation},
                  {"violation_v", "m/s", "", &Findings::violation_v},
@@ -283,7 +280,7 @@ std::string redundant_words(const Findings& f) {
       words += fmt::format("{}{} {} {}", words.empty() ? "" : "\n" + std::string(22, ' '), n, how, by_joint(rows));
   };
   for (const Dependency& d : r.dependencies) add(static_cast<std::size_t>(d.too_many), "of", d.rows);
-  for (const NearDependency& d : f.moves.near.all) add(d.left_out.size(), "left out:", d.left_out);
+  for (const NearDependency& d : f.moves.near.all) add(d.left_out.size(), "of these left out:", d.left_out);
   return (words.empty() ? "none" : words) + where;
 }
 
@@ -296,18 +293,21 @@ std::string head_text(const System& system, const Findings& f) {
   const MobilityReport& r = f.moves.mobility;
   std::string text;
   if (f.moves.error.empty())
-    text = fmt::format("  {}.\n\n", r.freedoms > 0 ? "OK: the mechanism assembles; " + counted(r.freedoms, "degree") +
-                                                         " of freedom " + (r.freedoms == 1 ? "is free" : "are free")
+    text = fmt::format("  {}.\n\n", f.moves.position.singular
+                                        ? "The mechanism assembles in a singular configuration; " +
+                                              counted(r.freedoms + r.driven, "instantaneous degree") + " of freedom"
+                                    : r.freedoms > 0 ? "OK: the mechanism assembles; " + counted(r.freedoms, "degree") +
+                                                           " of freedom " + (r.freedoms == 1 ? "is free" : "are free")
                                     : r.driven > 0 ? "OK: the mechanism assembles; its motion is fully prescribed"
                                                    : "The mechanism assembles, but it cannot move");
   return text + fact_line("bodies", body_words(system)) + fact_line("joints", joint_words(system));
 }
 
 // The other facts that matter before a run.
-std::string brief_text(const Findings& f, bool in_space) {
+std::string brief_text(const Findings& f) {
   if (!f.moves.error.empty()) return fact_line("degrees of freedom", "not computed");
   return fact_line("degrees of freedom", freedom_words(f.moves.mobility)) + fact_line("redundant", redundant_words(f)) +
-         fact_line("solved as", f.formulation) + "\n  More: --verbose, --channels" + (in_space ? "\n" : ", --full\n");
+         fact_line("solved as", f.formulation);
 }
 
 // The exit code of a run of it, as far as its start: the findings precede the error of the start.
@@ -318,12 +318,14 @@ Result check_scene(const Arguments& args) {
   const Findings found = found_in(args, loaded, m);
   if (!found.moves.error.empty()) tell_error(found.moves.error);
   Result result(loaded, check_fields(), found);
-  result.brief = head_text(m.system, found);
+  result.brief = head_text(m.system, found) + brief_text(found);
+  Json shown = result.data;
+  if (!found.moves.error.empty())
+    for (const FieldInfo& count : mobility_fields().schema().fields) shown.erase(count.name);
   if (args.has("--verbose"))
-    result.brief += fact_line("counts", !found.moves.error.empty() ? "may be wrong, because of the error" : "") + "\n" +
-                    text_of(*result.schema, result.data);
-  else
-    result.brief += brief_text(found, args.has("--full"));
+    result.brief += "\n" + text_of(*result.schema, shown);
+  else if (found.moves.error.empty())
+    result.brief += std::string("\n  More: --verbose, --channels") + (args.has("--full") ? "\n" : ", --full\n");
   result.code = found.moves.exit_code;
   return result;
 }

@@ -74,10 +74,9 @@ const Fields<Dependency>& dependency_fields() {
 
 void note_not_unique(const UniquenessReport& reactions) {
   if (reactions.all_unique()) return;
-  const std::string names = by_joint(reactions.rows);
-  CommandFindings::add({&finding::reactions_not_unique, names,
-                        "individual reactions are not unique, because constraints are redundant or left out; --verbose "
-                        "lists them"});
+  CommandFindings::add({&finding::reactions_not_unique, by_joint(reactions.rows),
+                        "individual reactions are not unique, because constraints are redundant or left out",
+                        "lockstep check --verbose lists them"});
 }
 
 std::vector<std::string> columns_not_unique(const RunSettings& run, const UniquenessReport& reactions) {

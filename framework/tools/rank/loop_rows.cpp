@@ -5,9 +5,18 @@
 #include <numeric>
 #include <utility>
 
+#include <lockstep/author/passes.h>
 #include "framework/dynamics/solvers/graph.h"
 
 namespace lockstep {
+
+const RowTable& all_rows(const Evaluation& e, const State& state, RowTable& room) {
+  const System& system = e.system();
+  if (std::ranges::none_of(system.links(), [&](const auto& link) { return system.left_out(*link) != 0; }))
+    return e.rows();
+  passes::lay_out(system, state.modes, room, true), passes::gather_rows(system, e.inputs(), room);
+  return room;
+}
 
 // At a slot that two groups share, what the rows of one of them carry is balanced within it, since it does not reach the
 // ground otherwise.

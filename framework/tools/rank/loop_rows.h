@@ -9,6 +9,9 @@
 
 namespace lockstep {
 
+/// The rows of an evaluation with those that were left out; `room` holds them if there are some.
+const RowTable& all_rows(const Evaluation&, const State&, RowTable& room);
+
 /// Entries of the table in groups whose ranks add up: those that lie on common loops of slots.
 std::vector<std::vector<int>> loops_of(const System&, const RowTable&);
 

@@ -30,27 +30,33 @@ int rank_of_drives(const System& system, const RowTable& table, const LoopRows& 
 MobilityReport mobility(Dynamics& dynamics, const State& state) {
   const Evaluation& evaluation = dynamics.gather_rows(state);
   const System& system = dynamics.system();
-  const RowTable& table = evaluation.rows();
+  RowTable room;
+  std::vector<const RowTable*> tables{&evaluation.rows(), &all_rows(evaluation, state, room)};
   MobilityReport report;
   report.bodies = system.n_slots();
   report.unknowns = system.n_velocities();
-  report.rows = table.n_rows;
+  report.rows = tables.back()->n_rows;
+  if (tables.front() == tables.back()) tables.pop_back();
   std::vector<bool> takes_part(system.links().size(), false);
-  for (const std::vector<int>& entries : loops_of(system, table)) {
-    const LoopRows rows(system, table, entries);
-    const Dependencies dependencies(rows.Jt);
-    report.rank += dependencies.rank;
-    report.driven += rank_of_drives(system, table, rows, dependencies.rank, report.drives);
-    for (const DependentRows& set : dependencies.sets) {
-      Dependency& found = report.dependencies.emplace_back();
-      found.too_many = set.too_many, found.nearly = set.nearly, found.pivot = set.pivot;
-      for (const int row : set.rows) {
-        const NamedRow named(system, table, rows.numbers[row]);
-        found.rows.push_back(named.name());
-        if (set.too_many > 0) takes_part[named.link->number()] = true;
+  for (const RowTable* table : tables)
+    for (const std::vector<int>& entries : loops_of(system, *table)) {
+      const LoopRows rows(system, *table, entries);
+      const Dependencies dependencies(rows.Jt);
+      if (table == tables.front()) {
+        report.rank += dependencies.rank;
+        report.driven += rank_of_drives(system, *table, rows, dependencies.rank, report.drives);
+      }
+      if (table != tables.back()) continue;
+      for (const DependentRows& set : dependencies.sets) {
+        Dependency& found = report.dependencies.emplace_back();
+        found.too_many = set.too_many, found.nearly = set.nearly, found.pivot = set.pivot;
+        for (const int row : set.rows) {
+          const NamedRow named(system, *table, rows.numbers[row]);
+          found.rows.push_back(named.name());
+          if (set.too_many > 0) takes_part[named.link->number()] = true;
+        }
       }
     }
-  }
   for (const auto& link : system.links())
     if (takes_part[link->number()]) report.redundant_links.push_back(link->name());
   report.freedoms = report.unknowns - report.rank;

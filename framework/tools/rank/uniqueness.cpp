@@ -87,11 +87,8 @@ bool UniquenessReport::unique(const std::string& channel) const {
 UniquenessReport uniqueness(Dynamics& dynamics, const State& state) {
   const Evaluation& e = dynamics.gather_rows(state);
   const System& system = dynamics.system();
-  RowTable all;  // with rows that were left out: they would take a share
-  const bool any_left_out =
-      std::ranges::any_of(system.links(), [&](const auto& link) { return system.left_out(*link) != 0; });
-  if (any_left_out) passes::lay_out(system, state.modes, all, true), passes::gather_rows(system, e.inputs(), all);
-  const RowTable& table = any_left_out ? all : e.rows();
+  RowTable room;
+  const RowTable& table = all_rows(e, state, room);  // those that were left out would take a share
   const Undetermined u(system, table);
   UniquenessReport report;
   report.undetermined = u.n;
