@@ -80,10 +80,11 @@ TEST_CASE("files that are no plugin for this host are rejected, each with its re
   const std::vector<Case> cases = {
       {"empty file", "it is empty", [] { return hostile("none", ""); }},
       {"a text", "it does not begin with an ELF header", [] { return hostile("text", "#!/bin/sh\necho no\n"); }},
-      {"only the first four bytes", "it ends too early, at byte 4",
+      {"only the first four bytes", "the file is truncated: 4 bytes, but its headers require at least 64",
        [&] { return hostile("magic", sound.substr(0, 4)); }},
-      {"cut in the header", "it ends too early", [&] { return hostile("cut40", sound.substr(0, 40)); }},
-      {"cut in the middle", "it ends too early", [&] { return hostile("half_of", sound.substr(0, sound.size() / 2)); }},
+      {"cut in the header", "the file is truncated: ", [&] { return hostile("cut40", sound.substr(0, 40)); }},
+      {"cut in the middle",
+       "the file is truncated: ", [&] { return hostile("half_of", sound.substr(0, sound.size() / 2)); }},
       {"32 bits", "another word size", [] { return hostile("bits32", changed(4, "\1")); }},
       {"other byte order", "another word size or byte order", [] { return hostile("order", changed(5, "\2")); }},
       {"other architecture", "it is made for S/390, this host is ",
@@ -91,8 +92,8 @@ TEST_CASE("files that are no plugin for this host are rejected, each with its re
       {"other system", "ELF file OS ABI invalid", [] { return hostile("system", changed(7, "\x09")); }},
       {"a program", "cannot be opened: ", [] { return hostile("program", changed(16, two_bytes(2))); }},
       {"no segments", "cannot be opened: ", [] { return hostile("bare", changed(56, two_bytes(0))); }},
-      {"segments beyond the end", "it ends too early",
-       [] { return hostile("beyond", changed(32, std::string("\0\0\0\1\0\0\0\0", 8))); }},
+      {"segments beyond the end",
+       "the file is truncated: ", [] { return hostile("beyond", changed(32, std::string("\0\0\0\1\0\0\0\0", 8))); }},
       {"a library without a record", "is not a lockstep plugin: it has no record \"lockstep-abi\"",
        [] { return kModules + "/stranger.so"; }},
       {"a record that is none", "it has no record",
@@ -117,7 +118,7 @@ TEST_CASE("files that are no plugin for this host are rejected, each with its re
        [] { return foreign("index", [](auto& r) { r.index_size = 4; }); }},
       {"debug library", "settings debug-library",
        [] { return foreign("debug", [](auto& r) { std::strcpy(r.flags, "debug-library "); }); }},
-      {"fast-math", "settings fast-math",
+      {"fast-math", "built with -ffast-math, which this lockstep does not accept; rebuild it without",
        [] { return foreign("fast", [](auto& r) { std::strcpy(r.flags, "fast-math "); }); }},
       {"no exceptions", "settings no-exceptions no-rtti",
        [] { return foreign("noexcept", [](auto& r) { std::strcpy(r.flags, "no-exceptions no-rtti "); }); }},
@@ -182,11 +183,13 @@ TEST_CASE("a plugin that registers badly leaves nothing behind", "[plugin][hosti
   CHECK(contains(rude("nameless"), "plugin 'rude': a law has no name"));
   CHECK(contains(rude("no maker"), "plugin 'rude': law 'unmade' has no maker"));
   CHECK(contains(rude("bad key"), "plugin 'rude': law 'odd' cannot be registered"));
-  CHECK(rude("std") == "plugin 'rude': registering threw: no such cam");
-  CHECK(rude("int") == "plugin 'rude': registering threw: an object of type int, which is not an exception");
+  CHECK(rude("std") == "plugin 'rude': its LOCKSTEP_PLUGIN function threw: no such cam");
+  CHECK(rude("int") ==
+        "plugin 'rude': its LOCKSTEP_PLUGIN function threw: an object of type int, which is not an exception");
   CHECK(rude("no words") ==
-        "plugin 'rude': registering threw: an object of type (anonymous namespace)::Silent without a message");
-  CHECK(rude("foreign") == "plugin 'rude': registering threw: something that is not a C++ exception");
+        "plugin 'rude': its LOCKSTEP_PLUGIN function threw: an object of type (anonymous namespace)::Silent without a "
+        "message");
+  CHECK(rude("foreign") == "plugin 'rude': its LOCKSTEP_PLUGIN function threw: something that is not a C++ exception");
   CHECK(contains(rude("bell"), "its help is not a plain line of text"));
   CHECK(contains(rude("latin"), "its name is not a plain line of text"));
   CHECK(contains(rude("key bell"), "the name of its key number 0 is not a plain line of text"));

@@ -175,12 +175,12 @@ TEST_CASE("plugins list reports the state of every file", "[plugin][search][runn
   CHECK(brief.exit == 0);
   CHECK(std::count(brief.text.begin(), brief.text.end(), '\n') >= 8);  // six here, and the built plugins
   CHECK(contains(brief.text, "loads     law probe_law"));
-  CHECK(row_of(brief.text, "damaged")
-            .starts_with("damaged rejected plugin file '" + one +
-                         "/damaged.so' is not a shared library that can be loaded here: it ends too early"));
-  CHECK(row_of(brief.text, "passwords")
-            .starts_with("passwords rejected it is a link out of the plugin folders, to /etc/passwd"));
-  CHECK(row_of(brief.text, "widely").starts_with("widely rejected the file is writable by all users"));
+  CHECK(
+      contains(brief.text, "\n  rejected damaged:\n    plugin file '" + one +
+                               "/damaged.so' is not a shared library that can be loaded here: the file is truncated"));
+  CHECK(contains(brief.text, "\n    hint: rebuild it with lockstep_add_plugin\n"));
+  CHECK(contains(brief.text, "\n  rejected passwords:\n    it is a link out of the plugin folders, to /etc/passwd"));
+  CHECK(contains(brief.text, "\n  rejected widely:\n    the file is writable by all users"));
   CHECK(contains(brief.text, "loads     joint cam_follower"));
 
   CHECK(contains(call("plugins --help").text, "Usage: lockstep plugins list [OPTIONS]"));
@@ -190,6 +190,8 @@ TEST_CASE("plugins list reports the state of every file", "[plugin][search][runn
   CHECK(contains(why.text, one + "/fine.so comes first and is used"));
   CHECK(contains(row_of(why.text, "loose"), one + "/loose.so "));
   CHECK_FALSE(contains(why.text, "0000000000000000"));  // of a file that was not read
+  CHECK(contains(row_of(why.text, "widely"), " " + std::to_string(bytes.size())));
+  CHECK(contains(row_of(why.text, "loose"), "law probe_law"));
   CHECK(value_of(why.text, "this host") == abi_words(abi_of_this_build()));
 
   const auto json = nlohmann::json::parse(call("plugins list --json", path).text);

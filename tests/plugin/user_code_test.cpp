@@ -102,7 +102,7 @@ TEST_CASE("an exception of a law reaches the host with the joint, the law, the p
 
 TEST_CASE("a law that is no number is named at its first evaluation", "[plugin][user_code]") {
   SAYS(run(driven_by("nan")), {"NonFiniteError: t = 0.05", "joint 'A' (revolute)",
-                               "the law of drive rz ('naughty_law' of plugin naughty) gives nan, 0, 0"});
+                               "the law of drive rz ('naughty_law' of plugin naughty) gives y = nan, yd = 0, ydd = 0"});
   SAYS(run(driven_by("nan at once")), {"NonFiniteError: t = 0 s", "'naughty_law' of plugin naughty"});
   SAYS(run(hinge(""), R"({"name": "M", "type": "torque_motor", "p": "arm", "s": "ground", "at": [0,0,0],
                          "torque": {"type": "naughty_law", "does": "nan"}})"),

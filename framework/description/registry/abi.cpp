@@ -85,6 +85,8 @@ std::string abi_difference(const lockstep_abi_record& plugin, const lockstep_abi
     return std::to_string(r.alignment) +
            (r.static_alignment == r.alignment ? "" : " (objects " + std::to_string(r.static_alignment) + ")");
   };
+  if (flags(plugin).find("fast-math") != std::string::npos && flags(host).find("fast-math") == std::string::npos)
+    return "built with -ffast-math, which this lockstep does not accept; rebuild it without";
   for (const std::string& difference :
        {differs("C++", std::to_string(plugin.cxx_level), std::to_string(host.cxx_level)),
         differs("the standard library", library(plugin), library(host)),

@@ -99,7 +99,8 @@ std::string load_plugin(Registry& registry, const std::string& name_or_path, con
   } catch (const std::bad_alloc&) {
     throw;
   } catch (...) {
-    std::throw_with_nested(PluginError(who + "registering threw: " + thrown_words(std::current_exception())));
+    const std::string what = "its LOCKSTEP_PLUGIN function threw: " + thrown_words(std::current_exception());
+    std::throw_with_nested(PluginError(who + what));
   }
   try {
     its = as_of(name, its);

@@ -74,10 +74,16 @@ PluginStamp stamp_of_bytes(const std::vector<char>& bytes) {
                     "; rebuild it with lockstep_add_plugin");
 }
 
+// Refuses a file that ends before n bytes from `offset` on.
+void require(const std::vector<char>& bytes, std::uint64_t offset, std::uint64_t n, const std::string& path) {
+  if (offset > bytes.size() || bytes.size() - offset < n)
+    refuse_image(path, fmt::format("the file is truncated: {} bytes, but its headers require at least {}", bytes.size(),
+                                   std::max({offset, n, offset + n})));
+}
+
 template <class T>
 T read_at(const std::vector<char>& bytes, std::uint64_t offset, const std::string& path) {
-  if (offset > bytes.size() || bytes.size() - offset < sizeof(T))
-    refuse_image(path, fmt::format("it ends too early, at byte {}", bytes.size()));
+  require(bytes, offset, sizeof(T), path);
   T value;
   std::memcpy(&value, bytes.data() + offset, sizeof value);
   return value;
@@ -96,9 +102,7 @@ void check_image(const std::vector<char>& bytes, const std::string& path) {
     refuse_image(path, "it is made for " + machine_name(header.e_machine) + ", this host is " + machine_name(kMachine));
   for (unsigned k = 0; k < header.e_phnum; ++k) {
     const auto s = read_at<Elf64_Phdr>(bytes, header.e_phoff + k * sizeof(Elf64_Phdr), path);
-    if (s.p_filesz > bytes.size() || s.p_offset > bytes.size() - s.p_filesz)
-      refuse_image(path, fmt::format("it ends too early, at byte {}: a segment is {} bytes from {} on", bytes.size(),
-                                     s.p_filesz, s.p_offset));
+    require(bytes, s.p_offset, s.p_filesz, path);
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/registry/survey.h"
 
+#include <filesystem>
 #include <map>
 
 #include <lockstep/author/plugin.h>
@@ -53,6 +54,8 @@ std::vector<PluginCandidate> survey_plugins(const std::vector<std::string>& fold
   std::vector<PluginCandidate> all = files_in(folders);
   std::map<std::string, std::string> first;  // of each name: the file that is used
   for (PluginCandidate& c : all) {
+    std::error_code error;
+    if (const std::uintmax_t size = std::filesystem::file_size(c.file, error); !error) c.stamp.size = size;
     const auto [taken, is_first] = first.emplace(c.name, c.path);
     if (!is_first) {
       c.state = PluginCandidate::State::hidden;

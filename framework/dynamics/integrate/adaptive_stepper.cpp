@@ -9,6 +9,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/integrate/culprit.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 
@@ -27,8 +28,9 @@ std::string reason(Dynamics& dynamics, const State& start, const State& landed, 
   if (!words.empty()) return words;
   if (failure.empty()) return advice;
   const std::string row = most_violated(dynamics, landed);
-  return "the last attempt failed: " + failure + (row.empty() ? "" : " (worst: " + row + ")") +
-         "; two laws or joints may contradict each other, or the mechanism is locked: " + advice;
+  return "the last attempt failed: " + failure + (row.empty() ? "" : " (worst: " + row + ")") + "; " +
+         test_joints_first(dynamics.system()) +
+         "two laws or joints may contradict each other, or the mechanism is locked: " + advice;
 }
 
 }  // namespace

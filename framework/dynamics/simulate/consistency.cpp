@@ -230,11 +230,12 @@ std::optional<AssemblyError> PositionJump::refusal(Dynamics& dynamics, const Sta
   for (std::size_t k = 0; const Prescribed& now : prescribed(system, state))
     if (const double by = std::abs(now.y - prescribed_[k++].y); by > most)
       most = by, thing = thing_of(*now.link), who = now.name, far = fmt::format("{:.4g} {}", by, now.unit);
-  return AssemblyError(
-      fmt::format("{} jumps in position at t = {:.9g} s by {}; use a continuous law (ramp, cycloid, spline), "
-                  "\"continue\": true of a sequence, or \"drift\": true of a repeat",
-                  who, state.t, far),
-      {.thing = std::move(thing), .t = state.t});
+  const std::string problem = fmt::format("{} jumps in position at t = {:.9g} s by {}", who, state.t, far),
+                    advice =
+                        "use a continuous law (ramp, cycloid, spline), \"continue\": true of a sequence, or "
+                        "\"drift\": true of a repeat";
+  return AssemblyError(problem + "; " + advice,
+                       {.thing = std::move(thing), .problem = problem, .advice = advice, .t = state.t});
 }
 
 }  // namespace lockstep

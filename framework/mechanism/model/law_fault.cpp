@@ -20,8 +20,10 @@ std::string fault(const std::string& what, const LawPtr<L>& law, double t, Numbe
   try {
     const VecX x = numbers_of(law->at(t));
     if (x.allFinite()) return {};
+    constexpr const char* kNames[] = {"y = ", "yd = ", "ydd = "};  // of a scalar law
     std::string words;
-    for (const double number : x) words += (words.empty() ? "" : ", ") + text::brief(number);
+    for (int i = 0; i < x.size(); ++i)
+      words += (i > 0 ? ", " : "") + std::string(x.size() == 3 ? kNames[i] : "") + text::brief(x[i]);
     return what + shown(law) + " gives " + words;
   } catch (...) {
     const LawLabel* label = label_of(law);

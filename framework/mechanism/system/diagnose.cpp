@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/mechanism/system/diagnose.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -35,11 +36,12 @@ std::string law_fault_of(const Force& force, double t) {
 template <class T>
 [[noreturn]] void refuse_number(const T& thing, double t, const std::string& what, const std::string& otherwise) {
   const std::string law = law_fault_of(thing, t);
-  const std::string advice = law.empty() ? otherwise
-                             : law.find(" of plugin ") != std::string::npos
-                                 ? "test it by check_law, or check its parameters"
-                                 : "check its parameters";
   const Thing whose = thing_of(thing);
+  std::string advice = law.empty() ? otherwise : "check its parameters";
+  if (law.empty() ? whose.of_a_plugin() : law.find(" of plugin ") != std::string::npos)  // a hint of the step misleads
+    advice = (law.empty() ? "test " + whose.type + " by check_" + (whose.kind == "joint" ? "lock" : "force")
+                          : "test it by check_law") +
+             ", or " + advice.substr(0, advice.find(", or "));
   throw NonFiniteError(at_time(t) + whose.label() + what + (law.empty() ? "" : ": " + law) + "; " + advice,
                        {.thing = whose, .advice = advice, .t = t});
 }
@@ -95,6 +97,15 @@ Thing thing_of(const Lock& link) { return thing_of_kind("joint", link); }
 Thing thing_of(const Force& force) { return thing_of_kind("force", force); }
 
 bool has_function(const Lock& link) { return link.jointed() == nullptr || link.jointed()->has_laws(); }
+
+std::string test_joints_first(const System& system, const std::vector<std::string>& names) {
+  std::string tests;
+  for (const auto& link : system.links())
+    if (const Thing its = thing_of(*link); its.of_a_plugin() && tests.find(its.type + " by") == std::string::npos &&
+                                           (names.empty() || std::ranges::find(names, its.name) != names.end()))
+      tests += (tests.empty() ? "first test " : " and ") + its.type + " by check_lock";
+  return tests.empty() ? "" : tests + "; otherwise ";
+}
 
 Thing thing_of_row(const System& system, const RowTable& table, int row) {
   for (const RowEntry& e : table.entries)

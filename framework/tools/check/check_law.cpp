@@ -42,35 +42,58 @@ struct LawNumbers {
   }
 };
 
-// The largest of each number; empty if one is not finite. Notes where the law begins or ceases to be constant unlisted.
+// Where `begun` becomes true between t0 and t1.
+template <class Begun>
+double beginning(double t0, double t1, const Begun& begun) {
+  for (double m = 0.5 * (t0 + t1); t0 < m && m < t1; m = 0.5 * (t0 + t1)) (begun(m) ? t1 : t0) = m;
+  return t1;
+}
+
+// The largest of each number; empty if one is not finite. Reports where the law begins or ceases to be constant
+// unlisted; a change that is slight within a whole interval is only noted.
 VecX sizes(const LawNumbers& law, const std::vector<double>& listed, const CheckOptions& options, CheckReport& report) {
   const double cell = (options.to - options.from) / kInstants;
   const auto instant = [&](int i) { return options.from + i * cell; };
-  VecX size = law.all.at(options.from).cwiseAbs(), last;
-  bool rested = false, moves = false;
+  std::vector<VecX> f;
+  VecX size = law.all.at(options.from).cwiseAbs();
   for (int i = 0; i <= kInstants; ++i) {
     const double t = instant(i);
-    const VecX f = law.all.at(t);
-    const bool rests = i > 0 && f == last;
-    if (i > 1 && rests != rested &&
-        std::ranges::none_of(listed, [&](double b) { return 2 * std::abs(b - t + cell) < 3 * cell; }))
-      report.note(fmt::format("{} {} at about t = {} s, where breakpoints() has no time: a run may step over it",
-                              law.levels[0], rests ? "ceases to change" : "begins to change", text::brief(t - cell)));
-    moves |= i > 0 && !rests, rested = rests, last = f;
-    size = size.cwiseMax(f.cwiseAbs());
-    for (int c = 0; c < f.size(); ++c)
-      if (!std::isfinite(f[c])) {
+    f.push_back(law.all.at(t));
+    for (int c = 0; c < f[i].size(); ++c)
+      if (!std::isfinite(f[i][c])) {
+        const auto ends = [&](double x) { return !std::isfinite(law.all.at(x)[c]); };
         report.add("finite",
-                   {fmt::format("{} is {} at t = {} s", law.name(c), f[c], text::number(t)),
+                   {fmt::format("{} is {} from about t = {} s", law.name(c), f[i][c],
+                                text::brief(i > 0 ? beginning(instant(i - 1), t, ends) : t)),
                     "its formula at that time: a division by zero, a root or a logarithm of a negative number"});
         return {};
       }
-    law.all.at(instant(kInstants - i));
-    if (law.all.at(t) != f)
+    size = size.cwiseMax(f[i].cwiseAbs());
+    law.all.at(instant(i / 2));
+    if (law.all.at(t) != f[i])
       report.add("same", {fmt::format("returns another value at t = {} s in a second call", text::number(t)),
                           "members that change between calls: a law is a function of t alone"});
   }
-  if (!moves) report.note("it is constant during this time; give a time in which it moves by {.from = , .to = }");
+  if (std::ranges::all_of(f, [&](const VecX& x) { return x == f[0]; }))
+    report.note("it is constant during this time; give a time in which it moves by {.from = , .to = }");
+  for (int i = 1; i < kInstants; ++i) {
+    const bool rests = f[i] == f[i - 1];  // before instant i, and not after it; or the reverse
+    if (rests == (f[i + 1] == f[i])) continue;
+    const int from = rests ? i : i - 1;
+    const double t =
+        beginning(instant(from), instant(from + 1), [&](double x) { return rests != (law.all.at(x) == f[i]); });
+    if (std::ranges::any_of(listed, [&](double b) { return 2 * std::abs(b - t) < 3 * cell; })) continue;
+    const auto change = [&](double x) -> VecX {
+      return (law.all.at(std::clamp(rests ? t + x : t - x, options.from, options.to)) - f[i]).cwiseAbs();
+    };
+    const double near = kNegligible * cell;
+    const std::string what = fmt::format("{} {} to change at ", law.levels[0], rests ? "begins" : "ceases"),
+                      when = fmt::format("t = {} s, which breakpoints() does not list", text::brief(t));
+    if ((change(cell).array() <= kSlight * size.array()).all())
+      report.note(what + "about " + when + ": a run may step over it");
+    else if ((2 * change(near).array() <= change(16 * near).array()).all())  // else check_jumps() reports a jump
+      report.add(what, {what + when + ", so an adaptive method may step over it", "breakpoints(): append this time"});
+  }
   return size;
 }
 
@@ -95,13 +118,13 @@ void check_rates(const LawNumbers& law, const VecX& size, const std::vector<doub
       const auto look = [&](int k) {
         return fmt::format("the formula of {}, and at the terms of the chain rule", law.name(first + k));
       };
-      const bool found =
-          compare(report,
-                  {fmt::format("slope {}", level), law.all.at(t).segment(first, law.n),
-                   VecX::Constant(law.n, size.segment(first, law.n).maxCoeff()), what,
-                   fmt::format("{}differences of {} give", twice ? "second " : "", law.levels[twice ? 0 : level - 1]),
-                   "", look},
-                  twice ? second_derivative(value, reach) : first_derivative(level == 1 ? value : rate, reach));
+      const bool found = compare(
+          report,
+          {fmt::format("slope {}", level), law.all.at(t).segment(first, law.n),
+           VecX::Constant(law.n, size.segment(first, law.n).maxCoeff()), what,
+           fmt::format("{}finite differences of {} give", twice ? "second " : "", law.levels[twice ? 0 : level - 1]),
+           "", look},
+          twice ? second_derivative(value, reach) : first_derivative(level == 1 ? value : rate, reach));
       wrong = wrong || found;
     }
   }
@@ -145,14 +168,24 @@ CheckReport checked(const Law& law, const char* kind, const std::string& name, c
              [&](double t0, double t1, std::vector<double>& out) { law.breakpoints(t0, t1, out); },
              "breakpoints(): append every time at which the value or one of its two derivatives jumps"};
   own.change = [&](double t, double x) { return change(at(t), at(t + x)); };
-  const auto n_all = static_cast<int>(own.all.at(options.from).size());
-  own.n = static_cast<int>(own.change(options.from, 0).size()), own.n_values = n_all - 2 * own.n;
-  const std::vector<double> listed = listed_breakpoints(own.all, options, report);
-  const VecX size = sizes(own, listed, options, report);
-  if (size.size() == 0) return report;
-  check_rates(own, size, listed, options, report);
-  check_listed(own, size, listed, options, report);
-  check_jumps(own.all, options, report, 400, n_all);
+  completes(report, [&] {
+    const auto n_all = static_cast<int>(own.all.at(options.from).size());
+    own.n = static_cast<int>(own.change(options.from, 0).size()), own.n_values = n_all - 2 * own.n;
+    const std::vector<double> listed = listed_breakpoints(own.all, options, report);
+    const VecX size = sizes(own, listed, options, report);
+    if (size.size() == 0) return;
+    check_rates(own, size, listed, options, report);
+    check_listed(own, size, listed, options, report);
+    check_jumps(own.all, options, report, 400, n_all);
+    if constexpr (std::is_same_v<Law, RotationLaw>)
+      for (int i = 0; i <= kInstants; ++i) {
+        const double t = options.from + (options.to - options.from) * i / kInstants, n = std::sqrt(norm2(at(t).q));
+        if (std::abs(n - 1) > kRoundOff)
+          report.add("unit",
+                     {fmt::format("q at t = {} s has length {:.9g}, not 1", text::number(t), n), "its normalisation"},
+                     std::abs(n - 1));
+      }
+  });
   return report;
 }
 
@@ -167,15 +200,7 @@ CheckReport check_law(const TranslationLaw& law, const CheckOptions& options, co
 }
 
 CheckReport check_law(const RotationLaw& law, const CheckOptions& options, const std::string& name) {
-  CheckReport report = checked(law, "rotation law", name, options, {"q", "w", "a"});
-  for (int i = 0; i <= kInstants; ++i) {
-    const double t = options.from + (options.to - options.from) * i / kInstants, n = std::sqrt(norm2(law.at(t).q));
-    if (std::isfinite(n) && std::abs(n - 1) > kRoundOff)
-      report.add("unit",
-                 {fmt::format("q at t = {} s has length {:.9g}, not 1", text::number(t), n), "its normalisation"},
-                 std::abs(n - 1));
-  }
-  return report;
+  return checked(law, "rotation law", name, options, {"q", "w", "a"});
 }
 
 }  // namespace lockstep

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
 #include <limits>
+#include <optional>
 #include <set>
 
 #include <lockstep/author/function_links.h>
@@ -19,6 +20,9 @@
 
 namespace lockstep {
 namespace {
+
+constexpr const char* kBranches =
+    "the branches of the function (`? :`, `if`, abs), which must meet with equal value, slope and curvature";
 
 // Gathers links of one pattern in one call. A row has C, Ct, Qhat, and the Jacobian with 6 columns per slot of the
 // system; it holds `before` when the links begin to write. `outside`: whether they wrote outside of their rows.
@@ -122,6 +126,8 @@ class LockCheck final : public StateCheck {
   }
 
   void at_state() override {
+    if (last_) between(*last_, state_);
+    last_ = state_;
     everything_written();
     group();
     pose_alone();
@@ -233,6 +239,61 @@ class LockCheck final : public StateCheck {
     };
   }
 
+  // C and Jh of a row at a state, over the length of Jh.
+  VecX scaled(const TestState& at, int k) {
+    const MatX r = numbers(at);
+    return (VecX(1 + 6 * n_) << r(k, 0), r.row(k).tail(6 * n_).transpose()).finished() / r.row(k).tail(6 * n_).norm();
+  }
+  // The translation and rotation of each slot from a to b.
+  VecX motion(const TestState& a, const TestState& b) const {
+    VecX x(6 * n_);
+    for (int i = 0; i < n_; ++i)
+      x.segment<6>(6 * i) << b.slot(i).x - a.slot(i).x, rotation_vector(conjugate(a.slot(i).e) * b.slot(i).e);
+    return x;
+  }
+  TestState moved(TestState on, const VecX& by) const {
+    for (int i = 0; i < n_; ++i) on.slot(i).v = by.segment<3>(6 * i), on.slot(i).w = by.segment<3>(6 * i + 3);
+    on = coasted(on, 1), on.t -= 1;
+    accept_step(on);
+    return on;
+  }
+  TestState on_row(TestState on, int k) {  // by Newton's method
+    for (int i = 0; i < 20; ++i)
+      if (const VecX s = scaled(on, k); std::abs(s[0]) > kRoundOff * length_) on = moved(on, -s[0] * s.tail(6 * n_));
+    return on;
+  }
+
+  // Bisects between two states on a row of the function, along the row and then on the straight line: always into the
+  // half with the larger departure from the linear function of its ends.
+  void between(const TestState& from, const TestState& to) override {
+    if (function_ == nullptr || remembering_ != nullptr) return;
+    const auto departure = [&](const TestState& a, const VecX& A, const TestState& b, const VecX& B) {
+      const VecX x = motion(a, b);
+      return std::abs(B[0] - A[0] - x.dot(A.tail(6 * n_))) + std::abs(B[0] - A[0] - x.dot(B.tail(6 * n_)));
+    };
+    for (int k = m_ - function_->spec().rows; k < m_; ++k) {
+      TestState a = on_row(from, k), b = on_row(to, k);
+      b.t = a.t;
+      VecX A = scaled(a, k), B = scaled(b, k);
+      for (const bool along : {true, false})
+        for (int i = 0; i < 40; ++i) {
+          TestState m = moved(a, 0.5 * motion(a, b));
+          if (along) m = on_row(m, k);
+          const VecX M = scaled(m, k);
+          const bool left = departure(a, A, m, M) > departure(m, M, b, B);
+          (left ? b : a) = m, (left ? B : A) = M;
+        }
+      const bool on = A[0] * B[0] <= 0 || std::abs(A[0]) <= kSlight * length_;
+      const double jump = std::abs(numbers(b)(k, 0) - numbers(a)(k, 0));
+      if (on && std::abs(B[0] - A[0]) > kSlight * length_)
+        add("turns", fmt::format("{} jumps at {} by {:.3g}", name(k, 0), place(a), jump), kBranches, jump);
+      else if (on && (B - A).norm() > 0.01)
+        add("turns", fmt::format("{} has a corner at {}: its slope jumps", name(k, 0), place(a)), kBranches);
+    }
+  }
+
+  std::string blame(std::string own) const override { return function_ == nullptr ? own : kBranches; }
+
   // The derivatives of a function, from which all its other numbers follow.
   bool function_fits() {
     const PhiSpec& spec = function_->spec();
@@ -242,13 +303,21 @@ class LockCheck final : public StateCheck {
     for (int k = 0; k < spec.pairs; ++k)
       for (int i = spec.first(k); i < 8; i = i + 1 == spec.end(k) ? 7 : i + 1) {
         const std::string in = coordinate(k, i);
-        fits = !compare(report_,
-                        {"phi " + in, phi_along(k, i, &Time::d)(0), size,
-                         [&](int r) { return fmt::format("the derivative of {} in {}", row(first + r), in); },
-                         "differences of the function give", here(),
-                         [&](int) { return in + ": value_of() or a plain `double` hides it from the derivatives"; }},
-                        first_derivative(phi_along(k, i, &Time::v), (i < 3 ? length_ : 1) * std::min(0.05, quiet_))) &&
-               fits;
+        const double reach = (i < 3 ? length_ : 1) * std::min(0.05, quiet_);
+        const auto wrong = [&](double x, CheckReport& report) {
+          const Curve f = phi_along(k, i, &Time::v);
+          return compare(report,
+                         {"phi " + in, phi_along(k, i, &Time::d)(x), size,
+                          [&](int r) { return fmt::format("the derivative of {} in {}", row(first + r), in); },
+                          "finite differences of the function give", here(),
+                          [&](int) { return in + ": value_of() or a plain `double` hides it from the derivatives"; }},
+                         first_derivative([&](double d) { return f(x + d); }, reach));
+        };
+        CheckReport at_state("", 0), aside("", 0);
+        const bool found = wrong(0, at_state);
+        // Right on one side: the state is at a branch, which between() judges.
+        if (found && !(wrong(-2 * reach, aside) && wrong(2 * reach, aside))) return false;
+        report_.take(at_state), fits = fits && !found;
       }
     if (!fits) report_.note("Jacobian, Ct, Qhat and tangent follow from the function, and were not compared");
     return fits;
@@ -297,10 +366,10 @@ class LockCheck final : public StateCheck {
             report_,
             {fmt::format("J {} {}", slot, j / 3), is_.col(3 + 6 * slot + j), size,
              [&](int k) { return fmt::format("Jacobian of {} with respect to {}", row(k), unknown_name(slot, j + 6)); },
-             "differences give", here(),
+             "finite differences give", here(),
              [&](int k) {
                const auto of = columns.begin() + j / 3 * 3;
-               return jacobian_hint(k, slot, j >= 3, {of[0].value[k], of[1].value[k], of[2].value[k]});
+               return blame(jacobian_hint(k, slot, j >= 3, {of[0].value[k], of[1].value[k], of[2].value[k]}));
              }},
             columns[j]);
       for (int k = 0; k < m_; ++k)
@@ -332,18 +401,18 @@ class LockCheck final : public StateCheck {
   void time_derivatives() {
     TestState held = state_;
     held.stop();
-    compare(
-        report_,
-        {"Ct", is_.col(1), is_.col(0).cwiseAbs(), [&](int k) { return name(k, 1); },
-         "differences in time with bodies at rest give", here(),
-         [](int) {
-           return "Ct in gather(): the rate of C by its laws and its markers' motion, with the sign of the law in C";
-         }},
-        first_derivative(C_along(system_, link_, held, 1), quiet_));
+    compare(report_,
+            {"Ct", is_.col(1), is_.col(0).cwiseAbs(), [&](int k) { return name(k, 1); },
+             "finite differences in time with bodies at rest give", here(),
+             [&](int) {
+               return blame(
+                   "Ct in gather(): the rate of C by its laws and its markers' motion, with the sign of the law in C");
+             }},
+            first_derivative(C_along(system_, link_, held, 1), quiet_));
     compare(report_,
             {"Qhat", is_.col(2), VecX::Zero(m_), [&](int k) { return name(k, 2); },
-             "second differences of C along a motion give", here(),
-             [&](int k) { return "Qhat = -(dJh/dt v + dCt/dt) in gather()" + diagnose_right_side(k); }},
+             "second finite differences of C along a motion give", here(),
+             [&](int k) { return blame("Qhat = -(dJh/dt v + dCt/dt) in gather()" + diagnose_right_side(k)); }},
             minus_Cdd(state_));
   }
 
@@ -408,6 +477,7 @@ class LockCheck final : public StateCheck {
   const Lock& link_;
   const Lock* sibling_;
   const PhiRows* function_ = nullptr;  // of a joint that is made of one
+  std::optional<TestState> last_;      // under test before
   int m_;                              // rows
   std::vector<bool> idle_;             // rows that remove no degree of freedom in any state so far
 };

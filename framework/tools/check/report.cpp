@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/error.h>
 #include "framework/tools/check/compare.h"
 
 namespace lockstep {
@@ -30,7 +31,10 @@ void CheckReport::compared(double error) {
   constexpr double kBlind = 0.1;  // differences without a digit are not used
   ++n_comparisons_;
   if (!std::isfinite(error)) return;
-  if (error >= kBlind) return note("some differences had no digit, as near a steep place, and were not used");
+  if (error >= kBlind)
+    return note(
+        "some finite differences were too inaccurate to compare and were omitted; the function may have a jump or a "
+        "corner there");
   accuracy_ = std::max(accuracy_, error);
 }
 
@@ -47,7 +51,7 @@ std::string CheckReport::text() const {
   std::string out = subject_ + ": ";
   if (ok()) {
     out += fmt::format("no findings in {} comparisons (seed {}", n_comparisons_, seed_);
-    if (accuracy_ > 0) out += fmt::format("; differences accurate to {:.1g} or better", accuracy_);
+    if (accuracy_ > 0) out += fmt::format("; finite differences accurate to {:.1g} or better", accuracy_);
     out += ")\n";
   } else {
     out += fmt::format("{} {} (seed {})\n", findings_.size(), findings_.size() == 1 ? "finding" : "findings", seed_);
@@ -70,6 +74,16 @@ std::string likeness(double is, double should_be) {
   if (near(0.5 * should_be)) return ", so it is half the value: a factor of 2 is missing";
   if (near(2 * should_be)) return ", so it is twice the value: a factor of 2 is superfluous";
   return "";
+}
+
+bool completes(CheckReport& report, const std::function<void()>& act) {
+  try {
+    act();
+    return true;
+  } catch (const UserCodeError& error) {
+    report.add("threw", {error.what(), ""});
+    return false;
+  }
 }
 
 bool compare(CheckReport& report, const Declared& d, const Slope& slope) {

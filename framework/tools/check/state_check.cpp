@@ -56,13 +56,7 @@ TestState coasted(const TestState& from, double x) {
 }
 
 bool set_up(System& system, CheckReport& report) {
-  try {
-    system.setup();
-    return true;
-  } catch (const UserCodeError& error) {
-    report.add("setup", {error.what(), "the function it names"});
-    return false;
-  }
+  return completes(report, [&] { system.setup(); });
 }
 
 StateCheck::StateCheck(const System& system, CheckReport& report, const CheckOptions& options,
@@ -94,7 +88,7 @@ std::string StateCheck::why_not_finite() const {
 }
 
 void StateCheck::run() {
-  in_context([&] { return context(); }, [&] { run_all(); });
+  completes(report_, [&] { in_context([&] { return context(); }, [&] { run_all(); }); });
 }
 
 void StateCheck::run_all() {
@@ -232,32 +226,6 @@ void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std
     return std::tuple(way, MatX(third.cwiseAbs()), g.cwiseAbs().maxCoeff());
   };
   const auto bends = [&](const VecX& a, const VecX& b) { return (b - a).norm() > 0.01 * a.norm(); };
-  // Newton's steps of the body along the surface on which the gradient of a row bends, to where the row is zero.
-  const auto reach_constraint = [&](int row, bool corner, TestState& on, VecX& a, VecX& b) {
-    Vec3 across = Vec3::Zero();  // the normal of the surface of a corner, once it is known
-    for (int i = 0; i < kSteps; ++i) {
-      const Motion O = on.slot(slot);
-      const auto at = [&](double x) -> VecX {
-        on.slot(slot) = turned(O, across.isZero(0) ? x : 0);
-        on.slot(slot).x += length_ * x * across;
-        return numbers(on).row(row);
-      };
-      double x = -2 * kStep, y = 2 * kStep;
-      for (a = at(x), b = at(y); y - x > kNegligible;) {
-        const double m = 0.5 * (x + y);
-        const VecX c = at(m);
-        const bool left = (c - a).tail(6 * n_).norm() > (b - c).tail(6 * n_).norm();
-        (left ? y : x) = m, (left ? b : a) = c;
-      }
-      if (!bends(a.tail(6 * n_), b.tail(6 * n_))) return false;
-      if (std::abs(a[0]) <= kSlight * length_) return true;
-      const Vec3 J = a.segment<3>(3 + 6 * slot), d = -a[0] / J.squaredNorm() * J;
-      if (corner) across = (b.segment<3>(3 + 6 * slot) - J).normalized();
-      if (!d.allFinite()) return false;
-      on.slot(slot).x += std::min(1.0, kStep * length_ / d.norm()) * d;
-    }
-    return false;
-  };
   const auto [way, third, size] = walk(start, 0, kStep, kSteps);
   const double least = std::max(2e-5 * size, kNegligible);  // an iteration for a point of a curve leaves less
   for (int c = 0; c < third.rows() && third.allFinite(); ++c) {
@@ -276,21 +244,11 @@ void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std
             : known;
     // The Jacobian is continuous across an uncounted angle.
     const auto J = [&, &steps = fine_way](Eigen::Index at) -> VecX { return numbers(steps[at]).row(row).tail(6 * n_); };
-    const bool branch = is_link_ && bends(J(k), J(k + 3)), corner = 4 * jump < most;
-    if (corner && (!branch || known.empty() || remembering_ != nullptr || 8 * kFiner * jump <= most)) continue;
-    const auto words = [&](bool slope, const std::string& at, double by) {
-      return slope ? fmt::format("{} has a corner at {}: its slope jumps", its, at)
-                   : fmt::format("{} jumps at {} by {:.3g}", its, at, by);
-    };
-    const std::string what = words(corner, where, jump);
-    TestState on = fine_way[k + 1];
-    VecX a, b;
-    if (branch && !known.empty() && remembering_ == nullptr && reach_constraint(row, corner, on, a, b)) {
-      const double left = std::abs(b[0] - a[0]);
-      if (left > least || bends(a.tail(6 * n_).normalized(), b.tail(6 * n_).normalized()))
-        add("turns", words(left <= least, place(on), left),
-            "branches of the function (`? :`, `if`, abs), which must meet with equal value, slope and curvature");
-    } else if (branch)
+    const bool branch = is_link_ && bends(J(k), J(k + 3)), judged = branch && !known.empty() && remembering_ == nullptr;
+    if (judged) between(way[i], way[i + 3]);
+    if (judged || 4 * jump < most) continue;
+    const std::string what = fmt::format("{} jumps at {} by {:.3g}", its, where, jump);
+    if (branch)
       report_.note(what + "; harmless only if it is off the constraint");
     else if (remembering_ != nullptr)
       add("turns", what, "accept_step() and start_memory(), or count_angles(), which counts an angle");
@@ -328,7 +286,7 @@ Slope StateCheck::derivative(const TestState& at, int slot, int k, const Output&
 void StateCheck::check_tangent(const TangentSum& sum, bool damping, const Output& f, double scale) {
   const char* const letter = damping ? "D" : "K";
   const auto look = [&](int) {
-    return is_link_ ? "tangent(); without it, the library differences gather() for implicit methods"
+    return is_link_ ? blame("tangent(); without it, the library differences gather() for implicit methods")
                     : fmt::format(
                           "tangent(), {} = -df/d({}), or at value_of() in act(), which hides derivatives; without "
                           "tangent(), the library differences apply() for implicit methods",
@@ -352,7 +310,7 @@ void StateCheck::check_tangent(const TangentSum& sum, bool damping, const Output
                                     is_link_ ? "the change" : letter, i % 6 < 3 ? "force" : "moment", body(i / 6),
                                     "xyz"[i % 3], unknown_name(slot, unknown));
                },
-               fmt::format("differences of {} give", is_link_ ? "Jh^T lambda" : "apply()"), here(), look,
+               fmt::format("finite differences of {} give", is_link_ ? "Jh^T lambda" : "apply()"), here(), look,
                1e-7,  // a default tangent() is differenced too, to about 1e-9 of its size
                6},
               d);

@@ -67,6 +67,8 @@ class StateCheck {
   virtual bool description() = 0;
   virtual void at_state() = 0;  ///< at the state under test
   virtual void turns() = 0;
+  virtual void between(const TestState&, const TestState&) {}       ///< finds a jump or a corner of the constraint
+  virtual std::string blame(std::string own) const { return own; }  ///< where to look: `own`, or whom it follows from
 
   /// A finding, with here() behind it.
   void add(const std::string& key, const std::string& what, std::string look, double weight = 0);

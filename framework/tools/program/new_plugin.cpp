@@ -67,7 +67,7 @@ Result make_plugin(const Arguments& args) {
   const std::vector<std::string> files = write_plugin(kind, args["name"], args["--into"], builtin_registry());
   const std::string folder = fs::path(files.front()).parent_path().string();
   for (const std::string& file : files) fmt::print("{}\n", file);
-  fmt::print("Build and test it: cmake -S {0} -B {0}/build && cmake --build {0}/build && ctest --test-dir {0}/build\n",
+  fmt::print("Build and test: cmake -S {0} -B {0}/build && cmake --build {0}/build && ctest --test-dir {0}/build -V\n",
              folder);
   return kExitOk;
 }

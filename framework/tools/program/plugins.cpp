@@ -6,6 +6,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <boost/algorithm/string/replace.hpp>
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <cstring>
 #include <filesystem>
@@ -55,7 +56,7 @@ const Fields<PluginCandidate>& plugin_fields() {
   static const Fields<Candidate> kFields{
       {"name", "", "name", &Candidate::name},
       {"state", "", "state", state_of},
-      {"brings_words", "", why ? "" : "adds", brought},
+      {"brings_words", "", "adds", brought},
       {"path", "", "", &Candidate::path},
       {"file", "", only_why("file"), &Candidate::file},
       {"folder", "", "", &Candidate::folder},
@@ -64,8 +65,8 @@ const Fields<PluginCandidate>& plugin_fields() {
        kBrought},
       {"size", "", only_why("bytes"), [](const Candidate& c) { return c.stamp.size; }},
       {"checksum", "", only_why("checksum"),
-       [](const Candidate& c) { return c.stamp.size > 0 ? fmt::format("{:016x}", c.stamp.checksum) : ""; }},
-      {"why", "", "why", &Candidate::why}};
+       [](const Candidate& c) { return c.stamp.checksum > 0 ? fmt::format("{:016x}", c.stamp.checksum) : ""; }},
+      {"why", "", "", &Candidate::why}};
   return kFields;
 }
 
@@ -94,7 +95,8 @@ std::string end_words(int status) {
   if (!WIFSIGNALED(status)) return fmt::format("exit code {} without an answer", WEXITSTATUS(status));
   const int signal = WTERMSIG(status);
   if (signal == SIGALRM) return fmt::format("no answer within {} s", kPatience);
-  return fmt::format("SIG{} ({})", sigabbrev_np(signal), strsignal(signal));
+  return fmt::format("SIG{} ({}){}", sigabbrev_np(signal), strsignal(signal),
+                     signal == SIGABRT ? ": a constructor of a global object may have thrown" : "");
 }
 
 void ask_process(PluginCandidate& c) {
@@ -111,7 +113,13 @@ Result list_plugins(const Arguments& args) {
   const Survey found{abi_words(abi_of_this_build()), plugin_folders(), survey_plugins(plugin_folders(), ask_process)};
   if (found.plugins.empty() && !args.has("--json"))
     fmt::print("no plugins in {} folders; --why lists them\n", found.folders.size());
-  return args.has("--why") ? Result(survey_fields<true>(), found) : Result(survey_fields<false>(), found);
+  Result result = args.has("--why") ? Result(survey_fields<true>(), found) : Result(survey_fields<false>(), found);
+  result.brief = text_of(*result.schema, result.data);
+  for (const PluginCandidate& c : found.plugins)
+    if (!c.why.empty())
+      result.brief += fmt::format("  {} {}:\n    {}\n", state_of(c), c.name,
+                                  boost::replace_first_copy(c.why, "; ", "\n    hint: "));
+  return result;
 }
 
 }  // namespace

@@ -31,9 +31,8 @@ std::string in_lines(const Error& error) {
   const Error::Kind kind = error.kind();
   const bool of_motion = kind == Error::Kind::assembly || kind == Error::Kind::solve || kind == Error::Kind::step ||
                          kind == Error::Kind::non_finite;
-  if (const std::size_t at = words.find("; ");
-      of_motion && at < words.find('\n') && words.find("\n  hint: ") == std::string::npos)
-    words.replace(at, 2, "\n  hint: ");
+  if (const std::size_t at = words.find("; "); of_motion && at < words.find('\n')) words.replace(at, 2, "\n  hint: ");
+  if (const std::size_t at = words.rfind("; solver: "); at != std::string::npos) words.replace(at, 2, "\n  ");
   return words;
 }
 

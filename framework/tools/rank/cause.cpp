@@ -20,6 +20,7 @@
 #include "framework/dynamics/solvers/scales.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/rank/branch_point.h"
 #include "framework/tools/rank/loop_rows.h"
 
@@ -282,9 +283,12 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
   if (!who) return {};
   const std::string when = fmt::format("at t = {:.4g} s", at.t);
   const std::string guide = to_plane(dynamics, still);
+  const std::string first = test_joints_first(system, who->joints);
+  const std::string joints = (who->joints.size() > 1 ? "the loop of joints " : "joint ") + text::join(who->joints);
   const std::string other_lengths =
-      !guide.empty() ? guide
-                     : "change the lengths" + (who->guides.empty() ? "" : " or the axis of " + text::join(who->guides));
+      !guide.empty()
+          ? guide
+          : first + "change the lengths" + (who->guides.empty() ? "" : " or the axis of " + text::join(who->guides));
   const std::string mover = !who->drives.empty() ? "drive " + who->drives.front()
                             : leading.empty()    ? ""
                                                  : "the law of '" + leading.front() + "'";
@@ -292,30 +296,27 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
     return Cause{fmt::format("{} runs into stop {} {}", mover, text::join(who->stops), when),
                  "end the motion before the stop, or move the stop", false, Error::Kind::assembly};
   if (who->drives.empty() && guide.empty() && branch_point(dynamics, still).singular)
-    return Cause{
-        fmt::format("the configuration {} is singular: the direction in which the loop of joints {} continues, "
-                    "if there is one, is undetermined",
-                    when, text::join(who->joints)),
-        "start near it, on the intended side, or " +
-            (mover.empty() ? "give every joint of the loop a velocity along one branch" : other_lengths),
-        false, Error::Kind::step};
+    return Cause{fmt::format("the configuration {} is singular: the direction in which {} continues, if there is one, "
+                             "is undetermined",
+                             when, joints),
+                 first + "start near it, on the intended side, or " +
+                     (mover.empty() ? "give every joint of the loop a velocity along one branch" : other_lengths),
+                 false, Error::Kind::step, at.t};
   if (who->drives.empty())
-    return Cause{fmt::format("{}the loop of joints {} allows no further motion {}: the configuration is singular",
-                             mover.empty() ? "" : mover + " cannot continue: ", text::join(who->joints), when),
-                 other_lengths + ", or release one constraint of these joints", false, Error::Kind::step};
+    return Cause{fmt::format("{}{} allows no further motion {}: the configuration is singular",
+                             mover.empty() ? "" : mover + " cannot continue: ", joints, when),
+                 other_lengths + ", or release one constraint of these joints", false, Error::Kind::step, at.t};
   if (who->drives.size() > 1) {
     const std::string fact = fmt::format("drives {} contradict {}: ", text::join(who->drives, " and "), when);
     std::erase(who->drives, who->wrong);
     return Cause{fact + (who->rates.empty() ? "they prescribe accelerations that do not agree"
                                             : who->rates + " is required of it by " + text::join(who->drives, " and ")),
-                 "remove one of them, or let their motions agree"};
+                 first + "remove one of them, or let their motions agree"};
   }
   if (std::optional<Cause> cause = locked(dynamics, still)) return cause;
-  return Cause{
-      fmt::format(
-          "drive {} has reached a limit position (dead centre) {}: the loop of joints {} allows no further motion",
-          who->drives.front(), when, text::join(who->joints)),
-      other_lengths + ", or end the motion before it", false, Error::Kind::step};
+  return Cause{fmt::format("drive {} has reached a limit position (dead centre) {}: {} allows no further motion",
+                           who->drives.front(), when, joints),
+               other_lengths + ", or end the motion before it", false, Error::Kind::step, at.t};
 }
 
 // -- steps that are too long
@@ -393,10 +394,12 @@ double fixed_step(StepLoop& run, double step) {
 void rethrow_with(const Cause& cause, const Error& error, const std::string& lines) {
   ErrorData about = error;
   std::string sentence = error.what();
-  if (!cause.fact.empty()) {
+  if (!cause.fact.empty() && error.kind() != Error::Kind::user_code) {
     about.problem = cause.fact, about.advice = cause.hint;
+    if (std::isnan(about.t)) about.t = cause.t;
     const std::string own = cause.possible ? sentence : sentence.substr(0, sentence.find("; "));  // without its advice
-    sentence = fmt::format("{}\n  hint: {}\n{}  solver: {}", cause.fact, cause.hint, lines, own);
+    sentence =
+        fmt::format("{}; {}{}solver: {}", cause.fact, cause.hint, lines.empty() ? "; " : "\n" + lines + "  ", own);
   } else if (!lines.empty()) {
     sentence += "\n" + lines.substr(0, lines.size() - 1);
   }
@@ -409,6 +412,8 @@ void rethrow_with(const Cause& cause, const Error& error, const std::string& lin
       throw StepError(sentence, about);
     case Error::Kind::non_finite:
       throw NonFiniteError(sentence, about);
+    case Error::Kind::user_code:
+      throw UserCodeError(sentence, about);
     default:
       throw;
   }

@@ -3,6 +3,7 @@
 // contradict, joints that lock, limit positions, steps that are too long.
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include <lockstep/dynamics.h>
@@ -16,6 +17,7 @@ struct Cause {
   std::string fact, hint;
   bool possible = false;  ///< it may have another cause: the error's advice is kept
   Error::Kind kind = Error::Kind::other;  ///< assembly or step: of the error that is thrown; other: of that it explains
+  double t = std::numeric_limits<double>::quiet_NaN();  ///< simulated time, s
 };
 
 /// What is wrong with a start that cannot be assembled. `given`: the start as it was given.

@@ -129,8 +129,9 @@ LOCKSTEP_API CheckReport check_integrator(const Registry&, const std::string& ty
 /// random times away from its breakpoints each derivative is compared with differences of order 8 of the level before
 /// it, whose error estimate is the tolerance. It also checks that all numbers are finite, and the same in a second
 /// call, and reports the times of jumps outside of breakpoints(), and jumps there of which at(t) has the new value too
-/// late. Notes name listed jumps of y, and motions that begin or end outside of breakpoints(). `name`: for messages, or
-/// "". Throws ModelError if the times are not in order.
+/// late, and motions that begin or end outside of breakpoints(); such a slow change is only noted, and so is a listed
+/// jump of y. An exception of the law is a finding. `name`: for messages, or "". Throws ModelError if the times are not
+/// in order.
 LOCKSTEP_API CheckReport check_law(const MotionLaw&, const CheckOptions& options = {}, const std::string& name = {});
 /// The same for a translation law: x, v and a.
 LOCKSTEP_API CheckReport check_law(const TranslationLaw&, const CheckOptions& options = {},
@@ -152,8 +153,9 @@ LOCKSTEP_API CheckReport check_law(const RotationLaw&, const CheckOptions& optio
 /// checks rows, names and kinds; that every number of the rows is written and nothing else; that all numbers are
 /// finite, and the same in a second call and for a quaternion of the other sign; that slots() is complete; groups; its
 /// memory, and revolutions about z of S; that it does not jump in time except at breakpoints(); that each row removes a
-/// degree of freedom. A jump or a corner of its function is a finding if it is on the constraint. Only rows in space are
-/// checked, not gather_plane(). Throws ModelError if the joint is not in the system, and what System::setup throws.
+/// degree of freedom. A jump or a corner of its function is a finding if it is on the constraint between two
+/// consecutive states; some are missed. So is an exception of the joint. Only rows in space are checked, not
+/// gather_plane(). Throws ModelError if the joint is not in the system, and what System::setup throws.
 LOCKSTEP_API CheckReport check_lock(System&, const Lock&, const CheckOptions& options = {});
 
 /// Checks a registered type of joint, made from `params` in small systems: between moving bodies, with either side on

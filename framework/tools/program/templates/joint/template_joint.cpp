@@ -10,7 +10,7 @@ using namespace lockstep;
 
 /// phi(y, t) = 0 is the joint. y.x y.y y.z: P seen from S in S's axes, m; y.e0 ... y.e3: the quaternion from S to P;
 /// y.angle_z(): the rotation about z, rad; y.t: the time, s. Write it as a formula; its derivatives are exact and
-/// automatic. Branches must meet with equal value and slope: the test may miss one that does not.
+/// automatic. Branches must meet with equal value, slope and curvature: the test may miss one that does not.
 ///
 ///   phi = z - height (1 - cos(2 pi x/length))/2
 ///

@@ -10,7 +10,7 @@ int main(int argc, char** argv) try {
   Registry registry = builtin_registry();
   load_plugin(registry, argc > 1 ? argv[1] : "template_law");
   const auto law = registry.laws.make("template_law", {{"rise", 0.3}, {"time", 0.2}, {"start", 0.5}}, &registry, "law");
-  const CheckReport report = check_law(*law, {.from = 0, .to = 2});
+  const CheckReport report = check_law(*law, {.from = 0, .to = 2}, "template_law");
   std::fputs(report.text().c_str(), stdout);
   return report.ok() ? 0 : 1;
 } catch (const std::exception& error) {
