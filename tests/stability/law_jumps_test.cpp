@@ -64,7 +64,7 @@ TEST_CASE("a law that jumps in position is rejected by name, under every stabili
       CAPTURE(run, kind, o.error);
       CHECK_FALSE(o.ended());
       CHECK(o.error.find("jumps in position") != std::string::npos);
-      CHECK(o.error.find("'P'") != std::string::npos);
+      CHECK(o.error.find("drive P.z") != std::string::npos);
       CHECK(o.table.n_rows() >= 2);  // what came before is kept
     }
 }

@@ -107,8 +107,7 @@ std::optional<Cause> open_loop(const System& system, const State& state) {
     Cause cause;
     cause.fact = fmt::format(
         "the mechanism cannot be assembled: a loop is open by {:.3g} m. {} spans {:.3g} m from joint {} to joint {}, "
-        "but "
-        "{} reach {:.3g} m together",
+        "but {} reach {:.3g} m together",
         open, longest->body->name, longest->length, longest->from, longest->to, text::join(others), rest);
     cause.hint = longest->length > 100 * rest  // a unit is wrong
                      ? fmt::format("check the unit of {}: \"200 mm\" is 0.2",
@@ -359,11 +358,9 @@ std::optional<Cause> long_step(Dynamics& dynamics, State at, double step) {
       fmt::format("take a step below {:.2g} s, or a method that chooses its steps", 1 / rate), true};
 }
 
-using CauseFinder = std::function<std::optional<Cause>()>;
-
 // The evaluation that a fact needs may be what fails: then there is no fact.
-Cause first_found(std::initializer_list<CauseFinder> finders) {
-  for (const CauseFinder& find : finders) try {
+Cause first_found(std::initializer_list<std::function<std::optional<Cause>()>> finders) {
+  for (const auto& find : finders) try {
       if (std::optional<Cause> cause = find()) return *cause;
     } catch (const Error&) {
     }
