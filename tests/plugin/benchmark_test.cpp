@@ -282,7 +282,7 @@ TEST_CASE("a method is not given up while its runs are wrong by energy alone", "
 }
 
 TEST_CASE("a chart gives the reason why a plane has no quaternions", "[benchmark]") {
-  const Result r = call("chart '" + std::string(paths::kScenes) + "/double_pendulum.json' --until 0.2 --integrators " +
+  const Result r = call("chart '" + std::string(paths::kScenes) + "/four_bar.json' --until 0.2 --integrators " +
                         "dopri5 --tolerances 1e-3:1e-4 --budget 5 --quiet --out plane");
   INFO(r.text);
   REQUIRE(r.exit == 0);

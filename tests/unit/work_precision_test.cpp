@@ -224,7 +224,10 @@ TEST_CASE("a picture lists all methods of the Pareto front, in lines", "[unit][w
   }
   const GridSpec chart = integrators_chart(result, "many", result.runs.front(), CostKind::cpu);
   std::string all;
-  for (const std::string& line : chart.remarks) CHECK(line.size() <= 250), all += line;
+  for (const std::string& line : chart.remarks) {
+    CHECK(line.size() <= 250);
+    all += line;
+  }
   for (const WorkPrecisionRun& run : result.runs) CHECK(all.find(run.integrator + ", omega") != std::string::npos);
 }
 
