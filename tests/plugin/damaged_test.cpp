@@ -56,7 +56,7 @@ TEST_CASE("a plugin that ends the process that opens it is listed with what happ
   };
   for (const auto& [how, says] : {Case{"segv", "SIGSEGV (Segmentation fault)"},
                                   {"ill", "SIGILL (Illegal instruction)"},
-                                  {"abort", "SIGABRT (Aborted)"},
+                                  {"abort", "SIGABRT (Aborted): a constructor of a global object may have thrown"},
                                   {"alarm", "no answer within 10 s"},
                                   {"exit", "exit code 3 without an answer"},
                                   {"quiet", "exit code 0 without an answer"},

@@ -414,7 +414,7 @@ CheckReport beside(Mask mask, int states) {
 
 TEST_CASE("check_lock finds a jump and a corner on the constraint between its states", "[unit][check]") {
   for (const Mask mask : {Mask::none, Mask::y})
-    for (const int states : {8, 64}) {
+    for (const int states : {16, 64}) {
       const CheckReport jump = beside<At::jump>(mask, states), corner = beside<At::corner>(mask, states),
                         scaled = beside<At::scaled>(mask, states);
       CAPTURE(jump.text(), corner.text(), scaled.text());

@@ -181,9 +181,9 @@ TEST_CASE("a law's label belongs to the pointer that was labelled", "[unit][erro
   REQUIRE(label_of(named) != nullptr);
   CHECK(label_of(named)->type == "bump");
   CHECK(label_of(other)->origin == "built in");
-  CHECK(law_fault("its law", bare, 0) == "its law gives nan, 0, 0");
-  CHECK(law_fault("its law", named, 0) == "its law ('bump' of plugin bumps) gives nan, 0, 0");
-  CHECK(law_fault("its law", other, 0) == "its law ('hump') gives nan, 0, 0");
+  CHECK(law_fault("its law", bare, 0) == "its law gives y = nan, yd = 0, ydd = 0");
+  CHECK(law_fault("its law", named, 0) == "its law ('bump' of plugin bumps) gives y = nan, yd = 0, ydd = 0");
+  CHECK(law_fault("its law", other, 0) == "its law ('hump') gives y = nan, yd = 0, ydd = 0");
   CHECK(law_fault("its law", LawPtr<MotionLaw>(), 0).empty());
   const std::weak_ptr<const MotionLaw> watched = bare;
   bare.reset(), named.reset();

@@ -28,9 +28,9 @@ std::string reason(Dynamics& dynamics, const State& start, const State& landed, 
   if (!words.empty()) return words;
   if (failure.empty()) return advice;
   const std::string row = most_violated(dynamics, landed);
-  return "the last attempt failed: " + failure + (row.empty() ? "" : " (worst: " + row + ")") + "; " +
-         test_joints_first(dynamics.system()) +
-         "two laws or joints may contradict each other, or the mechanism is locked: " + advice;
+  return test_joints_first(dynamics.system()) +
+         "two laws or joints may contradict each other, or the mechanism is locked: " + advice +
+         "; the last attempt failed: " + failure + (row.empty() ? "" : " (worst: " + row + ")");
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
 #include <limits>
-#include <optional>
 #include <set>
 
 #include <lockstep/author/function_links.h>
@@ -126,7 +125,7 @@ class LockCheck final : public StateCheck {
   }
 
   void at_state() override {
-    if (last_) between(*last_, state_);
+    between(index_ == 0 ? start_of(system_, state_.t) : last_, state_);
     last_ = state_;
     everything_written();
     group();
@@ -477,7 +476,7 @@ class LockCheck final : public StateCheck {
   const Lock& link_;
   const Lock* sibling_;
   const PhiRows* function_ = nullptr;  // of a joint that is made of one
-  std::optional<TestState> last_;      // under test before
+  TestState last_;                     // under test before
   int m_;                              // rows
   std::vector<bool> idle_;             // rows that remove no degree of freedom in any state so far
 };
