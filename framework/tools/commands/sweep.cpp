@@ -237,7 +237,7 @@ class Sweep {
       scene = plan_.scene(number);
     } catch (const std::exception& error) {
       SweepRun failed;
-      failed.failed = true, failed.status = first_line(what_of(error));
+      failed.failed = true, failed.status = fact_of(error);
       return failed;
     }
     const auto go_on = [watch = watch_time(share, scene.run.until, 1)](const State& s) { return watch(s.t); };

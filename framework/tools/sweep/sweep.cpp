@@ -85,6 +85,13 @@ std::string SweepRun::outcome() const {
   return all;
 }
 
+std::string fact_of(const std::exception& error) {
+  const std::string words = what_of(error);
+  const auto* data = dynamic_cast<const Error*>(&error);
+  return data != nullptr && !data->problem.empty() && words.starts_with(data->problem) ? data->problem
+                                                                                       : first_line(words);
+}
+
 bool wrong_by(std::string_view outcome) {
   return outcome == "wrong" || outcome.starts_with("wrong: ") || outcome.starts_with("wrong; ");
 }
@@ -156,7 +163,7 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     end();
   } catch (const std::exception& error) {
     result.failed = true;
-    result.status = first_line(what_of(error));
+    result.status = fact_of(error);
   }
   result.findings.insert(result.findings.begin(), scope.found.begin(), scope.found.end());
   result.cpu = thread_seconds() - begin;

@@ -188,8 +188,7 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
     if (lanes.empty() || times.empty()) return apart("there are no output times");
     reports = run_together(lanes, times, registry, goes_on);
   } catch (const Error& error) {
-    return apart(times.empty() ? "a run in the batch failed"
-                               : first_line(error.what()));  // each alone, with its own reason
+    return apart(times.empty() ? "a run in the batch failed" : fact_of(error));  // each alone, with its own reason
   }
   if (broken_off) {
     SweepRun broken;

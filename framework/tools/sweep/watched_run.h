@@ -25,4 +25,7 @@ LOCKSTEP_API SweepRun watched_run(const Scene&, const Registry&, const Table& li
 /// The first cells of the row of a run, as sweep_row() writes them: its number and values.
 LOCKSTEP_API std::string row_begin(long run, const std::vector<Variable>&, const std::vector<std::size_t>& choice);
 
+/// What failed, without hints.
+LOCKSTEP_API std::string fact_of(const std::exception&);
+
 }  // namespace lockstep
