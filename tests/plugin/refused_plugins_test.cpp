@@ -47,6 +47,17 @@ TEST_CASE("a force of a plugin whose energy is no number is named, with the ener
   CHECK(contains(r.text, whose + "potential() is nan"));
 }
 
+TEST_CASE("the table that was saved is reported after the error of code that threw", "[plugin][user_code]") {
+  const std::string scene = kRunnerFolder + "/throws.json";
+  scene_file("throws", kArm + R"("forces": [{"name": "K", "type": "naughty_force", "p": "arm", "at": [0, 0, 0],
+      "does": "std"}], "run": {"until": 0.2, "output": 0.01, "record": ["arm.x"]})");
+  const Called r = call("run '" + scene + "' --record throws.csv --plugin '" + test_plugin("naughty") + "'");
+  INFO(r.text);
+  CHECK(r.exit != 0);
+  REQUIRE(contains(r.text, "  saved: "));
+  CHECK(contains(r.text, " threw: no more\n  saved: "));
+}
+
 TEST_CASE("a run is not gone on with when a plugin of it was changed since", "[runner]") {
   const std::string sound = bytes_of(test_plugin("naughty"));
   const std::string plugin = plugin_file("waiting", "naughty.so", sound);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What laws, links, forces and integrators of a plugin do wrong while they are used reaches the host by name.
+#include <cmath>
 #include <exception>
 #include <functional>
 #include <memory>
@@ -10,12 +11,15 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/author/loader.h>
+#include <lockstep/author/phi_links.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/system.h>
+#include "framework/mechanism/system/diagnose.h"
+#include "framework/tools/rank/cause.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
@@ -117,7 +121,8 @@ TEST_CASE("an exception of a joint reaches the host with the joint, the plugin a
   SAYS(run(bad_link("accept")), {"UserCodeError: t = 0.0", whose, "cannot remember"});
   SAYS(run(bad_link("tangent"), "", R"("integrator": "radau5", "tolerance": 1e-6)"),
        {"UserCodeError: t = 0", whose, "no tangent"});
-  SAYS(run(bad_link("nan")), {"NonFiniteError: t = 0.06", "joint 'B' (naughty_link of plugin naughty)"});
+  SAYS(run(bad_link("nan")), {"NonFiniteError: t = 0.06", "joint 'B' (naughty_link of plugin naughty)",
+                              "; test naughty_link by check_lock, or "});
   SAYS(run(bad_link("setup")), {"joint 'B' (naughty_link of plugin naughty)", "its rod has no length"});
   SAYS(run(bad_link("setup int")), {"UserCodeError: ", whose, "an object of type int"});
   // the one of two that throws
@@ -230,6 +235,50 @@ TEST_CASE("an exception from a plugin has the plugin's name, for every class", "
     }
     CHECK(caught);
   }
+}
+
+namespace {
+
+/// The ellipse x^2/0.09 + y^2/0.04 = 1, with x hidden: at (0.3, 0) it has no gradient.
+struct Blind {
+  static constexpr PhiSpec spec{.reads = Reads::translation, .kind = RowKind::function};
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    const double x = value_of(y.x);
+    return x * x / 0.09 + y.y * y.y / 0.04 - 1.0;
+  }
+};
+struct BlindRail final : PhiLock<Blind> {
+  BlindRail(std::string name, Marker& p, Marker& s) : PhiLock(std::move(name), p, s, Mask::z, Blind{}) {}
+  std::string_view type() const override { return "blind"; }
+};
+
+}  // namespace
+
+TEST_CASE("the cause of a stop names the check of a plugin's joint, and gives the time", "[plugin][user_code]") {
+  System system({.gravity = {0, -9.81, 0}});
+  Body& bead = system.add_particle("bead", 0.2, {0.3, 0, 0});
+  bead.start.v = {0, 3, 0};
+  auto& rail = system.add<BlindRail>("rail", system.add_marker("p", bead), system.add_marker("s", system.ground()));
+  rail.set_origin("rails");
+  Dynamics dynamics(system, std::make_unique<SparseSolver>());
+  const Cause cause = cause_of_stop(dynamics, system.start(), 0);
+  CAPTURE(cause.fact, cause.hint);
+  CHECK(contains(cause.fact, "joint rail "));
+  CHECK_FALSE(contains(cause.fact, "loop of joints"));
+  CHECK(cause.hint.starts_with("first test blind by check_lock; otherwise "));
+  CHECK(cause.t == 0);
+  try {
+    rethrow_with(cause, SolveError("no solution; take another"));
+  } catch (const StepError& error) {
+    CHECK(std::string(error.what()) == cause.fact + "; " + cause.hint + "; solver: no solution");
+    CHECK(error.problem == cause.fact);
+    CHECK(error.advice == cause.hint);
+    CHECK(error.t == 0);
+  }
+  CHECK(test_joints_first(system, {"other"}).empty());
+  rail.set_origin("");
+  CHECK(test_joints_first(system).empty());
 }
 
 TEST_CASE("an error class of a plugin's own passes setup as it is, a plain one gets the name", "[plugin][user_code]") {

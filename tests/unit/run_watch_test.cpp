@@ -343,6 +343,7 @@ TEST_CASE("a law that jumps in position is rejected by name, with every stabilis
     check_words(error.what(),
                 {"drive guide.z jumps in position at t = 0.5 s by 1 m", "ramp", "\"continue\": true of a sequence"});
     CHECK(error.thing.label() == "joint 'guide' (prismatic)");
+    CHECK(error.problem + "; " + error.advice == error.what());
     CHECK(error.t == Approx(0.5));
   }
   if (kind == Stabilization::Kind::project) CHECK(run.report().findings.empty());

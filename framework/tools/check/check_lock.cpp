@@ -286,7 +286,7 @@ class LockCheck final : public StateCheck {
       const double jump = std::abs(numbers(b)(k, 0) - numbers(a)(k, 0));
       if (on && std::abs(B[0] - A[0]) > kSlight * length_)
         add("turns", fmt::format("{} jumps at {} by {:.3g}", name(k, 0), place(a), jump), kBranches, jump);
-      else if (on && (B - A).norm() > 0.01)
+      else if (on && bends(A.tail(6 * n_), B.tail(6 * n_)))
         add("turns", fmt::format("{} has a corner at {}: its slope jumps", name(k, 0), place(a)), kBranches);
     }
   }

@@ -9,6 +9,7 @@
 
 #include <lockstep/author/passes.h>
 #include <lockstep/author/relative.h>
+#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/tools/check/jumps.h"
 
@@ -225,7 +226,6 @@ void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std
     const MatX third = g.rightCols(n - 2) - g.leftCols(n - 2) - 3 * (g.middleCols(2, n - 2) - g.middleCols(1, n - 2));
     return std::tuple(way, MatX(third.cwiseAbs()), g.cwiseAbs().maxCoeff());
   };
-  const auto bends = [&](const VecX& a, const VecX& b) { return (b - a).norm() > 0.01 * a.norm(); };
   const auto [way, third, size] = walk(start, 0, kStep, kSteps);
   const double least = std::max(2e-5 * size, kNegligible);  // an iteration for a point of a curve leaves less
   for (int c = 0; c < third.rows() && third.allFinite(); ++c) {

@@ -84,6 +84,8 @@ class StateCheck {
 
   /// K or D of `sum` against the derivatives of f, a wrench per slot. `scale`: entries below 1e-7 of it are rounding.
   void check_tangent(const TangentSum& sum, bool damping, const Output& f, double scale);
+  /// Whether gradients differ across a branch.
+  static bool bends(const VecX& a, const VecX& b) { return (b - a).norm() > 0.01 * a.norm(); }
   /// Three revolutions of a slot about `sense` times z of a marker: the first n_turned_ columns must not jump.
   /// `who`: the rotating object.
   void turn_about_z(int slot, const Marker&, double sense, const std::string& who);

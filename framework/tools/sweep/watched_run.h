@@ -2,7 +2,9 @@
 // Parts of a sweep: one run with a further observer besides its recorder, and the beginning of its row.
 #pragma once
 
+#include <exception>
 #include <functional>
+#include <string>
 
 #include <lockstep/sweep.h>
 
