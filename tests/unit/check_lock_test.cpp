@@ -281,7 +281,7 @@ TEST_CASE("check_lock follows a joint over full revolutions", "[unit][check]") {
   CAPTURE(counted.text(), forgotten.text(), odd.text());
   CHECK(counted.ok());
   CHECK(says(forgotten, "constraint phi jumps at x = "));
-  CHECK(says(forgotten, " by 0.126; look at branches of the function"));
+  CHECK(says(forgotten, " by 0.126; look at the branches of the function"));
   CHECK(says(forgotten, ".counts_turns = true"));
   CHECK(says(odd, "constraint phi on body 'nut' changes with the sign of the quaternion of body 'nut'"));
 }
@@ -426,6 +426,7 @@ TEST_CASE("check_lock finds a jump and a corner on the constraint between its st
       CHECK(says(corner, "look at the branches of the function"));
       CHECK(scaled.ok());
     }
+  CHECK(beside<At::jump>(Mask::x, 16).ok());  // x = 0 is held: the joint never comes to the branch
 }
 
 TEST_CASE("check_lock finds a function that removes no degree of freedom", "[unit][check]") {

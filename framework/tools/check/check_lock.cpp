@@ -4,6 +4,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
 #include <limits>
@@ -190,7 +191,7 @@ class LockCheck final : public StateCheck {
     const std::vector<MatX> as_one = gathered(system_, Group(both, 2), state_);
     // Equal up to rounding: a group may be gathered in packs.
     const auto near = [](const MatX& a, const MatX& b) {
-      return ((a - b).colwise().norm().array() <= kRounding * (1 + b.colwise().norm().array())).all();
+      return !((a - b).colwise().norm().array() > kRounding * (1 + b.colwise().norm().array())).any();
     };
     if (!near(as_one[0], is_) || !near(as_one[1], rows_of(system_, other, state_)))
       add("group", "two joints gathered as one group differ from each one alone",
@@ -256,13 +257,18 @@ class LockCheck final : public StateCheck {
     accept_step(on);
     return on;
   }
-  TestState on_row(TestState on, int k) {  // by Newton's method
-    for (int i = 0; i < 20; ++i)
-      if (const VecX s = scaled(on, k); std::abs(s[0]) > kRoundOff * length_) on = moved(on, -s[0] * s.tail(6 * n_));
+  TestState on_rows(TestState on) {  // of the joint without its drives, by Newton's method
+    for (int i = 0; i < 20; ++i) {
+      MatX r = numbers(on);
+      for (int k = 0; k < m_; ++k)
+        if (link_.row(k).drive >= 0) r.row(k).setZero();
+      if (r.allFinite() && r.col(0).norm() > kRoundOff * length_)
+        on = moved(on, -r.rightCols(6 * n_).completeOrthogonalDecomposition().solve(r.col(0)));
+    }
     return on;
   }
 
-  // Bisects between two states on a row of the function, along the row and then on the straight line: always into the
+  // Bisects between two states on the rows of the joint, along them and then on the straight line: always into the
   // half with the larger departure from the linear function of its ends.
   void between(const TestState& from, const TestState& to) override {
     if (function_ == nullptr || remembering_ != nullptr) return;
@@ -271,13 +277,13 @@ class LockCheck final : public StateCheck {
       return std::abs(B[0] - A[0] - x.dot(A.tail(6 * n_))) + std::abs(B[0] - A[0] - x.dot(B.tail(6 * n_)));
     };
     for (int k = m_ - function_->spec().rows; k < m_; ++k) {
-      TestState a = on_row(from, k), b = on_row(to, k);
+      TestState a = on_rows(from), b = on_rows(to);
       b.t = a.t;
       VecX A = scaled(a, k), B = scaled(b, k);
       for (const bool along : {true, false})
         for (int i = 0; i < 40; ++i) {
           TestState m = moved(a, 0.5 * motion(a, b));
-          if (along) m = on_row(m, k);
+          if (along) m = on_rows(m);
           const VecX M = scaled(m, k);
           const bool left = departure(a, A, m, M) > departure(m, M, b, B);
           (left ? b : a) = m, (left ? B : A) = M;
@@ -285,10 +291,22 @@ class LockCheck final : public StateCheck {
       const bool on = A[0] * B[0] <= 0 || std::abs(A[0]) <= kSlight * length_;
       const double jump = std::abs(numbers(b)(k, 0) - numbers(a)(k, 0));
       if (on && std::abs(B[0] - A[0]) > kSlight * length_)
-        add("turns", fmt::format("{} jumps at {} by {:.3g}", name(k, 0), place(a), jump), kBranches, jump);
+        add("turns", fmt::format("{} jumps at {} by {:.3g}", name(k, 0), place(a), jump),
+            kBranches + std::string(reads_uncounted_angles()
+                                        ? ", or its angles: with .counts_turns = true, y.angle_z() "
+                                          "counts revolutions"
+                                        : ""),
+            jump);
       else if (on && bends(A.tail(6 * n_), B.tail(6 * n_)))
         add("turns", fmt::format("{} has a corner at {}: its slope jumps", name(k, 0), place(a)), kBranches);
     }
+  }
+
+  bool reads_uncounted_angles() const {
+    const PhiSpec& spec = function_->spec();
+    bool reads = false;
+    for (int k = 0; k < spec.pairs; ++k) reads = reads || spec.reads_of(k, Reads::rotation);
+    return reads && !spec.counts_turns.value_or(false);
   }
 
   std::string blame(std::string own) const override { return function_ == nullptr ? own : kBranches; }

@@ -244,11 +244,13 @@ void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std
             : known;
     // The Jacobian is continuous across an uncounted angle.
     const auto J = [&, &steps = fine_way](Eigen::Index at) -> VecX { return numbers(steps[at]).row(row).tail(6 * n_); };
-    const bool branch = is_link_ && bends(J(k), J(k + 3)), judged = branch && !known.empty() && remembering_ == nullptr;
-    if (judged) between(way[i], way[i + 3]);
-    if (judged || 4 * jump < most) continue;
+    if (is_link_ && !known.empty() && remembering_ == nullptr) {
+      between(way[i], way[i + 3]);
+      continue;
+    }
+    if (4 * jump < most) continue;
     const std::string what = fmt::format("{} jumps at {} by {:.3g}", its, where, jump);
-    if (branch)
+    if (is_link_ && bends(J(k), J(k + 3)))
       report_.note(what + "; harmless only if it is off the constraint");
     else if (remembering_ != nullptr)
       add("turns", what, "accept_step() and start_memory(), or count_angles(), which counts an angle");
