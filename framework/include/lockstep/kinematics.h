@@ -53,6 +53,7 @@ class LOCKSTEP_API DrivenMotion {
   bool settle_angles();
   void move_speed_drives(double t0, double t1);
   void check_states() const;
+  void refuse_jumps(double t0, double t1);
   [[noreturn]] void refuse(double t) const;
 
   struct SpeedDrive {

@@ -11,7 +11,9 @@
 #include <lockstep/author/lock.h>
 #include <lockstep/author/stepping.h>
 #include <lockstep/error.h>
+#include <lockstep/step_loop.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/simulate/consistency.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/wild_starts.h"
 
@@ -113,8 +115,19 @@ bool DrivenMotion::step(double t) {
   return true;
 }
 
+// A law that jumps in position leads to no pose after it, as in a run.
+void DrivenMotion::refuse_jumps(double t0, double t1) {
+  for (const double jump : passes::breakpoints(dynamics_.system(), t0, std::nextafter(t1, HUGE_VAL))) {
+    trial_ = state_, trial_.t = std::nextafter(jump, t0);
+    const PositionJump before(dynamics_, trial_);
+    trial_.t = jump;
+    if (const auto refusal = before.refusal(dynamics_, trial_, StepLoopOptions().start_limit)) throw *refusal;
+  }
+}
+
 const Solution& DrivenMotion::to(double t) {
   if (steps_ == 0 && !step(state_.t)) refuse(state_.t);
+  if (t > state_.t) refuse_jumps(state_.t, t);
   const double whole = t - state_.t;
   double h = whole;
   while (state_.t != t) {
@@ -139,7 +152,7 @@ void DrivenMotion::refuse(double t) const {
   const bool off = C.size() > 0 && e.norm(C) > kSlight * e.system().length();
   if (C.size() > 0) (off ? C : Cd).cwiseAbs().maxCoeff(&worst);
   throw AssemblyError(fmt::format(
-      "kinematics stopped at t = {:.9g} s: {}; worst: {}. A law may jump in position, or exceed the range of the "
+      "kinematics stopped at t = {:.9g} s: {}, worst: {}; a law may jump in position, or exceed the range of the "
       "mechanism",
       t, why_, C.size() > 0 ? passes::row_name(e.system(), e.rows(), static_cast<int>(worst)) : "none"));
 }
