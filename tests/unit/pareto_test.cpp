@@ -111,6 +111,11 @@ TEST_CASE("of about equal costs that of the earlier combination is recommended",
   CHECK(chosen() == "b");
   result.runs = {run_of("c", 1, 1e-5, 0.5)};
   CHECK(chosen() == "c");
+  // A finer run that is cheaper by chance, and not confirmed itself, does not replace the setting that it confirms.
+  result.runs = {run_of("a", 2, 1e-5, 1), run_of("a", 1, 1e-6, 0.9)};
+  REQUIRE(costs_at_error(result, 1e-4).size() == 1);
+  CHECK(costs_at_error(result, 1e-4)[0].run->setting == 2);
+  CHECK(costs_at_error(result, 1e-4)[0].confirmed);
   CHECK(recommended({}) == nullptr);
 }
 

@@ -47,7 +47,6 @@ std::vector<CostAtError> costs_at_error(const WorkPrecision& result, double erro
     if (!counts(result, run, kind) || run.error.of(kind) > error) continue;
     const auto of_same = [&](const CostAtError& c) { return same_way(*c.run, run); };
     const auto known = std::find_if(costs.begin(), costs.end(), of_same);
-    if (known != costs.end() && known->run->cpu <= run.cpu) continue;
     const auto any_made = [&](auto&& wanted) {
       return std::any_of(result.runs.begin(), result.runs.end(),
                          [&](const WorkPrecisionRun& other) { return same_way(other, run) && wanted(other); });
@@ -55,10 +54,11 @@ std::vector<CostAtError> costs_at_error(const WorkPrecision& result, double erro
     const bool coarser = any_made([&](const WorkPrecisionRun& other) { return other.setting > run.setting; });
     const bool finer =
         any_made([&](const WorkPrecisionRun& other) { return other.done() && other.setting < run.setting; });
-    if (known != costs.end())
-      *known = {&run, !coarser, finer};
-    else
-      costs.push_back({&run, !coarser, finer});
+    const CostAtError now{&run, !coarser, finer};
+    if (known == costs.end())
+      costs.push_back(now);
+    else if (now.confirmed != known->confirmed ? now.confirmed : run.cpu < known->run->cpu)
+      *known = now;
   }
   std::stable_sort(costs.begin(), costs.end(),
                    [](const CostAtError& a, const CostAtError& b) { return a.run->cpu < b.run->cpu; });
