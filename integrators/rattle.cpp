@@ -108,8 +108,9 @@ void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
       const VecX change = pushed_by(*force, dynamics.gather(moving).inputs(), state.v.size()) - still;
       if (change.norm() > kNegligible * still.norm())
         throw ModelError(
-            fmt::format("{}: force '{}' ({}) depends on velocities, as a damper does; the method conserves energy{}",
-                        scheme_.name, force->name(), force->type(), scheme_.n > 1 ? " and steps back in time" : "") +
+            fmt::format(
+                "{}: force '{}' ({}) depends on velocities, as a damper does; the method needs forces that do not",
+                scheme_.name, force->name(), force->type()) +
             advice);
     }
 }

@@ -185,7 +185,7 @@ TEST_CASE("a plugin that registers badly leaves nothing behind", "[plugin][hosti
   CHECK(contains(rude("bad key"), "plugin 'rude': law 'odd' cannot be registered"));
   CHECK(rude("std") == "plugin 'rude': its LOCKSTEP_PLUGIN function threw: no such cam");
   CHECK(rude("int") ==
-        "plugin 'rude': its LOCKSTEP_PLUGIN function threw: an object of type int, which is not an exception");
+        "plugin 'rude': its LOCKSTEP_PLUGIN function threw: an object of type int, which is not a std::exception");
   CHECK(rude("no words") ==
         "plugin 'rude': its LOCKSTEP_PLUGIN function threw: an object of type (anonymous namespace)::Silent without a "
         "message");

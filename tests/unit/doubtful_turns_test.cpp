@@ -60,7 +60,7 @@ Told turn(double tilt, const std::string& channel) {
 TEST_CASE("revolutions of an angle with an undefined axis are uncertain, which is reported once and by name",
           "[unit][record]") {
   const Told met = turn(0, "b.angle_y");  // z of the body passes y of the world
-  CHECK(met.warnings.find("channel \"b.angle_y\": until t = 0.4 s") != std::string::npos);
+  CHECK(met.warnings.find("channel \"b.angle_y\": by t = 0.4 s") != std::string::npos);
   CHECK(met.warnings.find("revolutions are uncertain") != std::string::npos);
   CHECK(met.warnings.find("channel", met.warnings.find("channel") + 1) == std::string::npos);
   CHECK(std::abs(met.last) < kTwoPi);

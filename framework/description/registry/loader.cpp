@@ -29,13 +29,24 @@ using Register = void(Registry&);
 
 std::string words_of(const PluginStamp& s) { return fmt::format("{} bytes with checksum {:016x}", s.size, s.checksum); }
 
-// The words of the system's loader, with the symbol that it lacks as C++.
+// The words of the system's loader and advice, with the symbol that it lacks as C++.
 std::string reason(const std::string& why) {
-  static const std::string kLacks = "undefined symbol: ";
-  const std::size_t at = why.find(kLacks), begin = at + kLacks.size();
-  if (at == std::string::npos) return why;
-  return "it needs '" + boost::core::demangle(why.substr(begin, why.find_first_of(", )", begin) - begin).c_str()) +
-         "', which neither this lockstep nor another library has";
+  static const std::string kLacks = "undefined symbol: ", kSays = "system message: ", kNoFile = ": cannot open shared";
+  const std::string rebuild =
+      "rebuild the plugin against this lockstep, by lockstep_add_plugin() or with the flags of lockstep.pc";
+  const auto word = [&](std::size_t from, std::size_t to) { return why.substr(from, to - from); };
+  if (const std::size_t at = why.find(kLacks); at != std::string::npos)
+    return "it needs '" +
+           boost::core::demangle(word(at + kLacks.size(), why.find_first_of(", )", at + kLacks.size())).c_str()) +
+           "', which neither this lockstep nor another library has; if it is your own, add its source or library to "
+           "the "
+           "plugin, else " +
+           rebuild;
+  const std::size_t says = why.find(kSays), no_file = why.find(kNoFile);
+  if (says != std::string::npos && no_file != std::string::npos)
+    return "it needs the library '" + word(says + kSays.size(), no_file) +
+           "', which is not found; install it, or add its folder to LD_LIBRARY_PATH or the plugin's rpath";
+  return why + "; " + rebuild;
 }
 
 // Opened libraries by path, and what their files were before. They are never closed, because objects carry their code.
@@ -56,10 +67,8 @@ dll::shared_library& opened(const fs::path& file, const PluginStamp& stamp) {
   try {
     library.load(file, dll::load_mode::rtld_now | dll::load_mode::rtld_local);
   } catch (const std::system_error& error) {  // with the system loader's message
-    throw PluginError(
-        "plugin '" + plugin_name(file.string()) + "' (" + file.string() +
-        ") cannot be opened: " + reason(error.what()) +
-        "; rebuild the plugin against this lockstep, by lockstep_add_plugin() or with the flags of lockstep.pc");
+    throw PluginError("plugin '" + plugin_name(file.string()) + "' (" + file.string() +
+                      ") cannot be opened: " + reason(error.what()));
   }
   return library;
 }

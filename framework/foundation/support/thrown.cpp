@@ -44,7 +44,7 @@ std::string thrown_words(const std::exception_ptr& thrown) {
     if (outer != nullptr && outer->nested_ptr() != nullptr) words += ": " + thrown_words(outer->nested_ptr());
     return words.empty() ? type_in_flight() + " without a message" : words;
   } catch (...) {
-    return type_in_flight() + ", which is not an exception";
+    return type_in_flight() + ", which is not a std::exception";
   }
 }
 

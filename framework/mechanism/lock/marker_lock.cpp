@@ -102,9 +102,10 @@ void MarkerLock::add_drive(Drive drive) {
     for (int k = 0; k < 6; ++k)
       if (const Axis axis = static_cast<Axis>(k); !includes(rows_, row_of(axis)))
         free += (free.empty() ? "" : ", ") + std::string(to_string(axis));
-    reject(": the joint holds this coordinate",
-           "drive a free one (" + (free.empty() ? "none" : free) +
-               ") or prescribe this one by move or turn; the axis of a joint is z of its marker S");
+    reject(
+        ": the joint holds this coordinate",
+        (free.empty() ? "this joint has no free one: use another type, or " : "drive a free one (" + free + "), or ") +
+            "prescribe this one by move or turn; the axis of a joint is z of its marker S");
   }
   if (includes(rows_, bit)) reject(": this axis is driven already", "one law per axis");
   if (is_rotation(drive.axis) && !includes(mask_ | bit, Mask::e123))

@@ -75,7 +75,7 @@ VecX sizes(const LawNumbers& law, const std::vector<double>& listed, const Check
                           "members that change between calls: a law is a function of t alone"});
   }
   if (std::ranges::all_of(f, [&](const VecX& x) { return x == f[0]; }))
-    report.note("it is constant during this time; give a time in which it moves by {.from = , .to = }");
+    report.note("it is constant during this time; test a time in which it moves, as by {.from = 2, .to = 10}");
   for (int i = 1; i < kInstants; ++i) {
     const bool rests = f[i] == f[i - 1];  // before instant i, and not after it; or the reverse
     if (rests == (f[i + 1] == f[i])) continue;

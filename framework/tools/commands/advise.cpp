@@ -104,7 +104,8 @@ std::string hint_of(const Advised& a) {
   if (!a.cheapest) return "increase --budget, or allow a larger error";
   if (!a.cheapest->cost.confirmed) return "not confirmed by a finer run; increase --budget";
   if (a.cheapest->command.find(" --stabilization none") == std::string::npos) return "";
-  return "without stabilisation the constraints drift in longer runs; to avoid it, add --stabilizations project";
+  return "without stabilisation the constraints drift in longer runs; to exclude it, repeat lockstep advise with "
+         "--stabilizations project";
 }
 const Fields<Advised>& advise_fields() {
   static const Fields<Choice> kChoice = [] {

@@ -192,7 +192,7 @@ const Fields<EquilibriumReport>& report_fields() {
       {"largest_move", "m", "largest move", &Report::largest_move},
       {"moved_most", "", "  of", &Report::moved_most},
       {"friction", "friction", &Report::grips, kGrip},
-      {"left", "", "unstable poses left", &Report::left},
+      {"left", "", "left an unstable pose along", &Report::left},
       {"pressed", "", "in contact", &Report::pressed},
       {"free", "", "free (one-sided)",
        &Report::free}}.with(&Report::stability, kStability);

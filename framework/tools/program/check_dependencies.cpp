@@ -76,7 +76,7 @@ void note_not_unique(const UniquenessReport& reactions) {
   if (reactions.all_unique()) return;
   CommandFindings::add({&finding::reactions_not_unique, by_joint(reactions.rows),
                         "individual reactions are not unique, because constraints are redundant or left out",
-                        "lockstep check --verbose lists them"});
+                        "see the table \"reactions not unique\" of lockstep check --verbose"});
 }
 
 std::vector<std::string> columns_not_unique(const RunSettings& run, const UniquenessReport& reactions) {

@@ -35,11 +35,12 @@ void add_angle(Entries& out, std::string name, std::string help, std::function<c
       const Inputs& in = s.inputs();
       if (!*told && angle.doubt(in.s) > CountedAngle::kInDoubt) {
         *told = true;
-        Finding f{&finding::turns_uncertain, "channel \"" + channel + "\"",
-                  fmt::format("channel \"{}\": until t = {} s the angle changed by 90 deg more than its rate gives: it "
-                              "is undefined nearby, or steps are too long; its revolutions are uncertain",
-                              channel, text::brief(s.state.t)),
-                  "record an angle about another axis, or use smaller steps (--step)"};
+        Finding f{
+            &finding::turns_uncertain, "channel \"" + channel + "\"",
+            fmt::format("channel \"{}\": by t = {} s the angle had changed by 90 deg more than its rate gives: it "
+                        "is undefined nearby, or steps are too long; its revolutions are uncertain",
+                        channel, text::brief(s.state.t)),
+            "record an angle about another axis, or use smaller steps (--step)"};
         f.t = s.state.t;
         report_finding(f);
       }

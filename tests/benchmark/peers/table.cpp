@@ -96,7 +96,7 @@ void write_ratios(std::ostream& out, const Costs& table) {
 }
 
 void write_markdown(std::ostream& out, const Costs& table) {
-  out << "\n## Largest error over the run, at 101 times\n\n| mechanism | error [m] |";
+  out << "\n## CPU time in s for one simulated second, by the largest error over the run at 101 times\n\n| mechanism | error [m] |";
   for (const std::string& system : table.systems()) out << ' ' << system << " |";
   out << " best other engine / lockstep | lockstep's method | its step [s] or tolerance |\n|---|---|";
   for (std::size_t i = 0; i < table.systems().size() + 3; ++i) out << "---|";
@@ -212,7 +212,7 @@ int main(int argc, char** argv) {
          "flexible bodies.\nIn `flyball`, the limit of stability sets the "
          "steps of `dop853`: "
          "its cost does not depend on the error.\n\n| entry | meaning |\n|---|---|\n"
-         "| a number in brackets | extrapolated beyond the budget |\n"
+         "| a number in brackets | extrapolated from the two finest runs: none met the error, within the budget or among its settings |\n"
          "| `never` | no run of the engine met the error |\n"
          "| `only lockstep` | no run of any other engine met the error |\n"
          "| empty | not run; in the last two columns: extrapolated |\n";
