@@ -21,6 +21,7 @@
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/rank/cause.h"
 #include "tests/support/catch.h"
+#include "tests/support/force_bench.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
 #include "tests/support/run_with_registry.h"
@@ -96,7 +97,8 @@ TEST_CASE("an exception of a law reaches the host with the joint, the law, the p
           "[plugin][user_code]") {
   const std::string whose = "joint 'A' (revolute): the law of drive rz ('naughty_law' of plugin naughty) threw: ";
   SAYS(run(driven_by("std")), {"UserCodeError: t = 0.05", whose, "no more"});
-  SAYS(run(driven_by("int")), {"UserCodeError: t = 0.05", whose, "an object of type int, which is not an exception"});
+  SAYS(run(driven_by("int")),
+       {"UserCodeError: t = 0.05", whose, "an object of type int, which is not a std::exception"});
   SAYS(run(driven_by("error")), {"UserCodeError: t = 0.05", whose, "the profile has no point: the table is empty"});
   SAYS(run(hinge(""), R"({"name": "M", "type": "torque_motor", "p": "arm", "s": "ground", "at": [0,0,0],
                          "torque": {"type": "naughty_law", "does": "std"}})"),
@@ -209,7 +211,7 @@ TEST_CASE("an exception from a plugin has the plugin's name, for every class", "
   };
   const Thing rod{.kind = "body", .name = "rod"};
   const std::vector<Thrown> all{
-      {[] { throw 7; }, Error::Kind::user_code, " threw: an object of type int, which is not an exception"},
+      {[] { throw 7; }, Error::Kind::user_code, " threw: an object of type int, which is not a std::exception"},
       {[] { throw ModelError("calm"); }, Error::Kind::user_code, " threw: calm"},
       {[] { throw StepError("calm", 0.0); }, Error::Kind::user_code, " threw: calm"},
       {[&] { throw ModelError("calm", {.thing = rod, .t = 0}); }, Error::Kind::user_code, " threw: calm"},
@@ -262,7 +264,7 @@ TEST_CASE("the cause of a stop names the check of a plugin's joint, and gives th
   auto& rail = system.add<BlindRail>("rail", system.add_marker("p", bead), system.add_marker("s", system.ground()));
   rail.set_origin("rails");
   Dynamics dynamics(system, std::make_unique<SparseSolver>());
-  const Cause cause = cause_of_stop(dynamics, system.start(), 0);
+  const Cause cause = cause_of_stop(dynamics, system.start());
   CAPTURE(cause.fact, cause.hint);
   CHECK(contains(cause.fact, "joint rail "));
   CHECK_FALSE(contains(cause.fact, "loop of joints"));
@@ -276,9 +278,16 @@ TEST_CASE("the cause of a stop names the check of a plugin's joint, and gives th
     CHECK(error.advice == cause.hint);
     CHECK(error.t == 0);
   }
-  CHECK(test_joints_first(system, {"other"}).empty());
+  CHECK(tests_first(system, {"other"}).empty());
   rail.set_origin("");
-  CHECK(test_joints_first(system).empty());
+  CHECK(tests_first(system).empty());
+  for (const char* origin : {"built in", "cams"}) {
+    System driven;
+    auto& hinge = driven.add<Revolute>("A", driven.add_marker("p", driven.add_particle("b", 1, {0, 0, 0})),
+                                       driven.add_marker("s", driven.ground()));
+    hinge.drive(Axis::rz, labelled(oracle::value_law([](double t) { return t; }), {"bump", origin}));
+    CHECK(tests_first(driven) == (of_plugin(origin).empty() ? "" : "first test bump by check_law; otherwise "));
+  }
 }
 
 TEST_CASE("an error class of a plugin's own passes setup as it is, a plain one gets the name", "[plugin][user_code]") {

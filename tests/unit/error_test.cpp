@@ -56,6 +56,23 @@ TEST_CASE("an error's sentence is made of its data", "[unit][errors]") {
         "law 'sine': omega is -1; must be above 0");
 }
 
+TEST_CASE("problem, advice and fact of an error are parts of its sentence", "[unit][errors]") {
+  ParameterError refused({.kind = "law", .name = "sine"}, "omega", "is -1; must be above 0");
+  CHECK(refused.problem == "is -1");
+  CHECK(refused.advice == "must be above 0");
+  CHECK(refused.fact() == "law 'sine': omega is -1");
+  refused.attribute({.kind = "joint", .name = "A"}, "joint 'A' (revolute)");
+  CHECK(refused.fact() == "joint 'A' (revolute): law 'sine': omega is -1");
+  const StepError stopped("t = 1 s: the step is too short (by far; by half); use another method; or a smaller step",
+                          1.0);
+  CHECK(stopped.problem == "t = 1 s: the step is too short (by far; by half)");
+  CHECK(stopped.advice == "use another method; or a smaller step");
+  CHECK(stopped.fact() == stopped.problem);
+  const StepError named("a pivot is zero; in the last step; give masses", {.advice = "give masses"});
+  CHECK(named.problem == "a pivot is zero; in the last step");
+  CHECK(SolveError("no solution").fact() == "no solution");
+}
+
 TEST_CASE("every class reports its kind", "[unit][errors]") {
   using Kind = Error::Kind;
   CHECK(ModelError("x").kind() == Kind::model);
@@ -92,7 +109,7 @@ TEST_CASE("an exception that is no Error becomes UserCodeError with its object, 
   const ErrorContext context{.thing = kPlugins, .t = 0.25};
   const auto error = error_of<UserCodeError>(context, 7);
   CHECK(std::string(error.what()) ==
-        "t = 0.25 s: force 'F' (wind of plugin weather) threw: an object of type int, which is not an exception");
+        "t = 0.25 s: force 'F' (wind of plugin weather) threw: an object of type int, which is not a std::exception");
   CHECK(error.thing.origin == "weather");
   CHECK(error.t == 0.25);
   CHECK(message_of<UserCodeError>([&] { throw_in({.thing = kHosts}, std::length_error("too long")); }) ==

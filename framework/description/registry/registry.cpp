@@ -106,7 +106,8 @@ Product Shelf<Product, Args...>::make_checked(const std::string& name, Args... a
     try {
       return entry->make(args..., params);
     } catch (const ParameterError& error) {  // what it builds on may have keys that this type lacks
-      if (key_in({&entry->info.keys}, error.key) != nullptr) params.refuse(error.key, error.problem);
+      if (key_in({&entry->info.keys}, error.key) != nullptr)
+        params.refuse(error.key, error.problem + (error.advice.empty() ? "" : "; " + error.advice));
       throw;
     }
   });

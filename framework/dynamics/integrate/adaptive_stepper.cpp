@@ -28,7 +28,7 @@ std::string reason(Dynamics& dynamics, const State& start, const State& landed, 
   if (!words.empty()) return words;
   if (failure.empty()) return advice;
   const std::string row = most_violated(dynamics, landed);
-  return test_joints_first(dynamics.system()) +
+  return tests_first(dynamics.system()) +
          "two laws or joints may contradict each other, or the mechanism is locked: " + advice +
          "; the last attempt failed: " + failure + (row.empty() ? "" : " (worst: " + row + ")");
 }

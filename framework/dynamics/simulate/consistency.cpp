@@ -212,7 +212,7 @@ bool PositionJump::changes_rows(Dynamics& dynamics, const State& state) const {
 std::string PositionJump::cause(const System& system, const State& state) const {
   for (std::size_t k = 0; const Prescribed& now : prescribed(system, state))
     if (const double was = prescribed_[k++].yd; std::abs(now.yd - was) > kSlight * std::abs(now.yd + was))
-      return "the jump of " + now.name + " in speed";
+      return "the jump of " + now.name + " in speed, an impact whose load is not recorded";
   return "the jump of a law";
 }
 
@@ -230,12 +230,10 @@ std::optional<AssemblyError> PositionJump::refusal(Dynamics& dynamics, const Sta
   for (std::size_t k = 0; const Prescribed& now : prescribed(system, state))
     if (const double by = std::abs(now.y - prescribed_[k++].y); by > most)
       most = by, thing = thing_of(*now.link), who = now.name, far = fmt::format("{:.4g} {}", by, now.unit);
-  const std::string problem = fmt::format("{} jumps in position at t = {:.9g} s by {}", who, state.t, far),
-                    advice =
-                        "use a continuous law (ramp, cycloid, spline), \"continue\": true of a sequence, or "
-                        "\"drift\": true of a repeat";
-  return AssemblyError(problem + "; " + advice,
-                       {.thing = std::move(thing), .problem = problem, .advice = advice, .t = state.t});
+  return AssemblyError(fmt::format("{} jumps in position at t = {:.9g} s by {}; use a continuous law (ramp, cycloid, "
+                                   "spline), \"continue\": true of a sequence, or \"drift\": true of a repeat",
+                                   who, state.t, far),
+                       {.thing = std::move(thing), .t = state.t});
 }
 
 }  // namespace lockstep

@@ -65,7 +65,7 @@ class LOCKSTEP_API PositionJump {
   PositionJump(Dynamics&, const State&);
   /// After it, at the same state: whether it changes a row's residual, or its rate, by any number.
   bool changes_rows(Dynamics&, const State&) const;
-  /// After it: what jumps, "the jump of drive A.rz in speed", "the jump of a law".
+  /// After it: what jumps, "the jump of drive A.rz in speed, an impact ...", "the jump of a law".
   std::string cause(const System&, const State&) const;
   /// After it: why no motion follows, naming the drive or joint that jumped most, if one did by more than the limit.
   std::optional<AssemblyError> refusal(Dynamics&, const State&, double limit) const;

@@ -316,13 +316,18 @@ class StartSearch {
   /// The drive about an axis that begins farthest from the given poses, more than 90 deg, in words.
   std::string farthest_drive() const {
     const StartTarget* farthest = nullptr;
-    double most = 2 * kWayTurn;
+    double most = 2 * kWayTurn;  // rad, or lengths of the system
     for (const StartTarget& target : targets_)
-      if (const double way = std::abs(target.near - target.now); target.drive >= 0 && target.turns() && way > most)
+      if (const double way = std::abs(target.near - target.now) / (target.turns() ? 1 : system_.length());
+          target.drive >= 0 && way > most)
         most = way, farthest = &target;
     if (farthest == nullptr) return "";
-    return fmt::format(" ({} begins at {:.6g} deg, {:.6g} deg from the given poses: place its bodies there)",
-                       farthest->who(), degrees(farthest->asked), degrees(most));
+    const double unit = farthest->turns() ? degrees(1) : 1;
+    return fmt::format(
+        " ({} begins at {:.6g} {}, {:.6g} {} from the given poses: place its bodies there, or let it "
+        "begin nearer)",
+        farthest->who(), unit * farthest->asked, farthest->turns() ? "deg" : "m",
+        unit * std::abs(farthest->near - farthest->now), farthest->turns() ? "deg" : "m");
   }
 
   Dynamics& dynamics_;

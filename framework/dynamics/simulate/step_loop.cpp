@@ -265,11 +265,10 @@ void StepLoop::make_step(double limit, double largest) {
       return ask();
     } catch (const StepError& error) {
       const double tolerance = p.clock.adaptive() ? options_.tolerance.relative : HUGE_VAL;
-      const std::string said = error.what();
       try {
-        throw StepError(said + p.why_steps_end(dynamics_, state_, tolerance), state_.t);
+        throw StepError(error.what() + p.why_steps_end(dynamics_, state_, tolerance), state_.t);
       } catch (const NonFiniteError& cause) {
-        throw NonFiniteError(cause.what() + (" (" + said.substr(0, said.find("; ")) + ")"), cause);
+        throw NonFiniteError(cause.what() + (" (" + error.fact() + ")"), cause);
       }
     }
   };

@@ -188,7 +188,7 @@ void StepLoop::warn_of_turns() {
   warned_of_turns_ = true;
   const char* next = method_->info().adaptive ? "limit the step (--step)"
                                               : "use a smaller step (--step), or a method with step control, "
-                                                "such as dopri5 without \"fixed\"";
+                                                "such as dopri5 (--integrator dopri5)";
   add_finding(
       {&finding::long_turn, "body '" + report_.turned_most + "'",
        fmt::format("body '{}' rotates by up to {:.3g} rad in one step of {}, which is seldom accurate beyond {:g} rad",
@@ -203,7 +203,7 @@ void StepLoop::warn_of_drift(double largest_before) {
                fmt::format("{}: the constraint violation is {:.2g} m after the step to t = {:.9g} s (limit {:.2g} m), "
                            "so the result is wrong",
                            method_->info().name, now, state_.t, limit),
-               "project after each step (stabilization project)", now, limit, "m", state_.t});
+               "project after each step (\"stabilization\": \"project\")", now, limit, "m", state_.t});
 }
 
 void StepLoop::add_finding(Finding f) {

@@ -4,6 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "framework/foundation/support/thrown.h"
@@ -25,6 +26,24 @@ std::string sentence_of(const ErrorData& e) {
   return e.advice.empty() ? words : words + "; " + e.advice;
 }
 
+// The first semicolon outside of parentheses.
+std::size_t first_semicolon(std::string_view words) {
+  int depth = 0;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    depth += (words[i] == '(') - (words[i] == ')');
+    if (depth <= 0 && words.substr(i).starts_with("; ")) return i;
+  }
+  return std::string::npos;
+}
+
+// Problem and advice apart, of a sentence if there is no problem yet.
+ErrorData split(ErrorData e, const std::string& sentence = "") {
+  if (e.problem.empty()) e.problem = sentence;
+  const std::size_t end = e.advice.empty() ? first_semicolon(e.problem) : e.problem.find("; " + e.advice);
+  if (end != std::string::npos) e.advice = e.problem.substr(end + 2), e.problem.resize(end);
+  return e;
+}
+
 }  // namespace
 
 std::string Thing::words() const { return name.empty() ? kind : kind + " '" + name + "'"; }
@@ -34,8 +53,11 @@ std::string Thing::label() const {
 }
 
 Error::Error(const std::string& sentence, ErrorData about)
-    : std::runtime_error(""), ErrorData(std::move(about)), sentence_(sentence) {}
-Error::Error(ErrorData about) : std::runtime_error(""), ErrorData(std::move(about)), sentence_(sentence_of(*this)) {}
+    : std::runtime_error(""), ErrorData(split(std::move(about), sentence)), sentence_(sentence) {}
+Error::Error(ErrorData about)
+    : std::runtime_error(""), ErrorData(split(std::move(about))), sentence_(sentence_of(*this)) {}
+
+std::string Error::fact() const { return sentence_.substr(0, sentence_.find(advice.empty() ? "\n" : "; " + advice)); }
 
 void Error::attribute(const Thing& whose, const std::string& label) {
   if (!thing.known() || (thing.kind == whose.kind && thing.name == whose.name)) thing = whose;

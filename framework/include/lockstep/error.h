@@ -31,7 +31,7 @@ struct ErrorData {
   Thing thing{};                                        ///< what it is about, or the code that threw
   std::string key{};                                    ///< the parameter
   std::string value{};                                  ///< the value that was found, with its unit
-  std::string problem{};                                ///< what is wrong with it
+  std::string problem{};                                ///< what is wrong with it; never empty
   std::string advice{};                                 ///< what to do next
   std::string file{};                                   ///< the file it was read from
   int line = 0,                                         ///< line in the file, from 1; 0: not from a file
@@ -42,7 +42,8 @@ struct ErrorData {
 /// Base of every error that lockstep throws: wrong input and runs that fail. Programming errors are assertions.
 class LOCKSTEP_API Error : public std::runtime_error, public ErrorData {
  public:
-  /// Takes the sentence as it is, with the data `about` it.
+  /// Takes the sentence as it is, with the data `about` it. Without a problem in them, the sentence is the problem. A
+  /// problem without advice is split at its first semicolon outside of parentheses, behind which stands the advice.
   explicit Error(const std::string& sentence, ErrorData about = {});
   /// Makes the sentence from the data: "file:line:column: t = T s: joint 'A': key problem; advice", without the parts
   /// that are empty.
@@ -64,6 +65,7 @@ class LOCKSTEP_API Error : public std::runtime_error, public ErrorData {
     interrupted  ///< InterruptedError
   };
   virtual Kind kind() const noexcept { return Kind::other; }  ///< the error's class
+  std::string fact() const;  ///< the sentence up to its advice: what is wrong, where, when and in what
   /// The sentence, with its label once attributed.
   const char* what() const noexcept override { return sentence_.c_str(); }
 

@@ -149,11 +149,7 @@ void refuse(const SourceLocation& where, const std::string& context, const std::
   std::string message = place.empty() ? "" : place + ": ";
   if (!context.empty()) message += context + ": ";
   about.file = where.file ? *where.file : std::string(), about.line = where.line, about.column = where.column;
-  if (about.problem.empty()) {
-    const std::size_t end = std::min(problem.find("; "), problem.size());
-    about.problem = problem.substr(0, end);
-    if (end < problem.size()) about.advice = problem.substr(end + 2);
-  }
+  if (about.problem.empty()) about.problem = problem;
   throw SceneError(message + problem, std::move(about));
 }
 

@@ -101,12 +101,34 @@ bool has_function(const Lock& link) {
   return joint == nullptr || joint->has_laws() || link.row_count() > count_rows(joint->rows());
 }
 
-std::string test_joints_first(const System& system, const std::vector<std::string>& names) {
+std::string tests_first(const System& system, const std::vector<std::string>& names) {
   std::string tests;
-  for (const auto& link : system.links())
-    if (const Thing its = thing_of(*link); its.of_a_plugin() && tests.find(its.type + " by") == std::string::npos &&
-                                           (names.empty() || std::ranges::find(names, its.name) != names.end()))
-      tests += (tests.empty() ? "first test " : " and ") + its.type + " by check_lock";
+  const auto add = [&](const std::string& type, const std::string& origin, const char* check) {
+    const std::string test = type + " by " + check;
+    if (of_plugin(origin).empty() || tests.find(" " + test) != std::string::npos) return;
+    tests += (tests.empty() ? "first test " : " and ") + test;
+  };
+  const auto add_law = [&](const auto& law) {
+    if (const LawLabel* label = law ? label_of(law) : nullptr) add(label->type, label->origin, "check_law");
+  };
+  const auto named = [&](const std::string& name) {
+    return names.empty() || std::ranges::find(names, name) != names.end();
+  };
+  for (const auto& link : system.links()) {
+    if (!named(link->name())) continue;
+    add(thing_of(*link).type, link->origin(), "check_lock");
+    for (const auto& [p, s] : link->pairs())
+      for (const Marker* marker : {p, s}) add_law(marker->translation_law), add_law(marker->rotation_law);
+    if (const Jointed* joint = link->jointed()) {
+      add_law(joint->imposed().move), add_law(joint->imposed().turn);
+      for (const Drive& drive : joint->imposed().drives) add_law(drive.law);
+    }
+  }
+  for (const auto& force : system.forces()) {
+    if (!named(force->name())) continue;
+    add(thing_of(*force).type, force->origin(), "check_force");
+    for (const ForceLaw& law : force->laws()) add_law(law.law);
+  }
   return tests.empty() ? "" : tests + "; otherwise ";
 }
 

@@ -23,8 +23,9 @@ LOCKSTEP_API Thing thing_of(const Lock&);
 LOCKSTEP_API Thing thing_of(const Force&);
 /// Whether its rows contain more than the coordinates between its markers: a function, or laws.
 LOCKSTEP_API bool has_function(const Lock&);
-/// "first test cam by check_lock; otherwise ": the joints of plugins with these names, or all; "" if there are none.
-LOCKSTEP_API std::string test_joints_first(const System&, const std::vector<std::string>& names = {});
+/// "first test cam by check_lock; otherwise ": the types of plugins that joints and forces with these names, or all,
+/// have or whose laws they use; "" if there are none.
+LOCKSTEP_API std::string tests_first(const System&, const std::vector<std::string>& names = {});
 /// The joint that a row of the table belongs to; unnamed for a row that the table lacks.
 LOCKSTEP_API Thing thing_of_row(const System&, const RowTable&, int row);
 

@@ -240,7 +240,7 @@ Result follow(const Arguments& args, bool inverse) {
   } catch (const Error& error) {
     file.write();
     const std::size_t n = recorder->table().n_rows();
-    rethrow_with(cause_of_stop(dynamics, motion.state(), 0), error,
+    rethrow_with(cause_of_stop(dynamics, motion.state()), error,
                  n == 0 ? "" : fmt::format("  saved: {} row{} in {}\n", n, n == 1 ? "" : "s", file.partial()));
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();

@@ -24,11 +24,12 @@ State run_to(Mechanism& m, const Registry& registry, double t) {
   StepLoop loop(dynamics, make_integrator(m.run, registry), options);
   loop.add_observer(*recorder);
   for (Event& event : events) loop.add_event(std::move(event));
+  const State started = start;
   loop.set_state(std::move(start));
   try {
     loop.run_until(t);
   } catch (const Error& error) {
-    rethrow_with(cause_of_stop(dynamics, loop.state(), fixed_step(loop, m.run.step)), error);
+    rethrow_of_run(system_of(m), loop, started, m.run.step, error);
   }
   const SimulationReport& report = loop.report();
   if (report.stopped)

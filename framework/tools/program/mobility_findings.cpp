@@ -26,7 +26,7 @@ constexpr double kNearPosition = 1e-2;  // singular value of rows of length 1
 void evaluate_first(Dynamics& dynamics, const State& start) try {
   dynamics.evaluate(start);
 } catch (const Error& error) {
-  rethrow_with(cause_of_stop(dynamics, start, 0), error);
+  rethrow_with(cause_of_stop(dynamics, start), error);
 }
 
 State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, MobilityFindings& found) {

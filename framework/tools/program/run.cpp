@@ -148,7 +148,7 @@ class ProgramRun {
     end_.audit = audit_.result();
     end_.formulation = formulation_.name(sim_, m_.run.formulation);
     end_.missed = missed_events(m_, sim_);
-    end_.findings = run_findings(sim_, loaded_.registry, end_.audit, doubts_, singular_);
+    end_.findings = run_findings(sim_, end_.audit, doubts_, singular_);
     end_.near = decided(near_.all, m_.run.nearly_redundant);
     for (const MissedEvent& e : end_.missed) end_.findings.push_back(finding_of(e));
     for (Finding& f : suspects_of(end_, system_of(m_), singular_.n_passed())) end_.findings.push_back(std::move(f));
@@ -230,6 +230,7 @@ class ProgramRun {
     if (from_ != nullptr) {
       rows_.go_on();
       sim_.load(from_->run);
+      started_ = sim_.state();
       CommandFindings::add(sim_.report().findings);
       end_.resumed_at = sim_.state().t;
       return;
@@ -262,11 +263,12 @@ class ProgramRun {
   }
 
   [[noreturn]] void fail(const std::exception_ptr& error, const std::exception_ptr& unwritten) {
-    const long n = sim_.state().t > started_.t ? rows_.rows().n_rows() : 0;  // the start alone is not kept
+    const long n =
+        from_ != nullptr || sim_.state().t > started_.t ? rows_.rows().n_rows() : 0;  // the start alone is not kept
     const std::string saved = unwritten ? "  saved: no rows: " + thrown_words(unwritten) + "\n"
-                              : n == 0  ? std::string()
-                                        : fmt::format("  saved: {} row{} up to t = {:.9g} s in {}\n", n,
-                                                     n == 1 ? "" : "s", sim_.state().t, file_.partial());
+                              : n == 0
+                                  ? std::string()
+                                  : fmt::format("  saved: {} row{} in {}\n", n, n == 1 ? "" : "s", file_.partial());
     std::error_code code;
     const std::exception_ptr explained = explain(error, saved);
     if (explained == error) tell(saved);
@@ -287,24 +289,10 @@ class ProgramRun {
     try {
       std::rethrow_exception(error);
     } catch (const Error& e) {
-      return thrown_by([&] { rethrow_with(cause(), e, saved); });
+      return thrown_by([&] { rethrow_of_run(system_of(m_), sim_, started_, m_.run.step, e, saved); });
     } catch (...) {
       return error;
     }
-  }
-
-  // Why it stopped; the start may explain it if a method of fixed steps has left the constraints.
-  Cause cause() {
-    const double step = fixed_step(sim_, m_.run.step);
-    Cause found = cause_of_stop(dynamics_, sim_.state(), step);
-    if (found.possible && from_ == nullptr)  // a step that was too long at the start: the state may have grown since
-      if (Cause at_start = cause_of_stop(dynamics_, started_, step); at_start.possible) found = std::move(at_start);
-    const auto drifted = [this](const Finding& f) {
-      return f.code() == finding::violated_in_run.code && m_.run.stabilization.kind != Stabilization::Kind::project;
-    };
-    if ((found.fact.empty() || found.kind == Error::Kind::step) && std::ranges::any_of(sim_.report().findings, drifted))
-      return {"the constraints drift, until no step is possible", "project after each step (stabilization project)"};
-    return found.fact.empty() && step > 0 ? cause_of_stop(dynamics_, started_, step) : found;
   }
 
   // Files, pictures, report and verified digits of a run that reached its end; of one that was interrupted, its rows.

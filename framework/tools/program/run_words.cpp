@@ -180,10 +180,9 @@ std::string energy_jumps(const EndedRun& run) {
     if (run.audit.scale > 0 && std::abs(i.energy) > run.settings.tolerance.relative * run.audit.scale)
       text += line_of(
           text.empty() ? "energy" : "",
-          fmt::format("{:.3g} J at {}, {}{}", i.energy, i.cause,
+          fmt::format("{:.3g} J at {}, {}", i.energy, i.cause,
                       i.count == 1 ? fmt::format("t = {:.6g} s", i.first)
-                                   : fmt::format("{} times from t = {:.6g} s to {:.6g} s", i.count, i.first, i.last),
-                      i.cause.ends_with("in speed") ? ": an impact, whose load is unbounded and not recorded" : ""));
+                                   : fmt::format("{} times from t = {:.6g} s to {:.6g} s", i.count, i.first, i.last)));
   return text;
 }
 

@@ -19,7 +19,6 @@
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/scales.h"
 #include "framework/foundation/math/limits.h"
-#include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/rank/branch_point.h"
 #include "framework/tools/rank/loop_rows.h"
@@ -123,20 +122,22 @@ std::optional<Cause> open_loop(const System& system, const State& state) {
 
 // -- rows that contradict, or lock
 
-/// "1 rad/s": this part of the rate that a drive prescribes.
-std::string asked_rate(const NamedRow& row, double t, double part) {
+/// "1 rad/s": this part of the rate that a drive prescribes; or "1 rad" of its position.
+std::string asked(const NamedRow& row, double t, double part, bool rate = true) {
   const int d = row.link->row(row.own).drive;
   const Jointed* joint = row.link->jointed();
   if (joint == nullptr || d >= static_cast<int>(joint->imposed().drives.size())) return "";
   const Drive& drive = joint->imposed().drives[d];
   const LawValue law = drive.law->at(t);
-  return fmt::format("{:.4g} {}/s", part * (drive.speed ? law.y : law.yd), row.link->driven()->drive(d).unit);
+  return fmt::format("{:.4g} {}{}", part * (rate && !drive.speed ? law.yd : law.y), row.link->driven()->drive(d).unit,
+                     rate ? "/s" : "");
 }
 
 /// A combination of rows that is zero, although laws prescribe its change: the drives, stops and joints in it.
 struct Contradiction {
   Names drives, stops, joints, guides;  // guides: joints with a free translation
   std::string wrong, rates;             // the last drive that moves; its rate, and that which agrees with the others
+  Names positions;                      // of the drives
 };
 
 std::optional<Contradiction> contradiction(const System& system, const Evaluation& e, const VecX& rates, double t) {
@@ -161,10 +162,10 @@ std::optional<Contradiction> contradiction(const System& system, const Evaluatio
         if (!takes_part(k)) continue;
         const NamedRow row(system, table, rows.numbers[k]);
         if (const std::string drive = row.drive(); !drive.empty()) {
-          who.drives.push_back(drive);
+          who.drives.push_back(drive), who.positions.push_back(asked(row, t, 1, false));
           if (const double part = found.circuits(k, c) * rates[rows.numbers[k]]; part != 0)
-            who.wrong = drive, who.rates = fmt::format("{} prescribes {}, but {}", drive, asked_rate(row, t, 1),
-                                                       asked_rate(row, t, 1 - sum / part));
+            who.wrong = drive,
+            who.rates = fmt::format("{} prescribes {}, but {}", drive, asked(row, t, 1), asked(row, t, 1 - sum / part));
         } else {
           add_name(row.link->name(), row.link->unilateral() != nullptr ? who.stops : who.joints);
           const Jointed* joint = row.link->jointed();
@@ -275,6 +276,12 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
   Names leading;  // joints whose laws change them
   for (int k = 0; k < rates.size(); ++k)
     if (rates[k] != 0) add_name(NamedRow(system, e.rows(), k).link->name(), leading);
+  bool is_open = false;
+  if (!who && dynamics.violation(still) > StepLoopOptions().start_limit) {
+    who = contradiction(system, e, C, at.t);
+    if (who && who->drives.size() < 2) who.reset();
+    is_open = who.has_value();
+  }
   if (!who) {
     const Evaluation& of_motion = dynamics.gather_rows(moving);
     if ((who = contradiction(system, of_motion, accelerations_asked(of_motion), at.t))) who->rates.clear();
@@ -282,7 +289,7 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
   if (!who) return {};
   const std::string when = fmt::format("at t = {:.4g} s", at.t);
   const std::string guide = to_plane(dynamics, still);
-  const std::string first = test_joints_first(system, who->joints);
+  const std::string first = tests_first(system, who->joints);
   const std::string joints = (who->joints.size() > 1 ? "the loop of joints " : "joint ") + text::join(who->joints);
   const std::string other_lengths =
       !guide.empty()
@@ -293,69 +300,31 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
                                                  : "the law of '" + leading.front() + "'";
   if (!who->stops.empty() && !mover.empty())
     return Cause{fmt::format("{} runs into stop {} {}", mover, text::join(who->stops), when),
-                 "end the motion before the stop, or move the stop", false, Error::Kind::assembly};
+                 "end the motion before the stop, or move the stop", Error::Kind::assembly};
   if (who->drives.empty() && guide.empty() && branch_point(dynamics, still).singular)
     return Cause{fmt::format("the configuration {} is singular: the direction in which {} continues, if there is one, "
                              "is undetermined",
                              when, joints),
                  first + "start near it, on the intended side, or " +
                      (mover.empty() ? "give every joint of the loop a velocity along one branch" : other_lengths),
-                 false, Error::Kind::step, at.t};
+                 Error::Kind::step, at.t};
   if (who->drives.empty())
     return Cause{fmt::format("{}{} allows no further motion {}: the configuration is singular",
                              mover.empty() ? "" : mover + " cannot continue: ", joints, when),
-                 other_lengths + ", or release one constraint of these joints", false, Error::Kind::step, at.t};
+                 other_lengths + ", or release one constraint of these joints", Error::Kind::step, at.t};
   if (who->drives.size() > 1) {
     const std::string fact = fmt::format("drives {} contradict {}: ", text::join(who->drives, " and "), when);
     std::erase(who->drives, who->wrong);
-    return Cause{fact + (who->rates.empty() ? "they prescribe accelerations that do not agree"
-                                            : who->rates + " is required of it by " + text::join(who->drives, " and ")),
-                 first + "remove one of them, or let their motions agree"};
+    return Cause{
+        fact + (is_open ? "the positions that they prescribe do not agree, " + text::join(who->positions, " and ")
+                : who->rates.empty() ? "they prescribe accelerations that do not agree"
+                                     : who->rates + " is required of it by " + text::join(who->drives, " and ")),
+        first + "remove one of them, or let their motions agree"};
   }
   if (std::optional<Cause> cause = locked(dynamics, still)) return cause;
   return Cause{fmt::format("drive {} has reached a limit position (dead centre) {}: {} allows no further motion",
                            who->drives.front(), when, joints),
-               other_lengths + ", or end the motion before it", false, Error::Kind::step, at.t};
-}
-
-// -- steps that are too long
-
-/// Size of the largest eigenvalue of the equations of motion, 1/s: by powers of differences of their rates.
-double fastest_rate(Dynamics& dynamics, const State& at) {
-  constexpr double small =
-      kNearlyDependent * kNearlyDependent;  // of the length: a difference; of the rate: it converged
-  const double d = small * dynamics.system().length();
-  StateRate r0, r1;
-  dynamics.rates(at, r0);
-  VecX q = VecX::Zero(at.v.size()), v = VecX::LinSpaced(at.v.size(), 1, 2);
-  double rate = 1, before = 0;
-  for (int k = 0; k < at.v.size() + 20 && std::abs(rate - before) > small * rate; ++k) {
-    const double size = std::sqrt(q.squaredNorm() * rate * rate + v.squaredNorm());  // positions as velocities
-    if (!(size > 0) || !std::isfinite(size)) break;
-    q /= size, v /= size;
-    State off = at;
-    advance_state(off, d, q);
-    off.v += d * v;
-    dynamics.rates(off, r1);
-    const VecX of_v = (r1.v - r0.v) / d;
-    q = v, v = of_v, before = rate;
-    rate = std::max(1.0, std::sqrt(q.squaredNorm() * rate * rate + v.squaredNorm()));
-  }
-  return rate;
-}
-
-// A run may have left its motion before it stopped: its pose counts then, but not its velocities.
-std::optional<Cause> long_step(Dynamics& dynamics, State at, double step) {
-  if (!(step > 0)) return {};
-  if (at.t != dynamics.system().start().t) at.v.setZero();
-  dynamics.to_formulation(at);
-  const double rate = fastest_rate(dynamics, at);
-  // rad in a step: explicit methods are unstable beyond 1 to 3
-  if (!(rate * step > 1)) return {};
-  return Cause{
-      fmt::format("the step of {:.3g} s is too long: at t = {:.4g} s the fastest motion has a rate of {:.3g} 1/s", step,
-                  at.t, rate),
-      fmt::format("take a step below {:.2g} s, or a method that chooses its steps", 1 / rate), true};
+               other_lengths + ", or end the motion before it", Error::Kind::step, at.t};
 }
 
 // The evaluation that a fact needs may be what fails: then there is no fact.
@@ -378,28 +347,22 @@ Cause cause_of_lock(Dynamics& dynamics, const State& at) {
   return first_found({[&] { return locked(dynamics, at); }});
 }
 
-Cause cause_of_stop(Dynamics& dynamics, const State& at, double step) {
-  return first_found({[&] { return contradicting(dynamics, at); }, [&] { return long_step(dynamics, at, step); }});
-}
-
-double fixed_step(StepLoop& run, double step) {
-  if (run.integrator().info().adaptive) return 0;
-  const auto cut = std::ranges::find(run.report().findings, finding::long_steps.code, &Finding::code);
-  return cut == run.report().findings.end() ? step : cut->limit;
+Cause cause_of_stop(Dynamics& dynamics, const State& at) {
+  return first_found({[&] { return contradicting(dynamics, at); }});
 }
 
 void rethrow_with(const Cause& cause, const Error& error, const std::string& lines) {
+  if (cause.fact.empty() && lines.empty()) throw;
   ErrorData about = error;
   std::string sentence = error.what();
   if (!cause.fact.empty() && error.kind() != Error::Kind::user_code) {
     about.problem = cause.fact, about.advice = cause.hint;
     if (std::isnan(about.t)) about.t = cause.t;
-    const std::string own = cause.possible ? sentence : sentence.substr(0, sentence.find("; "));  // without its advice
-    sentence =
-        fmt::format("{}; {}{}solver: {}", cause.fact, cause.hint, lines.empty() ? "; " : "\n" + lines + "  ", own);
-  } else if (!lines.empty()) {
-    sentence += "\n" + lines.substr(0, lines.size() - 1);
+    sentence = cause.fact + "; " + cause.hint;
   }
+  if (!lines.empty()) sentence += "\n" + lines.substr(0, lines.size() - 1);
+  if (about.problem != error.problem && about.problem != error.fact())
+    sentence += (lines.empty() ? "; " : "\n  ") + ("solver: " + error.fact());
   switch (cause.kind == Error::Kind::other ? error.kind() : cause.kind) {
     case Error::Kind::assembly:
       throw AssemblyError(sentence, about);

@@ -2,10 +2,8 @@
 #include "framework/tools/scene_run/run_findings.h"
 
 #include <spdlog/fmt/fmt.h>
-#include <spdlog/fmt/ranges.h>
 
 #include <cmath>
-#include <set>
 
 #include <lockstep/text.h>
 #include "framework/foundation/support/finding_kinds.h"
@@ -13,18 +11,6 @@
 
 namespace lockstep {
 namespace {
-
-// "first test bump by check_law; otherwise ": the types of plugins; "" without any.
-std::string test_first(const System& system, const Registry& methods) {
-  std::set<std::string> tests;
-  const auto add = [&](const std::string& type, const char* check, const std::string& origin) {
-    if (!of_plugin(origin).empty()) tests.insert(fmt::format("{} by {}", type, check));
-  };
-  for (const auto& link : system.links()) add(thing_of(*link).type, "check_lock", link->origin());
-  for (const auto& force : system.forces()) add(thing_of(*force).type, "check_force", force->origin());
-  for (const auto& [name, law] : methods.laws.entries()) add(name, "check_law", law.origin);
-  return tests.empty() ? "" : fmt::format("first test {}; otherwise ", fmt::join(tests, " and "));
-}
 
 void add_energy(std::vector<Finding>& all, const Audit& audit, bool adaptive, const std::string& first) {
   const std::string off =
@@ -48,7 +34,7 @@ void add_energy(std::vector<Finding>& all, const Audit& audit, bool adaptive, co
 
 }  // namespace
 
-std::vector<Finding> run_findings(StepLoop& run, const Registry& methods, const Audit& audit, const Doubts& doubts,
+std::vector<Finding> run_findings(StepLoop& run, const Audit& audit, const Doubts& doubts,
                                   const SingularWatch& singular) {
   const SimulationReport& report = run.report();
   const IntegratorInfo& method = run.integrator().info();
@@ -57,12 +43,13 @@ std::vector<Finding> run_findings(StepLoop& run, const Registry& methods, const 
     all.push_back(finding_of(singular.passed(), singular.n_passed(), method,
                              run.dynamics().options().stabilization.kind == Stabilization::Kind::project));
   for (Finding& f : doubts.findings(report.steps, run.state().t)) all.push_back(std::move(f));
-  add_energy(all, audit, method.adaptive, test_first(run.dynamics().system(), methods));
+  add_energy(all, audit, method.adaptive, tests_first(run.dynamics().system()));
   if (audit.drifted)
     all.push_back({&finding::constraints_drifted, "",
                    fmt::format("constraint violation up to {:.2g} m after a step (limit {:.2g} m)", audit.violation,
                                audit.limits.violation),
-                   "project after each step (stabilization project)", audit.violation, audit.limits.violation, "m"});
+                   "project after each step (\"stabilization\": \"project\")", audit.violation, audit.limits.violation,
+                   "m"});
   if (std::isfinite(report.stiff_since))
     all.push_back({&finding::stiff, "",
                    fmt::format("damped fast modes limited the steps from t = {:.4g} s on", report.stiff_since),

@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include <lockstep/author/registry.h>
 #include <lockstep/recorder.h>
 #include <lockstep/step_loop.h>
 #include "framework/tools/rank/doubts.h"
@@ -13,7 +12,6 @@
 namespace lockstep {
 
 /// What speaks against the result of a run so far: singular positions, doubts, energy and drift; then whether it is stiff.
-LOCKSTEP_API std::vector<Finding> run_findings(StepLoop&, const Registry& methods, const Audit&, const Doubts&,
-                                               const SingularWatch&);
+LOCKSTEP_API std::vector<Finding> run_findings(StepLoop&, const Audit&, const Doubts&, const SingularWatch&);
 
 }  // namespace lockstep

@@ -122,7 +122,7 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
 
 void refuse_driven_lock(Dynamics& dynamics, const State& start) {
   if (const Cause lock = cause_of_lock(dynamics, start); !lock.fact.empty())
-    throw AssemblyError(lock.fact + "; " + lock.hint, {.problem = lock.fact, .advice = lock.hint});
+    throw AssemblyError({.problem = lock.fact, .advice = lock.hint});
 }
 
 AssemblyReport assemble_scene(Dynamics& dynamics, const Mechanism& m, State& start) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A Simulation of a scene: what the program runs, as one object.
+#include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/rank/singular_watch.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
@@ -43,9 +44,14 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
   }
   RunVerdict verdict() const override {
     if (!loop) throw ModelError("simulation: verdict() was called before the start of the run; call it after run()");
-    RunVerdict found{audit->result(), run_findings(*loop, *mechanism.methods, audit->result(), *doubts, singular)};
+    RunVerdict found{audit->result(), run_findings(*loop, audit->result(), *doubts, singular)};
     found.right = !found.audit.is_wrong();
     return found;
+  }
+
+  void rethrow(const Error& error) override {
+    if (!loop) throw;
+    rethrow_of_run(system, *loop, started, settings.step, error);
   }
 
   std::vector<Event> events;

@@ -94,7 +94,8 @@ StepLoop& Simulation::Parts::begun() {
                                               DynamicsOptions{settings.formulation, settings.stabilization});
   auto runs = std::make_unique<StepLoop>(*evaluates, std::move(method), loop_options(settings));
   runs->add_observer(*recorder);
-  runs->set_state(begin(*evaluates, *runs, assembly));
+  started = begin(*evaluates, *runs, assembly);
+  runs->set_state(started);
   dynamics = std::move(evaluates), loop = std::move(runs);
   system.begin_run(loop);
   return *loop;
@@ -110,6 +111,7 @@ State Simulation::Parts::begin(Dynamics& by, StepLoop&, AssemblyReport& report) 
 void Simulation::Parts::start_from(State start) {
   begun();
   assemble_start(settings, *dynamics, start, assembly);
+  started = start;
   loop->set_state(std::move(start));
 }
 
@@ -144,7 +146,13 @@ const Table& Simulation::record(std::vector<Request> requests) {
 }
 const Table& Simulation::table() const { return parts_->recorder->table(); }
 
-const SimulationReport& Simulation::run_until(double t) { return loop().run_until(t); }
+const SimulationReport& Simulation::run_until(double t) {
+  try {
+    return loop().run_until(t);
+  } catch (const Error& error) {
+    parts_->rethrow(error);
+  }
+}
 const SimulationReport& Simulation::run() {
   if (!(parts_->settings.until >= 0))
     throw ModelError(
@@ -161,7 +169,13 @@ const AssemblyReport& Simulation::assembly() {
 }
 Event& Simulation::add_event(Event event) { return loop().add_event(std::move(event)); }
 void Simulation::add_observer(Observer& observer) { loop().add_observer(observer); }
-const SimulationReport& Simulation::advance(double h) { return loop().advance(h); }
+const SimulationReport& Simulation::advance(double h) {
+  try {
+    return loop().advance(h);
+  } catch (const Error& error) {
+    parts_->rethrow(error);
+  }
+}
 void Simulation::activate(const std::string& name) { loop().activate(name); }
 void Simulation::deactivate(const std::string& name) { loop().deactivate(name); }
 ControlInput& Simulation::input(const std::string& name) { return parts_->system.input(name); }
@@ -191,6 +205,7 @@ void Simulation::load(const std::string& file) {
     throw ModelError(fmt::format("checkpoint '{}' belongs to a simulation with other options: {}", file,
                                  first_difference(other, own)));
   loop().load(in);
+  parts_->started = loop().state();
 }
 
 }  // namespace lockstep

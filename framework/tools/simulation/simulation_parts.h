@@ -36,6 +36,8 @@ struct LOCKSTEP_API Simulation::Parts {
   /// Adds observers and events, and returns the assembled start.
   virtual State begin(Dynamics&, StepLoop&, AssemblyReport&);
   virtual RunVerdict verdict() const;
+  /// In a catch block: throws the error of a run again, with its cause if that is found.
+  [[noreturn]] virtual void rethrow(const Error&) { throw; }
 
   /// Makes and begins the run at the first call. Nothing is made where that throws.
   StepLoop& begun();
@@ -48,6 +50,7 @@ struct LOCKSTEP_API Simulation::Parts {
   const std::string solver;  // as it was given
   std::unique_ptr<Dynamics> dynamics;
   std::shared_ptr<StepLoop> loop;  // its System has a weak reference
+  State started;
   AssemblyReport assembly;
 };
 

@@ -47,6 +47,7 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   if (SingularWatch::is_needed(dynamics, start, sim.integrator().info())) sim.add_observer(singular);
   if (besides != nullptr) sim.add_observer(*besides);
   for (Event& event : events) sim.add_event(std::move(event));
+  const State started = start;
   sim.set_state(std::move(start));
   sim.progress = [&](const State& s) {
     result.broken_off = go_on && !go_on(s);
@@ -57,7 +58,7 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
     sim.run_until(m.run.until);
   } catch (const Error& error) {
     result.steps = report.steps;
-    rethrow_with(cause_of_stop(dynamics, sim.state(), fixed_step(sim, m.run.step)), error);
+    rethrow_of_run(system_of(m), sim, started, m.run.step, error);
   }
   result.steps = report.steps;
   if (!singular.passed().empty())
@@ -86,10 +87,8 @@ std::string SweepRun::outcome() const {
 }
 
 std::string fact_of(const std::exception& error) {
-  const std::string words = what_of(error);
-  const auto* data = dynamic_cast<const Error*>(&error);
-  return data != nullptr && !data->problem.empty() && words.starts_with(data->problem) ? data->problem
-                                                                                       : first_line(words);
+  const auto* ours = dynamic_cast<const Error*>(&error);
+  return first_line(ours == nullptr || std::isnan(ours->t) ? what_of(error) : ours->fact());
 }
 
 bool wrong_by(std::string_view outcome) {
