@@ -376,4 +376,23 @@ TEST_CASE("a one-sided joint whose gap has no value is named", "[unit][dynamics]
   }
 }
 
+// k = 1e6 N/m and m = 1 kg: 1000 1/s.
+TEST_CASE("a run of a scene that fails gives a host the cause that the program prints", "[unit][dynamics]") {
+  const std::string text = R"({"lockstep": 1, "gravity": [0, 0, 0],
+    "bodies": [{"name": "b", "particle": 1, "position": [1, 0, 0], "velocity": [1, 0, 0]}],
+    "forces": [{"name": "k", "type": "spring_damper", "p": "b", "s": "ground", "at_p": [1, 0, 0], "at_s": [0, 0, 0],
+                "stiffness": 1e6, "free_length": 1}],
+    "run": {"integrator": "rk4", "step": 0.01, "until": 2}})";
+  Simulation run(build_mechanism(scene_from_text(text, "spring.json"), builtin_registry()));
+  try {
+    run.run();
+    FAIL("the step is stable");
+  } catch (const Error& e) {
+    INFO(e.what());
+    check_words(e.problem, {"the step of 0.01 s is too long", "the fastest motion has a rate of 1e+03 1/s"});
+    check_words(e.advice, {"take a step below 0.001 s"});
+    check_words(e.what(), {e.problem, e.advice, "solver: "});
+  }
+}
+
 }  // namespace hosts_switches_test
