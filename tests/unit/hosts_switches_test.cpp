@@ -383,15 +383,18 @@ TEST_CASE("a run of a scene that fails gives a host the cause that the program p
     "forces": [{"name": "k", "type": "spring_damper", "p": "b", "s": "ground", "at_p": [1, 0, 0], "at_s": [0, 0, 0],
                 "stiffness": 1e6, "free_length": 1}],
     "run": {"integrator": "rk4", "step": 0.01, "until": 2}})";
-  Simulation run(build_mechanism(scene_from_text(text, "spring.json"), builtin_registry()));
-  try {
-    run.run();
-    FAIL("the step is stable");
-  } catch (const Error& e) {
-    INFO(e.what());
-    check_words(e.problem, {"the step of 0.01 s is too long", "the fastest motion has a rate of 1e+03 1/s"});
-    check_words(e.advice, {"take a step below 0.001 s"});
-    check_words(e.what(), {e.problem, e.advice, "solver: "});
+  for (const bool with_event : {false, true}) {  // with one, the start is judged alone
+    Simulation run(build_mechanism(scene_from_text(text, "spring.json"), builtin_registry()));
+    if (with_event) run.add_event({.name = "never", .at = 1e3});
+    try {
+      run.run();
+      FAIL("the step is stable");
+    } catch (const Error& e) {
+      INFO(e.what());
+      check_words(e.problem, {"the step of 0.01 s is too long", "the fastest motion has a rate of 1e+03 1/s"});
+      check_words(e.advice, {"take a step below 0.001 s"});
+      check_words(e.what(), {e.problem, e.advice, "solver: "});
+    }
   }
 }
 

@@ -46,7 +46,7 @@ double fastest_rate(Dynamics& dynamics, const State& at) {
   return rate;
 }
 
-/// States of a motion, evenly spread over its steps.
+/// States of a motion, evenly spread over its steps, which are short where it is fast.
 class Spread {
  public:
   void add(const State& state) {
@@ -67,16 +67,17 @@ class Spread {
 /// The motion from `start` to `end`, s, within so many steps: why it ends before, or why `step` is too long for it.
 Cause found_by_small_steps(Dynamics& dynamics, State start, double end, double step, long most_steps) {
   Spread motion;
+  dynamics.to_formulation(start);
+  motion.add(start);
   try {
     const Registry methods = builtin_registry();
     const std::unique_ptr<Integrator> method = make_integrator({.type = "dopri5"}, methods, "integrator");
-    dynamics.to_formulation(start);
     method->begin(dynamics, start);
     double h = start.t < end ? method->first_step(dynamics, start, end - start.t) : 0;
     for (long n = 0; n < most_steps && start.t < end; ++n) {
-      motion.add(start);
       h = method->step(dynamics, start, std::min(h, end - start.t)).h_next;
       dynamics.accept(start);
+      motion.add(start);
     }
   } catch (const Error&) {
     if (Cause cause = cause_of_stop(dynamics, start); !cause.fact.empty()) return cause;
@@ -103,14 +104,14 @@ Cause cause_of_run(System& system, StepLoop& run, State started, double step) {
   const auto has = [&](const FindingKind& kind) { return std::ranges::find(findings, kind.code, &Finding::code); };
   if (!run.integrator().info().adaptive) {
     if (const auto cut = has(finding::long_steps); cut != findings.end()) step = cut->limit;
-    const bool switches =
-        !run.event_courses().empty() || std::ranges::any_of(system.links(), [](const auto& link) {
-          return link->unilateral() != nullptr;
-        });
+    // The motion is not repeated if a host, an event or a stop may have changed it.
+    const bool changed =
+        !system.control_inputs().empty() || !run.event_courses().empty() ||
+        std::ranges::any_of(system.links(), [](const auto& link) { return link->unilateral() != nullptr; });
     dynamics.to_slots(started);
     Dynamics own(system, std::make_unique<SparseSolver>(), dynamics.options());  // that of the run may go on
-    if (Cause cause = found_by_small_steps(own, started, switches ? started.t : at.t + 2 * step, step,
-                                           run.report().steps + 1000);
+    if (Cause cause =
+            found_by_small_steps(own, started, changed ? started.t : at.t + 2 * step, step, run.report().steps + 1000);
         !cause.fact.empty())
       return cause;
   }
