@@ -19,8 +19,6 @@ using namespace lockstep::testing;
 
 namespace {
 
-std::string sample(const std::string& name) { return "'" + std::string(paths::kScenes) + "/" + name + ".json'"; }
-
 /// A line of the program's, with its exit code and the facts of the error.
 struct Mistake {
   std::string line;

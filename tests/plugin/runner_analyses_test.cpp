@@ -21,15 +21,6 @@ using Json = nlohmann::json;
 
 namespace {
 
-std::string sample(const std::string& name) { return "'" + std::string(paths::kScenes) + "/" + name + ".json'"; }
-
-Json json_of(const std::string& words) {
-  const Called called = call(words);
-  INFO(called.text);
-  REQUIRE(called.exit == 0);
-  return Json::parse(called.text);
-}
-
 // The last value, in rad, of a column of a document.
 double last_of(const std::string& document, const std::string& column) {
   const Json all = Json::parse(document);

@@ -23,19 +23,6 @@ using namespace lockstep;
 using namespace lockstep::testing;
 using Json = nlohmann::json;
 
-namespace {
-
-std::string sample(const std::string& name) { return "'" + std::string(paths::kScenes) + "/" + name + ".json'"; }
-
-Json json_of(const std::string& words) {
-  const Called called = call(words);
-  INFO(called.text);
-  REQUIRE(called.exit == 0);
-  return Json::parse(called.text);
-}
-
-}  // namespace
-
 TEST_CASE("runner: statics prints poses, reactions and stability", "[plugin][runner]") {
   const Json j = json_of("statics " + sample("rod_pendulum") + " --json");
   CHECK(j["stability"] == "stable");

@@ -10,6 +10,8 @@
 #include <fstream>
 #include <sstream>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 
@@ -50,6 +52,15 @@ void check_refused(const Called& called, int exit, const std::vector<std::string
     INFO(word);
     CHECK(contains(called.text, word));
   }
+}
+
+std::string sample(const std::string& name) { return "'" + std::string(paths::kScenes) + "/" + name + ".json'"; }
+
+nlohmann::json json_of(const std::string& words) {
+  const Called called = call(words);
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  return nlohmann::json::parse(called.text);
 }
 
 std::string scene_file(const std::string& name, const std::string& members) {

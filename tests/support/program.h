@@ -2,6 +2,7 @@
 // The program, called as a person calls it.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,10 @@ void check_refused(const Called& called, int exit, const std::vector<std::string
 /// Writes a scene of these members into the folder; its path.
 std::string scene_file(const std::string& name, const std::string& members);
 
+/// The path of a sample scene, in quotes.
+std::string sample(const std::string& name);
+/// What a call that succeeds prints as JSON.
+nlohmann::json json_of(const std::string& words);
 /// The path of the sample scene four_bar.json.
 extern const std::string kFourBar;
 /// Members of scenes: an arm along x from the origin to (1 m, 0, 0), and what a hinge at the origin holds, without braces.
