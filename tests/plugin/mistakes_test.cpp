@@ -26,13 +26,15 @@ struct Mistake {
   std::vector<std::string> facts;
 };
 
-// A four-bar in its zero position, all bars along x but the rocker: it is assembled by lengths alone.
-std::string four_bar(const std::string& rocker) {
+// A four-bar in its zero position, all bars along x but the rocker: it is assembled by lengths alone. `of_crank`: more
+// of joint A.
+std::string four_bar(const std::string& rocker, const std::string& of_crank = "") {
   return scene_file("lengths", R"("parameters": {"rocker": ")" + rocker + R"("}, "bodies": [
     {"name": "crank", "rod": {"mass": 1, "from": [0,0,0], "to": [0.1,0,0]}},
     {"name": "coupler", "rod": {"mass": 1, "from": [0.1,0,0], "to": [0.4,0,0]}},
     {"name": "rocker", "rod": {"mass": 1, "from": [0.28,0,0], "to": [0.28,"=rocker",0]}}], "links": [
-    {"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0,0,0]},
+    {"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0,0,0])" +
+                                   of_crank + R"(},
     {"name": "B", "type": "revolute", "p": "coupler", "s": "crank", "at": [0.1,0,0]},
     {"name": "C", "type": "revolute", "p": "coupler", "s": "rocker", "at_p": [0.4,0,0], "at_s": [0.28,"=rocker",0]},
     {"name": "D", "type": "revolute", "p": "rocker", "s": "ground", "at_p": [0.28,0,0], "at_s": [0.28,0,0]}],
@@ -94,7 +96,7 @@ TEST_CASE("a loop that cannot close is reported by the lengths of its bodies", "
     check_mistake({command + line + "'",
                    5,
                    {"error: the mechanism cannot be assembled: a loop is open by 0.32 m", "rocker spans 1 m",
-                    "reach 0.68 m together", "hint: place joint"}});
+                    "reach 0.68 m together", "hint: make rocker at least 0.32 m shorter"}});
   check_mistake(
       {"check '" + four_bar("250 m") + "'", 5, {"rocker spans 250 m", "check the unit of a length of rocker"}});
   check_mistake({"check '" + four_bar("250 mm") + "'", 0, {"OK: the mechanism assembles"}});
@@ -105,6 +107,17 @@ TEST_CASE("a loop that cannot close is reported by the lengths of its bodies", "
                  6,
                  {"hint: joint guide slides along the normal of the plane in which joints A, B and C move",
                   "such as \"axis\": \"x\""}});
+}
+
+TEST_CASE("a loop that cannot close where its drive begins is reported with the drive", "[runner]") {
+  // The crank of 0.1 m begins 60 deg off the base of 0.28 m, with its end sqrt(0.1^2 + 0.28^2 - 0.1 0.28) = 0.2458 m
+  // from D: a rocker of 0.56 m is 0.0142 m too long for that and the coupler of 0.3 m.
+  const std::string begins = R"(, "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1, "y0": "60 deg"}})";
+  check_mistake({"check '" + four_bar("560 mm", begins) + "'",
+                 5,
+                 {"with drive A at its start, a loop is open by 0.0142 m", "rocker spans 0.56 m from joint",
+                  "reach 0.546 m together", "or let drive A begin elsewhere"}});
+  check_mistake({"check '" + four_bar("1 m", begins) + "'", 5, {"error: the mechanism cannot be assembled: a loop"}});
 }
 
 TEST_CASE("drives that contradict are reported with their speeds", "[runner]") {

@@ -279,7 +279,7 @@ TEST_CASE("a formulation that the base's solver does not take is drawn with anot
     CHECK(std::ranges::any_of(chart.panels.front().series, [&](const Series& s) { return s.label == name; }));
   }
   REQUIRE(!chart.remarks.empty());
-  CHECK(chart.remarks.front() == "curves: solver schur; quaternion: sparse");
+  CHECK(chart.remarks.front() == "curves: stabilisation project, solver schur; quaternion: sparse");
   WorkPrecision own = result;
   for (WorkPrecisionRun& run : own.runs)
     if (run.formulation == Formulation::omega) run.formulation = Formulation::automatic;
@@ -289,6 +289,15 @@ TEST_CASE("a formulation that the base's solver does not take is drawn with anot
   CHECK(
       std::ranges::any_of(by_itself.panels.front().series, [](const Series& s) { return s.label == "auto = omega"; }));
   base.formulation = Formulation::omega;
+  for (const char* solver : {"schur", "sparse"}) {  // the first runs as auto, the other as omega
+    CAPTURE(solver);
+    WorkPrecision mixed = result;
+    for (WorkPrecisionRun& run : mixed.runs)
+      if (run.formulation == Formulation::omega && run.solver == "schur") run.formulation = Formulation::automatic;
+    const GridSpec solvers = forms_chart(mixed, "solvers", base, ChartBy::solver, {"dopri5"});
+    REQUIRE(!solvers.panels.empty());
+    CHECK(std::ranges::any_of(solvers.panels.front().series, [&](const Series& s) { return s.label == solver; }));
+  }
   base.stabilization = Stabilization::Kind::none;  // of which there are no runs: no curves, and no panels
   CHECK(integrators_chart(result, "none", base, CostKind::cpu).panels.empty());
 }

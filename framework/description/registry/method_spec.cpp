@@ -27,7 +27,7 @@ MethodSpec read_method_spec(const std::string& text, const std::vector<TypeInfo>
   for (const TypeInfo& t : types) names.push_back(t.name);
   const auto type = std::ranges::find(types, parts.front(), &TypeInfo::name);
   if (type == types.end())
-    throw ModelError("unknown name \"" + parts.front() + "\"" + text::suggestion(parts.front(), names));
+    throw ModelError("unknown method \"" + parts.front() + "\"" + text::suggestion(parts.front(), names));
   for (const Key& key : type->keys) keys.push_back(key.name);
   Value::Object members;
   for (std::size_t i = 1; i < parts.size(); ++i) {

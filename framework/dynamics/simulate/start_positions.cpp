@@ -223,9 +223,9 @@ class StartSearch {
     check_gradients(links_.evaluation());
     const Approach at = bring(links_, state_);
     if (at.met) return "";
-    return "assembly stopped after " + std::to_string(at.rounds) + " iterations: the joints are still open by " +
+    return "assembly stopped after " + std::to_string(at.rounds) + " iterations: constraint errors of up to " +
            text::brief(at.off) +
-           " m, worst: " + worst_rows(links_.evaluation(), row_sizes(links_.evaluation(), links_.residuals())) +
+           " m remain, worst: " + worst_rows(links_.evaluation(), row_sizes(links_.evaluation(), links_.residuals())) +
            "; check the start poses of their bodies, their markers and masks";
   }
 

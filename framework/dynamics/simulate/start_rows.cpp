@@ -232,11 +232,12 @@ std::string TargetRows::missed(int rounds) const {
     if (std::isinf(w.weight)) asked.push_back("body " + w.body);
   if (asked.empty())
     return fmt::format(
-        "assembly stopped after {} iterations: the joints are still open by {:.3g} m; give poses closer to an "
+        "assembly stopped after {} iterations: constraint errors of up to {:.3g} m remain; give poses closer to an "
         "assembled configuration, or find joints that contradict each other",
         rounds, links_);
   return fmt::format(
-      "assembly stopped after {} iterations: the joints are still open by {:.3g} m, the exact values are missed by "
+      "assembly stopped after {} iterations: constraint errors of up to {:.3g} m remain, the exact values are missed "
+      "by "
       "{:.3g} m{}: {} contradict the joints; request fewer of them, or make them approximate",
       rounds, links_, off_, worst_.empty() ? "" : " (worst: " + worst_ + ")", text::join(asked));
 }

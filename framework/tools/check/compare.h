@@ -26,8 +26,8 @@ struct Declared {
   int kind = 1;  ///< so many components have one key
 };
 
-/// Whether `act` returns; code of the checked object that throws is a finding.
-bool completes(CheckReport&, const std::function<void()>& act);
+/// Whether `act` returns; code of the checked object that throws is a finding, with the state if `where` gives it.
+bool completes(CheckReport&, const std::function<void()>& act, const std::function<std::string()>& where = {});
 
 /// Compares each with differences. A finding is a difference beyond their error and rounding; whether there is.
 bool compare(CheckReport&, const Declared&, const Slope&);

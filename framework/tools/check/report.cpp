@@ -76,12 +76,13 @@ std::string likeness(double is, double should_be) {
   return "";
 }
 
-bool completes(CheckReport& report, const std::function<void()>& act) {
+bool completes(CheckReport& report, const std::function<void()>& act, const std::function<std::string()>& where) {
   try {
     act();
     return true;
   } catch (const UserCodeError& error) {
-    report.add("threw", {error.what(), ""});
+    const std::string place = where ? where() : "";
+    report.add("threw", {error.what() + (place.empty() ? "" : " (" + place + ")"), ""});
     return false;
   }
 }

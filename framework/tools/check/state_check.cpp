@@ -89,7 +89,8 @@ std::string StateCheck::why_not_finite() const {
 }
 
 void StateCheck::run() {
-  completes(report_, [&] { in_context([&] { return context(); }, [&] { run_all(); }); });
+  completes(
+      report_, [&] { in_context([&] { return context(); }, [&] { run_all(); }); }, [&] { return place(state_); });
 }
 
 void StateCheck::run_all() {

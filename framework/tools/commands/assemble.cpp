@@ -41,7 +41,7 @@ std::vector<std::pair<std::string, Moved>> moved_bodies(const System& system, Va
     if (const Value* rod = given.find("rod"))
       for (const char* end : {"from", "to"})
         m.ends.push_back(
-            (m.pose * inverse(body_pose(body, from)) * Pose{read_vector3(*rod->find(end), Unit::length, end)}).x);
+            (m.pose * inverse(body_pose(body, from)) * Pose{read_vector3(*rod->find(end), Unit::length, end), {}}).x);
     all.emplace_back(body.name, m);
   }
   return all;

@@ -137,7 +137,7 @@ struct AccountFields {
       at_instant(link_fields())
           .with({{"restitution", "", "restitution", &At<LinkAccount>::restitution},
                  {"contact", "", "state", &At<LinkAccount>::contact},
-                 {"quantities", "other quantities", &At<LinkAccount>::quantities, number_fields()}});
+                 {"quantities", "quantities", &At<LinkAccount>::quantities, number_fields()}});
   Fields<At<ForceEffect>> force =
       at_instant(force_fields()).with({{"quantities", "quantities", &At<ForceEffect>::quantities, number_fields()}});
   Fields<Balances> bodies{{"t", "s", "t", &Balances::t}, {"bodies", "body", &Balances::account, balance_fields()}};
@@ -147,14 +147,24 @@ const AccountFields& account_fields() {
   return kFields;
 }
 
-/// What a force shows, and of a joint its gap and its friction.
+/// What a force shows, and of a joint its free coordinates, the gaps of its stops, and its friction; of a stop also
+/// those of its joint.
 std::vector<std::string> channels_of(const System& system, const std::string& thing) {
   std::vector<std::string> all;
   const Lock* joint = nullptr;
+  const std::string owner = thing.substr(0, thing.find(".stop_"));
   for (const auto& link : system.links()) {
-    if (link->name() != thing) continue;
-    joint = link.get();
-    if (joint->unilateral() != nullptr) all = {thing + ".gap", thing + ".impact_loss"};
+    const std::string& name = link->name();
+    if (name == thing) joint = link.get();
+    if (const Jointed* jointed = name == owner ? link->jointed() : nullptr) {
+      const Mask held = jointed->mask();
+      for (const Axis axis : {Axis::x, Axis::y, Axis::z, Axis::rx, Axis::ry, Axis::rz})
+        if (!includes(held, row_of(axis)) && (!is_rotation(axis) || count_rows(held & Mask::e123) == 2))
+          for (const char* rate : {"", "_d"}) all.push_back(name + "." + std::string(to_string(axis)) + rate);
+    }
+    if (link->unilateral() == nullptr || (name != thing && !name.starts_with(thing + ".stop_"))) continue;
+    all.push_back(name + ".gap");
+    if (name == thing) all.push_back(name + ".impact_loss");
   }
   for (const auto& force : system.forces()) {
     const Reacting* reacting = force->reacting();
@@ -185,16 +195,15 @@ Result explain(const Arguments& args) {
   if (!thing.empty() && std::ranges::find(known, thing) == known.end())
     throw UsageError("explain: no moving body, joint or force is called \"" + thing + "\"" +
                      text::suggestion(thing, known));
+  std::vector<Channel> channels;  // before the run: angles count their revolutions in it
+  for (const std::string& name : channels_of(system, thing)) channels.push_back(make_channel(system_of(m), name));
   const State state = run_to(m, loaded.registry, instant_of(args));
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   note_not_unique(uniqueness(dynamics, state));
   const StepReport none{};
   const Sample sample(dynamics, state, none);
   std::vector<PoseNumber> quantities;
-  for (const std::string& name : channels_of(system, thing)) {
-    const Channel channel = make_channel(system_of(m), name);
-    quantities.push_back({name, channel.unit, channel.value(sample)});
-  }
+  for (const Channel& c : channels) quantities.push_back({c.name, c.unit, c.value(sample)});
   const auto at = [&]<class Account>(Account account) { return At<Account>{state.t, std::move(account), quantities}; };
   for (const Body& body : system.bodies())
     if (body.name == thing) return {loaded, account_fields().body, at(balance_of(dynamics, state, body))};

@@ -188,7 +188,7 @@ const Fields<EquilibriumReport>& report_fields() {
        [](const Json& share) {
          return share < kRoundOff ? std::string("0") : fmt::format("{} of the largest", number_text(share));
        }},
-      {"largest_force", "N", "largest force", &Report::largest_force},
+      {"largest_force", "N", "largest force on a body", &Report::largest_force},
       {"largest_move", "m", "largest move", &Report::largest_move},
       {"moved_most", "", "  of", &Report::moved_most},
       {"friction", "friction", &Report::grips, kGrip},

@@ -23,8 +23,9 @@ constexpr std::size_t kMostRemarks = 8, kMostLetters = 185;
 using Wanted = std::function<bool(const WorkPrecisionRun&)>;
 using Curves = std::vector<std::pair<std::string, Wanted>>;  // by label
 
-// Equal to the base in all but `by`.
-bool like(const WorkPrecisionRun& run, const WorkPrecisionRun& base, ChartBy by) {
+// Equal to the base in all but `by`. A formulation that automatic chose is that of the base, too.
+bool like(WorkPrecisionRun run, const WorkPrecisionRun& base, ChartBy by) {
+  if (by != ChartBy::formulation && base.formulation == run.used) run.formulation = run.used;
   for (const ChartBy other : {ChartBy::integrator, ChartBy::formulation, ChartBy::stabilization, ChartBy::solver})
     if (other != by && value_of(run, other) != value_of(base, other)) return false;
   return true;
@@ -118,7 +119,7 @@ std::vector<std::string> remarks_of(const WorkPrecision& result, const Curves& c
     if (same == notes.end())
       notes.emplace_back(label, words);
     else
-      same->first += ", " + label;
+      same->first += "; " + label;
   };
   for (const auto& [label, wanted] : curves) {
     for (const WorkPrecisionRun& run : result.open) {
@@ -238,15 +239,16 @@ GridSpec integrators_chart(const WorkPrecision& result, const std::string& title
   std::vector<std::string> remarks{
       fmt::format("curves: formulation {}, stabilisation {}, solver {}", value_of(base, ChartBy::formulation),
                   value_of(base, ChartBy::stabilization), base.solver),
-      "Pareto front of all combinations: "};
+      "Pareto front of all combinations:"};
   std::set<std::string> named;
   for (const WorkPrecisionRun* run : pareto_front(result, ErrorKind::position, by)) {
     const std::string way = way_of(*run);
     if (!named.insert(way).second) continue;
-    if (remarks.back().size() + way.size() > kMostLetters) remarks.emplace_back("    ");
-    remarks.back() += way + "; ";
+    if (named.size() > 1) remarks.back() += ';';
+    if (remarks.back().size() + way.size() > kMostLetters) remarks.emplace_back("   ");
+    remarks.back() += ' ' + way;
   }
-  if (named.empty()) remarks.back() += "none";
+  if (named.empty()) remarks.back() += " none";
   return chart_of(result, title, std::move(remarks), {{"", curves}}, kErrorKinds, by);
 }
 
@@ -274,11 +276,12 @@ GridSpec forms_chart(const WorkPrecision& result, const std::string& title, cons
     }
     groups.emplace_back(integrator, std::move(curves));
   }
-  const std::string form = by == ChartBy::formulation ? "" : "formulation " + to_string(base.formulation),
-                    solver = by == ChartBy::solver ? "" : "solver " + solvers;
-  const std::vector<std::string> first{"curves: " + form + (form.empty() || solver.empty() ? "" : ", ") + solver};
+  std::string first = "curves:";
+  if (by != ChartBy::formulation) first += " formulation " + to_string(base.formulation) + ",";
+  if (by != ChartBy::stabilization) first += " stabilisation " + to_string(base.stabilization) + ",";
+  first = by == ChartBy::solver ? first.substr(0, first.size() - 1) : first + " solver " + solvers;
   constexpr ErrorKind kKinds[] = {ErrorKind::position, ErrorKind::reaction};
-  return chart_of(result, title, first, groups, kKinds, CostKind::cpu);
+  return chart_of(result, title, {first}, groups, kKinds, CostKind::cpu);
 }
 
 }  // namespace lockstep

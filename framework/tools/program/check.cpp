@@ -271,7 +271,7 @@ std::string freedom_words(const MobilityReport& r) {
   return words;
 }
 
-std::string redundant_words(const Findings& f) {
+std::string redundant_words(const Findings& f, bool all) {
   const MobilityReport& r = f.moves.mobility;
   const std::string where = f.moves.plane.empty() ? "" : " in the plane (--full counts in space)";
   std::string words;
@@ -279,7 +279,9 @@ std::string redundant_words(const Findings& f) {
     if (n > 0)
       words += fmt::format("{}{} {} {}", words.empty() ? "" : "\n" + std::string(22, ' '), n, how, by_joint(rows));
   };
-  for (const Dependency& d : r.dependencies) add(static_cast<std::size_t>(d.too_many), "of", d.rows);
+  if (all && r.redundant > 0) words = fmt::format("{}, in the table of dependent constraints", r.redundant);
+  for (const Dependency& d : r.dependencies)
+    if (!all) add(static_cast<std::size_t>(d.too_many), "of", d.rows);
   for (const NearDependency& d : f.moves.near.all) add(d.left_out.size(), "of these left out:", d.left_out);
   return (words.empty() ? "none" : words) + where;
 }
@@ -303,11 +305,11 @@ std::string head_text(const System& system, const Findings& f) {
   return text + fact_line("bodies", body_words(system)) + fact_line("joints", joint_words(system));
 }
 
-// The other facts that matter before a run.
-std::string brief_text(const Findings& f) {
+// The other facts that matter before a run; `all`: tables follow.
+std::string brief_text(const Findings& f, bool all) {
   if (!f.moves.error.empty()) return fact_line("degrees of freedom", "not computed");
-  return fact_line("degrees of freedom", freedom_words(f.moves.mobility)) + fact_line("redundant", redundant_words(f)) +
-         fact_line("solved as", f.formulation);
+  return fact_line("degrees of freedom", freedom_words(f.moves.mobility)) +
+         fact_line("redundant", redundant_words(f, all)) + fact_line("solved as", f.formulation);
 }
 
 // The exit code of a run of it, as far as its start: the findings precede the error of the start.
@@ -318,7 +320,7 @@ Result check_scene(const Arguments& args) {
   const Findings found = found_in(args, loaded, m);
   if (!found.moves.error.empty()) tell_error(found.moves.error);
   Result result(loaded, check_fields(), found);
-  result.brief = head_text(m.system, found) + brief_text(found);
+  result.brief = head_text(m.system, found) + brief_text(found, args.has("--verbose"));
   Json shown = result.data;
   if (!found.moves.error.empty())
     for (const FieldInfo& count : mobility_fields().schema().fields) shown.erase(count.name);

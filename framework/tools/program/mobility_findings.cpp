@@ -102,7 +102,7 @@ const Fields<MobilityFindings>& mobility_fields() {
   using Found = MobilityFindings;
   static const Fields<MobilityReport> kReport{
       {"bodies", "", "moving bodies", &MobilityReport::bodies},
-      {"unknowns", "", "unknown velocities", &MobilityReport::unknowns},
+      {"unknowns", "", "  velocity components", &MobilityReport::unknowns},
       {"rows", "", "constraints", &MobilityReport::rows},
       {"rank", "", "rank", &MobilityReport::rank},
       {"degrees_of_freedom", "", "degrees of freedom", [](const MobilityReport& r) { return r.freedoms + r.driven; }},
@@ -110,7 +110,7 @@ const Fields<MobilityFindings>& mobility_fields() {
       {"driven", "", "  prescribed by drives", &MobilityReport::driven, unless_zero},
       {"drives", "", "  drives", &MobilityReport::drives},
       {"redundant", "", "redundant constraints", &MobilityReport::redundant},
-      {"redundant_links", "", "  of joints", &MobilityReport::redundant_links},
+      {"redundant_links", "", "", &MobilityReport::redundant_links},
       {"dependencies", "dependent constraints", &MobilityReport::dependencies, dependency_fields()}};
   static const Fields<Found> kPosition{{"in", "", "", [](const Found& f) { return f.position.singular; }},
                                        {"near", "", "", [](const Found& f) { return is_near(f.position); }},

@@ -19,6 +19,10 @@ namespace {
 
 constexpr std::size_t kMostLines = 40;  // of a list, as text
 
+bool is_rounding(const Json& x, double largest) {
+  return x.is_number_float() && (std::abs(x.get<double>()) <= 1e-12 * largest || std::abs(x.get<double>()) < 1e-30);
+}
+
 // The largest number in it, however deep.
 double largest_in(const Json& v) {
   if (v.is_number()) return std::abs(v.get<double>());
@@ -64,9 +68,10 @@ class Printer {
     for (const FieldInfo& f : schema.fields) {
       if (!is_shown(f, data)) continue;
       const Json& v = data[f.name];
-      if (f.words != nullptr || (f.of == nullptr && !is_sentences(f, v)))
-        line(indent, fmt::format("{:<{}}  {}", f.label, width, with_unit(f, v, largest_[unit_of(f, data)])));
-      else if (f.of == nullptr)
+      if (f.words != nullptr || (f.of == nullptr && !is_sentences(f, v))) {
+        const Json& shown = f.of != nullptr ? rounded(*f.of, v) : v;
+        line(indent, fmt::format("{:<{}}  {}", f.label, width, with_unit(f, shown, largest_[unit_of(f, data)])));
+      } else if (f.of == nullptr)
         sentences(f, v, indent, width);
       else
         objects(f, v, indent);
@@ -92,6 +97,14 @@ class Printer {
         for (const Json& each : v) measure(*f.of, each);
       }
     }
+  }
+  // An object that is printed by words, without rounding.
+  Json rounded(const Schema& schema, Json object) {
+    for (const FieldInfo& f : schema.fields)
+      if (object.contains(f.name) && object[f.name].is_array())
+        for (Json& x : object[f.name])
+          if (is_rounding(x, largest_[f.unit])) x = 0.0;
+    return object;
   }
   static bool is_shown(const FieldInfo& f, const Json& data) {
     if (f.label.empty() || !data.contains(f.name) || is_empty(data[f.name])) return false;
@@ -223,8 +236,7 @@ const Fields<Document>& last_fields() {
 std::string number_text(const Json& v, double largest) {
   if (v.is_null()) return "-";
   if (v.is_number_integer()) return v.dump();
-  const double x = v.get<double>();
-  return fmt::format("{:.6g}", std::abs(x) <= 1e-12 * largest || std::abs(x) < 1e-30 ? 0.0 : x);
+  return fmt::format("{:.6g}", is_rounding(v, largest) ? 0.0 : v.get<double>());
 }
 
 std::string time_text(double seconds) {

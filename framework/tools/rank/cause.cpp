@@ -48,16 +48,21 @@ std::vector<PointJoint> point_joints(const System& system, const State& state) {
   return all;
 }
 
-/// A body on a loop, between two of its joints.
+Pose frame_in_slot(const Marker& m) { return (m.body->slot == kGround ? m.body->home : m.body->in_slot) * m.local; }
+
+/// A part of a loop between two of its joints: a body, or bodies that drives hold to each other.
 struct Span {
-  const Body* body;
-  std::string from, to;
-  double length;
+  std::string bodies;
+  const PointJoint *from, *to;
+  Pose a, b;  // the frames of its markers, in the slot of its first body
+  int slot;
+  Names drives{};
+  double length() const { return (b.x - a.x).norm(); }
 };
 
-const Marker& marker_on(const PointJoint& joint, int slot) { return joint.p->body->slot == slot ? *joint.p : *joint.s; }
-Vec3 place_in_slot(const Marker& m) {
-  return m.body->slot == kGround ? (m.body->home * m.local).x : (m.body->in_slot * m.local).x;
+Span span_of(const PointJoint& from, const PointJoint& to, int slot) {
+  const auto on = [slot](const PointJoint& j) { return j.p->body->slot == slot ? *j.p : *j.s; };
+  return {on(from).body->name, &from, &to, frame_in_slot(on(from)), frame_in_slot(on(to)), slot};
 }
 
 // The loop that each joint closes with those before it, which are a tree.
@@ -83,9 +88,7 @@ std::vector<std::vector<Span>> loops(const std::vector<PointJoint>& joints, int 
     std::size_t out = last;
     for (int slot = b;;) {
       const std::size_t in = by.at(slot);
-      const Marker &from = marker_on(joints[out], slot), &to = marker_on(joints[in], slot);
-      loop.push_back({from.body, joints[out].link->name(), joints[in].link->name(),
-                      (place_in_slot(from) - place_in_slot(to)).norm()});
+      loop.push_back(span_of(joints[out], joints[in], slot));
       if (slot == a) break;
       const int p = joints[in].p->body->slot;
       slot = p == slot ? joints[in].s->body->slot : p, out = in;
@@ -94,29 +97,71 @@ std::vector<std::vector<Span>> loops(const std::vector<PointJoint>& joints, int 
   return all;
 }
 
-std::optional<Cause> open_loop(const System& system, const State& state) {
-  for (const std::vector<Span>& loop : loops(point_joints(system, state), system.n_slots())) {
-    const auto longest = std::ranges::max_element(loop, {}, &Span::length);
-    double rest = 0;
-    Names others;
-    for (const Span& s : loop)
-      if (&s != &*longest) rest += s.length, others.push_back(s.body->name);
-    const double open = longest->length - rest;
-    if (!(open > kDependent * longest->length)) continue;
-    Cause cause;
-    cause.fact = fmt::format(
-        "the mechanism cannot be assembled: a loop is open by {:.3g} m. {} spans {:.3g} m from joint {} to joint {}, "
-        "but {} reach {:.3g} m together",
-        open, longest->body->name, longest->length, longest->from, longest->to, text::join(others), rest);
-    cause.hint = longest->length > 100 * rest  // a unit is wrong
-                     ? fmt::format("check the unit of {}: \"200 mm\" is 0.2",
-                                   longest->body->slot != kGround
-                                       ? "a length of " + longest->body->name
-                                       : "the places of joints " + longest->from + " and " + longest->to + " on ground")
-                     : fmt::format("place joint {} or {} elsewhere, or make one of the other bodies longer",
-                                   longest->from, longest->to);
-    return cause;
+/// Makes one span of two whose joint is driven in every coordinate that it leaves free, so that their angle is known.
+void merge_driven(std::vector<Span>& loop, double t) {
+  for (std::size_t i = 0; i < loop.size() && loop.size() > 2;) {
+    const std::size_t next = (i + 1) % loop.size();
+    Span &one = loop[i], &two = loop[next];
+    const PointJoint& joint = *one.to;
+    const ImposedMotion& laws = joint.link->jointed()->imposed();
+    if (joint.link->jointed()->rows() != Mask::all || joint.p->rotation_law || joint.s->rotation_law ||
+        std::ranges::any_of(laws.drives, &Drive::speed)) {
+      ++i;
+      continue;
+    }
+    const Pose of_p = named(*joint.link, t, [&] { return Pose{laws.translation(t, {}).p, laws.rotation(t, {}).q}; });
+    const Pose across = joint.s->body->slot == one.slot ? of_p : inverse(of_p);
+    one.b = one.b * across * inverse(two.a) * two.b;
+    one.bodies += ", " + two.bodies, one.to = two.to;
+    if (!laws.empty()) one.drives.push_back(joint.link->name());
+    for (const std::string& name : two.drives) one.drives.push_back(name);
+    loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(next));
+    if (next < i) --i;
   }
+}
+
+std::optional<Cause> cause_of_loop(const std::vector<Span>& loop) {
+  const auto longest = std::ranges::max_element(loop, {}, &Span::length);
+  double rest = 0;
+  Names others, drives;
+  for (const Span& s : loop) {
+    if (&s != &*longest) rest += s.length(), others.push_back(s.bodies);
+    drives.insert(drives.end(), s.drives.begin(), s.drives.end());
+  }
+  const double length = longest->length(), open = length - rest;
+  if (!(open > kDependent * length)) return {};
+  const std::string from = longest->from->link->name(), to = longest->to->link->name();
+  const std::string at_start = drives.empty() ? "" : "with drive " + text::join(drives) + " at its start, ";
+  const std::string elsewhere = drives.empty() ? "" : ", or let drive " + text::join(drives) + " begin elsewhere";
+  Cause cause;
+  cause.fact = fmt::format(
+      "the mechanism cannot be assembled: {}a loop is open by {:.3g} m. {} spans {:.3g} m from joint {} to joint {}, "
+      "but {} reach {:.3g} m together",
+      at_start, open, longest->bodies, length, from, to, text::join(others), rest);
+  const bool apart = longest->slot == kGround || !longest->drives.empty();
+  if (length > 100 * rest)  // a unit is wrong
+    cause.hint = fmt::format("check the unit of {}: \"200 mm\" is 0.2",
+                             apart ? "the places of joints " + from + " and " + to + " on " + longest->bodies
+                                   : "a length of " + longest->bodies);
+  else if (apart)
+    cause.hint =
+        fmt::format("place joints {} and {} at least {:.3g} m nearer to each other, or make the other bodies longer",
+                    from, to, open) +
+        elsewhere;
+  else
+    cause.hint =
+        fmt::format("make {} at least {:.3g} m shorter, or the other bodies longer", longest->bodies, open) + elsewhere;
+  return cause;
+}
+
+std::optional<Cause> open_loop(const System& system, const State& state) {
+  const std::vector<PointJoint> joints = point_joints(system, state);
+  std::vector<std::vector<Span>> all = loops(joints, system.n_slots());
+  for (const bool driven : {false, true})
+    for (std::vector<Span>& loop : all) {
+      if (driven) merge_driven(loop, state.t);
+      if (std::optional<Cause> cause = cause_of_loop(loop)) return cause;
+    }
   return {};
 }
 

@@ -50,8 +50,7 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
   }
 
   void rethrow(const Error& error) override {
-    if (!loop) throw;
-    rethrow_of_run(system, *loop, started, settings.step, error);
+    if (loop) rethrow_of_run(system, *loop, started, settings.step, error);
   }
 
   std::vector<Event> events;

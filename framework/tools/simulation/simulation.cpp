@@ -147,11 +147,7 @@ const Table& Simulation::record(std::vector<Request> requests) {
 const Table& Simulation::table() const { return parts_->recorder->table(); }
 
 const SimulationReport& Simulation::run_until(double t) {
-  try {
-    return loop().run_until(t);
-  } catch (const Error& error) {
-    parts_->rethrow(error);
-  }
+  return parts_->attempt([&]() -> const SimulationReport& { return loop().run_until(t); });
 }
 const SimulationReport& Simulation::run() {
   if (!(parts_->settings.until >= 0))
@@ -170,11 +166,7 @@ const AssemblyReport& Simulation::assembly() {
 Event& Simulation::add_event(Event event) { return loop().add_event(std::move(event)); }
 void Simulation::add_observer(Observer& observer) { loop().add_observer(observer); }
 const SimulationReport& Simulation::advance(double h) {
-  try {
-    return loop().advance(h);
-  } catch (const Error& error) {
-    parts_->rethrow(error);
-  }
+  return parts_->attempt([&]() -> const SimulationReport& { return loop().advance(h); });
 }
 void Simulation::activate(const std::string& name) { loop().activate(name); }
 void Simulation::deactivate(const std::string& name) { loop().deactivate(name); }

@@ -36,8 +36,17 @@ struct LOCKSTEP_API Simulation::Parts {
   /// Adds observers and events, and returns the assembled start.
   virtual State begin(Dynamics&, StepLoop&, AssemblyReport&);
   virtual RunVerdict verdict() const;
-  /// In a catch block: throws the error of a run again, with its cause if that is found.
-  [[noreturn]] virtual void rethrow(const Error&) { throw; }
+  /// In a catch block: throws the error of a run with its cause, if that is found.
+  virtual void rethrow(const Error&) {}
+  template <class Act>
+  const SimulationReport& attempt(Act act) {
+    try {
+      return act();
+    } catch (const Error& error) {
+      rethrow(error);
+      throw;
+    }
+  }
 
   /// Makes and begins the run at the first call. Nothing is made where that throws.
   StepLoop& begun();

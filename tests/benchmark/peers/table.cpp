@@ -93,6 +93,22 @@ void write_ratios(std::ostream& out, const Costs& table) {
       list += (list.empty() ? "" : ", ") + method + " " + std::to_string(count);
     out << ' ' << list << " |\n";
   }
+  out << "\nThese parts of a method's name are settings of the comparison:\n\n| part | meaning |\n|---|---|\n"
+         "| `-fixed`, `-dense` | fixed steps; output by the interpolation of the method |\n"
+         "| `+planes`, `+ball+angle`, `+redundant` | Simbody closes a loop by two constraints in the plane; by a ball "
+         "and an "
+         "angle; by a whole joint, with redundant constraints |\n"
+         "| `+steady` | Simbody holds the crank at its speed by a constraint |\n"
+         "| `+soft`, `+stiff`, `+stiffest` | MuJoCo's constraints: with its defaults; with an impedance of 0.9999; "
+         "with that "
+         "and a time constant of two steps |\n"
+         "| `World`, `World(0.8)` | DART's own step; each step corrects 0.8 of a constraint error |\n"
+         "| `ABA+RK4` | DART's forward dynamics with a Runge-Kutta method of the benchmark |\n"
+         "| `direct(0.2)`, `quick(20)` | ODE's direct solver, correcting 0.2 of a constraint error; its iterative one, "
+         "with 20 "
+         "iterations |\n"
+         "| `RigidBody-SI50`, `-Dantzig` | Bullet's maximal coordinates with 50 iterations; Dantzig's solver |\n"
+         "| `BDF-banded` | IDA's method with a banded matrix |\n";
 }
 
 void write_markdown(std::ostream& out, const Costs& table) {
