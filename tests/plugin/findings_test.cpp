@@ -203,6 +203,16 @@ TEST_CASE("every kind of finding is provoked, and JSON has it", "[runner][findin
   }
 }
 
+TEST_CASE("an angle in doubt is reported once, although the picture computes it again", "[runner][findings]") {
+  const std::string text =
+      call("run " + sample("pendulum") + " --integrator generalized_alpha:rho_infinity=1 --step 0.3 --record '" +
+           kRunnerFolder + "/doubt.csv'")
+          .text;
+  INFO(text);
+  CHECK(contains(text, "turns-uncertain"));
+  CHECK(text.find("turns-uncertain") == text.rfind("turns-uncertain"));
+}
+
 TEST_CASE("a table without units is noted once, with the header to write", "[runner][findings]") {
   const std::string scene = scene_file("bare", kBare + R"(, "run": {"until": 1, "record": ["arm.x"]})");
   const auto notes = [&](const std::string& header) {

@@ -286,6 +286,10 @@ TEST_CASE("runner: explain shows the gap of a stop, and the length of a spring",
   CHECK(value_of(stop.text, "restitution") == "0.25");
   CHECK(value_of(stop.text, "state") == "open");
   CHECK(row_of(stop.text, "A.stop_rz_low.gap") == "A.stop_rz_low.gap 0.5 rad");
+  CHECK(row_of(stop.text, "A.rz") == "A.rz 0 rad");
+  const Called joint = call("explain " + arm + " A");
+  CHECK(row_of(joint.text, "A.stop_rz_low.gap") == "A.stop_rz_low.gap 0.5 rad");
+  CHECK(row_of(joint.text, "A.rz_d") == "A.rz_d 0 rad/s");
   const Called spring = call("explain " + arm + " k");
   INFO(spring.text);
   CHECK(row_of(spring.text, "k.length") == "k.length 2 m");

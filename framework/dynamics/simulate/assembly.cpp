@@ -122,29 +122,24 @@ std::string not_given(const System& system, const State& given, const State& ass
   return words;
 }
 
-// A joint that start poses violate, and by how much, m, rotations as lengths.
-using Opening = std::pair<std::string, double>;
-
-// Those of the start poses, drives apart; none of a mechanism drawn in its zero position, which its drives take to where
-// they begin.
-std::vector<Opening> drawn_open(Dynamics& dynamics, const State& given) {
+// None of a mechanism drawn in its zero position, which its drives take to where they begin.
+std::vector<OpenJoint> drawn_open(Dynamics& dynamics, const State& given) {
   const Evaluation& e = dynamics.gather_rows(given);
   const VecX all = Residuals(e).C;
-  std::vector<Opening> open;
+  std::vector<OpenJoint> open;
   for (const RowEntry& entry : e.rows().entries) {
     const Lock& link = *dynamics.system().links()[entry.link];
     VecX C = VecX::Zero(all.size());
     for (int k = 0; k < entry.m; ++k)
       if (link.row(entry.own[k]).drive < 0) C[entry.first_row + k] = all[entry.first_row + k];
-    if (const double by = e.norm(C); !(by < start_limit())) open.emplace_back(link.name(), by);
+    if (const double by = e.norm(C); !(by < start_limit())) open.push_back({link.name(), by});
   }
   return open;
 }
 
 // Changes by assembly that are too large to be meant.
-void add_warnings(Dynamics& dynamics, const State& given, const State& assembled, const AssemblyOptions& options,
+void add_warnings(const System& system, const State& given, const State& assembled, const AssemblyOptions& options,
                   AssemblyReport& report) {
-  const System& system = dynamics.system();
   // Poses do not count if coordinates are requested, nor that of a body that may go anywhere.
   const auto meant = [&](const std::string& body) {
     return options.coordinates.empty() &&
@@ -152,16 +147,15 @@ void add_warnings(Dynamics& dynamics, const State& given, const State& assembled
   };
   const bool moved = report.largest_move > kMuch * system.length() && meant(report.moved_most),
              turned = report.largest_turn > kMuch * kTwoPi && meant(report.turned_most);
-  const std::vector<Opening> open = moved || turned ? drawn_open(dynamics, given) : std::vector<Opening>{};
-  if (!open.empty()) {
-    const bool one = open.size() == 1;
+  if ((moved || turned) && !report.open.empty()) {
+    const bool one = report.open.size() == 1;
     std::vector<std::string> changes;
     if (moved) changes.push_back(fmt::format("moved '{}' by {:.3g} m", report.moved_most, report.largest_move));
     if (turned) changes.push_back(fmt::format("rotated '{}' by {:.3g} rad", report.turned_most, report.largest_turn));
     report.findings.push_back(
         {&finding::start_moved, "body '" + (moved ? report.moved_most : report.turned_most) + "'",
          fmt::format("the given poses {}: assembly {}",
-                     one ? fmt::format("violate joint '{}' by {:.3g} m", open[0].first, open[0].second)
+                     one ? fmt::format("violate joint '{}' by {:.3g} m", report.open[0].joint, report.open[0].gap)
                          : "do not fit the joints",
                      text::join(changes)),
          one ? "check \"at_p\" and \"at_s\" (world axes), or the poses" : "give poses that fit the joints",
@@ -236,12 +230,13 @@ AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<Velo
   AssemblyReport report;
   dynamics.system().check_size(state);
   State work = state;
+  report.open = drawn_open(dynamics, state);
   find_positions(dynamics, work, options, report);
   report.kinetic_before = kinetic_energy(dynamics, work);
   assemble_velocities(dynamics, work, targets, report);
   report.kinetic_after = kinetic_energy(dynamics, work);
   measure_move(dynamics.system(), state, work, report);
-  add_warnings(dynamics, state, work, options, report);
+  add_warnings(dynamics.system(), state, work, options, report);
   add_missed(dynamics, work, options, report);
   state = work;
   if (report.is_notable()) log_info(report.text());

@@ -37,6 +37,12 @@ struct PoseWeight {
   double weight = 1;  ///< against those of others, 1 each; infinite: it does not move; 0: it is free
 };
 
+/// A joint that start poses violate.
+struct OpenJoint {
+  std::string joint;  ///< its name
+  double gap = 0;     ///< |C| over its constraints without drives, m, rotations as lengths
+};
+
 /// Changes of a start by assembly.
 struct AssemblyReport {
   /// Constraint violation of the given start, m: the largest |C|, or |C| / |grad C| of a function with a smaller
@@ -45,6 +51,7 @@ struct AssemblyReport {
   double after = 0;         ///< the same of the assembled start, m
   double before_v = 0,      ///< |Jh v + Ct| at the assembled position with the given velocities, m/s
       after_v = 0;          ///< |Jh v + Ct| of the assembled start, m/s
+  std::vector<OpenJoint> open{};  ///< joints that the given poses violate by more than 1e-6 m
   int iterations = 0;       ///< of the positions
   double largest_move = 0;  ///< of a body, m
   double largest_turn = 0;  ///< rotation of a body, rad

@@ -49,7 +49,8 @@ std::vector<std::pair<std::string, Moved>> moved_bodies(const System& system, Va
 
 const Fields<Assembled>& assemble_fields() {
   using Report = AssemblyReport;
-  static const Fields<Report> kReport{{"before", "m", "position error before", &Report::before},
+  static const Fields<OpenJoint> kOpen{{"joint", "", "joint", &OpenJoint::joint}, {"gap", "m", "by", &OpenJoint::gap}};
+  static const Fields<Report> kReport{{"before", "m", "largest constraint error before", &Report::before},
                                       {"after", "m", "  after", &Report::after},
                                       {"before_v", "m/s", "velocity error before", &Report::before_v},
                                       {"after_v", "m/s", "  after", &Report::after_v},
@@ -57,7 +58,8 @@ const Fields<Assembled>& assemble_fields() {
                                       {"largest_move", "m", "largest move", &Report::largest_move},
                                       {"moved_most", "", "  of", &Report::moved_most},
                                       {"largest_turn", "rad", "largest rotation", &Report::largest_turn},
-                                      {"turned_most", "", "  of", &Report::turned_most}};
+                                      {"turned_most", "", "  of", &Report::turned_most},
+                                      {"open", "joints that the given poses violate", &Report::open, kOpen}};
   static const Fields<Moved> kMoved =
       Fields<Moved>{{"moved", "m", "moved", &Moved::moved}, {"rotated", "rad", "rotated", &Moved::rotated}}
           .with(&Moved::pose, pose_fields())

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <lockstep/error.h>
+#include <lockstep/finding.h>
 #include "framework/dynamics/simulate/uncounted.h"
 
 namespace lockstep {
@@ -57,6 +58,7 @@ void PictureRows::load(SnapshotReader& in) {
 bool PictureRows::add(const Sample& sample, bool of_jump) {
   if (of_jump_.size() == kMostKept) return false;
   const auto looking = uncounted(sample.dynamics());
+  const FindingScope unheard;  // the run's own rows report them
   Sample own(sample.dynamics(), sample.state, sample.report);
   own.cause = sample.cause;
   try {
