@@ -83,6 +83,11 @@ TEST_CASE("errors of scenes speak of a plugin's types as of all others", "[plugi
   INFO(d.text);
   CHECK(d.exit == 4);
   CHECK(contains(d.text, "('naughty_law' of plugin naughty) threw: no more"));
+  const Called e =
+      call("run '" + scene_with("throws_times", R"({"type": "naughty_law", "does": "no times"})") + "'" + kNaughty);
+  INFO(e.text);
+  CHECK(e.exit == 4);
+  CHECK(contains(e.text, "threw: no times"));
 }
 
 TEST_CASE("every command that reads a scene accepts --plugin", "[plugin][appearance]") {

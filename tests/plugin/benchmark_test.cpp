@@ -127,9 +127,9 @@ TEST_CASE("advise recommends no run that `run` reports as wrong", "[benchmark]")
 TEST_CASE("invalid words of the measuring commands are usage errors", "[benchmark]") {
   const std::string path = ring("");
   for (const auto& [words, said] : std::vector<std::pair<std::string, std::string>>{
-           {"--integrators rk5", "--integrators: unknown method \"rk5\"; did you mean \"rk4\"?"},
+           {"--integrators rk5", "--integrators: unknown integrator \"rk5\"; did you mean \"rk4\"?"},
            {"--integrators dopri5:speed=3", "\"speed=3\" in \"dopri5:speed=3\" sets no key of dopri5; known: fixed"},
-           {"--solvers fast", "--solvers: unknown method \"fast\"; known: "},
+           {"--solvers fast", "--solvers: unknown solver \"fast\"; known: "},
            {"--formulations x", "--formulations: unknown \"x\"; known: omega,"},
            {"--stabilisations glue", "--stabilizations: unknown \"glue\"; known: project,"},
            {"--tolerances few", "--tolerances: \"few\" is not a range; write it as COARSE:FINE"},

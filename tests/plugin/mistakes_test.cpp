@@ -41,6 +41,20 @@ std::string four_bar(const std::string& rocker, const std::string& of_crank = ""
     "run": {"until": 0.1, "record": ["rocker.angle_z"]})");
 }
 
+// A crank of 0.15 m and a rod of 0.35 m along x; the guide of their slider is `offset` m beside A.
+std::string slider_crank(const std::string& offset, const std::string& of_crank = "") {
+  return scene_file("offset", R"("bodies": [
+    {"name": "crank", "rod": {"mass": 1, "from": [0,0,0], "to": [0.15,0,0]}},
+    {"name": "rod", "rod": {"mass": 2, "from": [0.15,0,0], "to": [0.5,0,0]}},
+    {"name": "slider", "mass": 3, "inertia": [0.01, 0.01, 0.01], "position": [0.5,0,0]}], "joints": [
+    {"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0,0,0])" +
+                                  of_crank + R"(},
+    {"name": "B", "type": "revolute", "p": "rod", "s": "crank", "at": [0.15,0,0]},
+    {"name": "C", "type": "revolute", "p": "slider", "s": "rod", "at": [0.5,0,0]},
+    {"name": "guide", "type": "prismatic", "p": "slider", "s": "ground", "at_p": [0.5,0,0], "axis": "x",
+     "at_s": [0.5,)" + offset + R"(,0]}], "run": {"until": 0.1, "record": ["slider.x"]})");
+}
+
 // A shaft in two hinges, each driven.
 std::string two_motors(const std::string& second) {
   return scene_file("two_motors",
@@ -118,6 +132,18 @@ TEST_CASE("a loop that cannot close where its drive begins is reported with the 
                  {"with drive A at its start, a loop is open by 0.0142 m", "rocker spans 0.56 m from joint",
                   "reach 0.546 m together", "or let drive A begin elsewhere"}});
   check_mistake({"check '" + four_bar("1 m", begins) + "'", 5, {"error: the mechanism cannot be assembled: a loop"}});
+}
+
+TEST_CASE("a guide out of reach is reported by its least distance", "[runner]") {
+  check_mistake({"check '" + slider_crank("0.3") + "'", 0, {"OK: the mechanism assembles"}});
+  check_mistake({"check '" + slider_crank("0.8") + "'",
+                 5,
+                 {"error: the mechanism cannot be assembled: a loop is open by 0.3 m", "span at least 0.8 m from joint",
+                  "reach 0.5 m together", "at least 0.3 m nearer to each other"}});
+  const std::string at_zero = R"(, "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1}})";
+  check_mistake({"check '" + slider_crank("0.4", at_zero) + "'",  // the rod of 0.35 m from B
+                 5,
+                 {"with drive A at its start, a loop is open by 0.05 m", "but rod reach 0.35 m together"}});
 }
 
 TEST_CASE("drives that contradict are reported with their speeds", "[runner]") {
@@ -203,7 +229,7 @@ TEST_CASE("a start outside a stop and a step that is too long are reported as su
   check_mistake({"run " + sample("mass_spring_damper") + " --integrator rk4 --step 0.05",
                  7,
                  {"error: the step of 0.05 s is too long: at t = 0 s the fastest motion has a rate of 2e+03",
-                  "hint: take a step below 0.0005 s"}});
+                  "hint: take a step of 5e-05 to 0.0005 s"}});
   const std::string mount = scene_file("mount", R"("gravity": [0, -9.81, 0], "bodies": [
     {"name": "block", "box": {"mass": 0.2, "size": [0.05, 0.05, 0.05]}},
     {"name": "rod", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],
@@ -214,7 +240,7 @@ TEST_CASE("a start outside a stop and a step that is too long are reported as su
     "run": {"until": 0.5, "record": ["rod.x"]})");
   check_mistake({"run '" + mount + "' --integrator rk4 --step 1e-3 --no-picture",  // not the rate of the last state
                  7,
-                 {"the fastest motion has a rate of 2.37e+04 1/s", "take a step below 4.2e-05 s"}});
+                 {"the fastest motion has a rate of 2.37e+04 1/s", "take a step of 4.2e-06 to 4.2e-05 s"}});
 }
 
 TEST_CASE("a step that is too long is judged by the motion, not by the state that it left", "[runner]") {
@@ -224,7 +250,7 @@ TEST_CASE("a step that is too long is judged by the motion, not by the state tha
     INFO(ran.text);
     CHECK(ran.exit == 7);
     CHECK(contains(ran.text, "the fastest motion has a rate of 30."));  // 1e6 1/s at the last speed
-    CHECK(contains(ran.text, "hint: take a step below 0.033 s"));
+    CHECK(contains(ran.text, "hint: take a step of 0.0033 to 0.033 s"));
     CHECK_FALSE(contains(ran.text, "its function"));
     CHECK(contains(ran.text, "such as dopri5 (--integrator dopri5)"));
   }
@@ -238,8 +264,9 @@ TEST_CASE("a step that is too long is judged by the motion, not by the state tha
   INFO(newton.text);
   CHECK(contains(newton.text, "hint: take a smaller step (--step), or let the method choose it"));
   CHECK_FALSE(contains(newton.text, "changes most"));
-  check_mistake(
-      {line + "semi_implicit_euler --step 0.2", 7, {"the kinetic energy is inf", "hint: take a step below 0.033 s"}});
+  check_mistake({line + "semi_implicit_euler --step 0.2",
+                 7,
+                 {"the kinetic energy is inf", "hint: take a step of 0.0033 to 0.033 s"}});
   // A spring that is soft where the motion begins: k q^2 is its stiffness, and sqrt(3 k/m) q the rate.
   check_mistake({"run '" + scene_file("hardening", R"("gravity": [0,0,0], "bodies": [
       {"name": "m", "sphere": {"mass": 1, "radius": 0.1}, "velocity": [0,0,10]}],

@@ -42,6 +42,13 @@ bool has(const std::vector<std::string>& all, const std::string& word) {
 
 }  // namespace
 
+TEST_CASE("a loose tolerance does not round results to zero", "[runner]") {
+  const Called r = call("run " + sample("double_pendulum") + " --tolerance 1 --no-picture --summary");
+  INFO(r.text);
+  CHECK(contains(r.text, "q1"));
+  CHECK_FALSE(row_of(r.text, "q1").starts_with("q1 0 "));
+}
+
 TEST_CASE("run --json prints its result, and nothing else", "[runner]") {
   const Called r = call("run '" + kFourBar + "' --json --no-picture --record as_json.csv");
   CHECK(r.exit == 0);

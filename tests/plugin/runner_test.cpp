@@ -134,7 +134,7 @@ TEST_CASE("wrong words are a usage error", "[runner]") {
            {run + "--step x", "--step: \"x\" is not a time; write it as in --step 0.001"},
            {run + "--step =1",
             "--step: \"=1\" is not a time (formulas are for scenes only); write it as in --step 0.001"},
-           {run + "--integrator rk5", "--integrator: unknown method \"rk5\"; did you mean \"rk4\"?"},
+           {run + "--integrator rk5", "--integrator: unknown integrator \"rk5\"; did you mean \"rk4\"?"},
            {"list wheels", "kind: unknown \"wheels\"; known: joints, links,"},
            {"describe revolut", "describe: unknown name \"revolut\"; did you mean \"revolute\"?"}}) {
     INFO(words);

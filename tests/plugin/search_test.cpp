@@ -183,6 +183,11 @@ TEST_CASE("plugins list reports the state of every file", "[plugin][search][runn
   CHECK(contains(brief.text, "\n  rejected widely:\n    the file is writable by all users"));
   CHECK(contains(brief.text, "loads     joint cam_follower"));
 
+  const Called alone = call("plugins list '" + one + "/damaged.so'");
+  INFO(alone.text);
+  CHECK(contains(alone.text, "rejected damaged:\n    plugin file"));
+  CHECK_FALSE(contains(alone.text, "probe_law"));
+  CHECK(contains(call("plugins list '" + one + "/fine.so'").text, "loads  law probe_law"));
   CHECK(contains(call("plugins --help").text, "Usage: lockstep plugins list [OPTIONS]"));
   const Called why = call("plugins list --why", path);
   INFO(why.text);

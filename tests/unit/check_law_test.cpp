@@ -20,7 +20,7 @@ using lockstep::test::says;
 
 namespace {
 
-enum class Fault { none, rate_sign, half_acceleration, jump, nan, keeps, outside, throws };
+enum class Fault { none, rate_sign, half_acceleration, jump, nan, keeps, outside, throws, no_times };
 
 /// y = sin(2 t), with a jump of the acceleration at 0.7 s when asked for.
 class Wrong final : public MotionLaw {
@@ -41,6 +41,7 @@ class Wrong final : public MotionLaw {
   }
   void breakpoints(double, double, std::vector<double>& out) const override {
     if (fault_ == Fault::outside) out.push_back(99);
+    if (fault_ == Fault::no_times) throw 42;
   }
 
  private:
@@ -71,6 +72,7 @@ TEST_CASE("check_law names what is wrong in a scalar law", "[unit][check]") {
   CHECK(says(report(Fault::keeps), "returns another value at t = 0 s in a second call"));
   CHECK(says(report(Fault::outside), "breakpoints(0, 2) reports 99 s"));
   CHECK(says(report(Fault::throws), " 1 finding (seed 3)\n  t = 1.01 s: law 'wave' threw: the table is empty\n"));
+  CHECK(says(report(Fault::no_times), "law 'wave' threw: an object of type int"));
 }
 
 TEST_CASE("check_law finds the time of an undeclared jump", "[unit][check]") {

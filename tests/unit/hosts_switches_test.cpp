@@ -392,7 +392,7 @@ TEST_CASE("a run of a scene that fails gives a host the cause that the program p
     } catch (const Error& e) {
       INFO(e.what());
       check_words(e.problem, {"the step of 0.01 s is too long", "the fastest motion has a rate of 1e+03 1/s"});
-      check_words(e.advice, {"take a step below 0.001 s"});
+      check_words(e.advice, {"take a step of 0.0001 to 0.001 s"});
       check_words(e.what(), {e.problem, e.advice, "solver: "});
     }
   }

@@ -21,13 +21,14 @@ auto make(const S& shelf, const char* kind, const MethodSpec& spec, const Regist
 
 }  // namespace
 
-MethodSpec read_method_spec(const std::string& text, const std::vector<TypeInfo>& types) {
+MethodSpec read_method_spec(const std::string& text, const std::vector<TypeInfo>& types, const char* kind) {
   const std::vector<std::string> parts = split_at(':', text);
   std::vector<std::string> names, keys;
   for (const TypeInfo& t : types) names.push_back(t.name);
   const auto type = std::ranges::find(types, parts.front(), &TypeInfo::name);
   if (type == types.end())
-    throw ModelError("unknown method \"" + parts.front() + "\"" + text::suggestion(parts.front(), names));
+    throw ModelError(std::string("unknown ") + kind + " \"" + parts.front() + "\"" +
+                     text::suggestion(parts.front(), names));
   for (const Key& key : type->keys) keys.push_back(key.name);
   Value::Object members;
   for (std::size_t i = 1; i < parts.size(); ++i) {

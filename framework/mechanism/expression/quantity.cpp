@@ -259,7 +259,9 @@ class Evaluation {
     if (f == Function::sqrt && !(x >= 0)) range = "0 or more";
     if (f == Function::log && !(x > 0)) range = "more than 0";
     if (range != nullptr)
-      refuse(n, std::string(signature_of(f).name) + " of " + text::number(x) + "; it must be " + range);
+      refuse(n,
+             std::string(signature_of(f).name) + " of " + text::number(x) + "; it must be " + range +
+                 (f == Function::acos ? "; if it is an angle of a triangle, check that its sides can form one" : ""));
     if (f == Function::mod && a[1].v[0] == 0) refuse(n, "mod by zero");
   }
 

@@ -32,7 +32,9 @@ double integral(const MotionLaw& speed, double t0, double t1) {
 DrivenMotion::DrivenMotion(Dynamics& dynamics, State start) : dynamics_(dynamics), state_(std::move(start)) {
   dynamics_.to_slots(state_);
   if (const DriveReport driven = driven_by(dynamics_, state_); !driven.fully_driven())
-    throw ModelError("the motion is not fully prescribed: " + driven.text());
+    throw ModelError(
+        (driven.freedoms > 0 ? "the motion is not fully prescribed: " : "the motion is prescribed twice: ") +
+        driven.text());
   for (const auto& link : dynamics_.system().links()) {
     if (link->jointed() == nullptr) continue;
     for (const Drive& drive : link->jointed()->imposed().drives)

@@ -160,13 +160,14 @@ CheckReport checked(const Law& law, const char* kind, const std::string& name, c
       fmt::format("{} from t = {} to {} s", Thing{.kind = kind, .name = name}.words(), options.from, options.to),
       options.seed);
   LawNumbers own{levels, {}, {}, 0, 0};
-  const auto at = [&](double t) {
-    return in_context([&] { return ErrorContext{.thing = {.kind = kind, .name = name}, .t = t}; },
-                      [&] { return law.at(t); });
+  const auto own_code = [&](double t, const auto& act) {
+    return in_context([&] { return ErrorContext{.thing = {.kind = kind, .name = name}, .t = t}; }, act);
   };
-  own.all = {[&](double t) { return numbers(at(t)); }, [&](int c) { return own.name(c); },
-             [&](double t0, double t1, std::vector<double>& out) { law.breakpoints(t0, t1, out); },
-             "breakpoints(): append every time at which the value or one of its two derivatives jumps"};
+  const auto at = [&](double t) { return own_code(t, [&] { return law.at(t); }); };
+  own.all = {
+      [&](double t) { return numbers(at(t)); }, [&](int c) { return own.name(c); },
+      [&](double t0, double t1, std::vector<double>& out) { own_code(t0, [&] { law.breakpoints(t0, t1, out); }); },
+      "breakpoints(): append every time at which the value or one of its two derivatives jumps"};
   own.change = [&](double t, double x) { return change(at(t), at(t + x)); };
   completes(report, [&] {
     const auto n_all = static_cast<int>(own.all.at(options.from).size());

@@ -32,17 +32,16 @@ void CheckReport::compared(double error) {
   ++n_comparisons_;
   if (!std::isfinite(error)) return;
   if (error >= kBlind)
-    return note(
-        "some finite differences were too inaccurate to compare and were omitted; the function may have a jump or a "
-        "corner there");
-  accuracy_ = std::max(accuracy_, error);
+    ++n_omitted_;
+  else
+    accuracy_ = std::max(accuracy_, error);
 }
 
 void CheckReport::take(const CheckReport& other) {
   for (std::size_t i = 0; i < other.findings_.size(); ++i)
     add(other.keys_[i].key, other.findings_[i], other.keys_[i].weight);
   for (const std::string& words : other.notes_) note(words);
-  n_comparisons_ += other.n_comparisons_;
+  n_comparisons_ += other.n_comparisons_, n_omitted_ += other.n_omitted_;
   accuracy_ = std::max(accuracy_, other.accuracy_);
 }
 
@@ -52,6 +51,7 @@ std::string CheckReport::text() const {
   if (ok()) {
     out += fmt::format("no findings in {} comparisons (seed {}", n_comparisons_, seed_);
     if (accuracy_ > 0) out += fmt::format("; finite differences accurate to {:.1g} or better", accuracy_);
+    if (n_omitted_ > 0) out += fmt::format("; {} too inaccurate to compare", n_omitted_);
     out += ")\n";
   } else {
     out += fmt::format("{} {} (seed {})\n", findings_.size(), findings_.size() == 1 ? "finding" : "findings", seed_);
@@ -82,7 +82,7 @@ bool completes(CheckReport& report, const std::function<void()>& act, const std:
     return true;
   } catch (const UserCodeError& error) {
     const std::string place = where ? where() : "";
-    report.add("threw", {error.what() + (place.empty() ? "" : " (" + place + ")"), ""});
+    report.add("threw", {error.what() + (place.empty() ? "" : " (near " + place + ")"), ""});
     return false;
   }
 }

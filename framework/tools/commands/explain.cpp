@@ -22,12 +22,15 @@ const Fields<Contribution>& contribution_fields() {
   return kFields;
 }
 
+std::string components_text(const Json& v) { return v.size() == 1 ? number_text(v[0]) : vector_text(v); }
+
 const Fields<LawAccount>& law_fields() {
-  static const Fields<LawAccount> kFields{{"what", "", "of", &LawAccount::what},
-                                          {"unit", "", "unit", &LawAccount::unit},
-                                          {"value", "", "value", &LawAccount::value},
-                                          {"rate", "", "rate [per s]", &LawAccount::rate},
-                                          {"second", "", "second derivative [per s^2]", &LawAccount::second}};
+  static const Fields<LawAccount> kFields{
+      {"what", "", "of", &LawAccount::what},
+      {"unit", "", "unit", &LawAccount::unit},
+      {"value", "", "value", &LawAccount::value, components_text},
+      {"rate", "", "rate [per s]", &LawAccount::rate, components_text},
+      {"second", "", "second derivative [per s^2]", &LawAccount::second, components_text}};
   return kFields;
 }
 
@@ -78,14 +81,16 @@ std::vector<double> of_drives(const LinkAccount& a, const Vec3& load) {
   return {load[0], load[1], load[2]};
 }
 
+std::string violation_text(const Json& v) { return number_text(v, 1); }
+
 const Fields<LinkAccount>& link_fields() {
   using Account = LinkAccount;
   static const Fields<RowAccount> kRow{{"row", "", "constraint", &RowAccount::name},
                                        {"kind", "", "", [](const RowAccount& r) { return word_of(r.kind); }},
                                        {"force", "N", "force", [](const RowAccount& r) { return r.on_p.force; }},
                                        {"moment", "N m", "moment", [](const RowAccount& r) { return r.on_p.moment; }},
-                                       {"value", "", "value", &RowAccount::value},
-                                       {"rate", "", "rate", &RowAccount::rate},
+                                       {"value", "", "violation", &RowAccount::value, violation_text},
+                                       {"rate", "", "its rate", &RowAccount::rate, violation_text},
                                        {"multiplier", "", "", &RowAccount::multiplier},
                                        {"units", "", "units", units_of},
                                        {"drive", "", "driven", &RowAccount::is_drive}};

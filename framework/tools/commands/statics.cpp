@@ -452,7 +452,7 @@ Command statics_command() {
                 "look for all equilibria, unstable ones too, from N random starts; 200 is a good value, but the list "
                 "may be incomplete"}
                 .without("--nearest"),
-            Option{"--verbose,-v", "", "print all details of each equilibrium"}.along("--all"),
+            Option{"--verbose,-v", "", "print all details of each equilibrium of --all"},
             Option{"--vary", "NAME=VALUES",
                    "follow the equilibrium over a:b:n, a:b:n:log or v1,v2,... of a parameter, one CSV row each; may be "
                    "repeated"}

@@ -46,7 +46,9 @@ double number_of(const std::string& option, const std::string& text, Unit unit, 
 }  // namespace
 
 MethodSpec read_spec(const std::string& option, const std::string& text, const std::vector<TypeInfo>& types) {
-  return as_usage(option, [&] { return read_method_spec(text, types); });
+  return as_usage(option, [&] {
+    return read_method_spec(text, types, option.find("solver") == option.npos ? "integrator" : "solver");
+  });
 }
 
 std::string to_word(const MethodSpec& spec) {

@@ -110,7 +110,14 @@ void ask_process(PluginCandidate& c) {
 }
 
 Result list_plugins(const Arguments& args) {
-  const Survey found{abi_words(abi_of_this_build()), plugin_folders(), survey_plugins(plugin_folders(), ask_process)};
+  Survey found{abi_words(abi_of_this_build()), plugin_folders(), {}};
+  if (args["file"].empty()) {
+    found.plugins = survey_plugins(found.folders, ask_process);
+  } else {
+    PluginCandidate& one = found.plugins.emplace_back();
+    one.name = std::filesystem::path(args["file"]).stem(), one.path = one.file = args["file"];
+    ask_process(one);
+  }
   if (found.plugins.empty() && !args.has("--json"))
     fmt::print("no plugins in {} folders; --why lists them\n", found.folders.size());
   Result result = args.has("--why") ? Result(survey_fields<true>(), found) : Result(survey_fields<false>(), found);
@@ -143,7 +150,9 @@ std::string plugin_advice(const std::string& type) {
 
 Command plugins_list_command() {
   return {"plugins list",
-          {{"--why", "", "report folders, files, sizes and checksums too"}, kJson},
+          {{"file", "FILE", "this file alone; default: all of the searched folders"},
+           {"--why", "", "report folders, files, sizes and checksums too"},
+           kJson},
           list_plugins,
           "Example:\n  LOCKSTEP_PLUGIN_PATH=~/my/plugins lockstep plugins list --why",
           {&survey_fields<false>().schema()}};

@@ -11,6 +11,7 @@
 
 #include <lockstep/recorder.h>
 #include <lockstep/sweep.h>
+#include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/lines.h"
 #include "framework/tools/program/method_specs.h"
 
@@ -206,6 +207,7 @@ std::string summary_of(const EndedRun& run) {
 }  // namespace
 
 void drop_rounding(std::vector<ColumnEnds>& columns, double tolerance) {
+  tolerance = std::min(tolerance, kSlight);  // of a loose one, what is inaccurate is printed as it is
   std::map<std::string, double> largest;
   for (const ColumnEnds& c : columns)
     largest[c.unit] = std::max({largest[c.unit], std::abs(c.least), std::abs(c.most)});

@@ -30,43 +30,52 @@ using Names = std::vector<std::string>;
 
 // -- loops that cannot close: one body is longer than all others together
 
-/// A joint that holds a point of one body at a point of another, without a law.
-struct PointJoint {
+/// A joint that holds a point of one body at a point of another, without a law, or that slides along an axis of S and
+/// holds all rotations.
+struct LoopJoint {
   const Lock* link;
   const Marker *p, *s;
+  int slide = -1;  // the axis
 };
 
-std::vector<PointJoint> point_joints(const System& system, const State& state) {
-  std::vector<PointJoint> all;
+std::vector<LoopJoint> loop_joints(const System& system, const State& state) {
+  std::vector<LoopJoint> all;
   for (const auto& link : system.links()) {
     const Jointed* joint = link->jointed();
-    if (joint == nullptr || !state.modes[link->number()] || (joint->mask() & Mask::xyz) != Mask::xyz) continue;
+    if (joint == nullptr || !state.modes[link->number()]) continue;
     const auto [p, s] = link->pairs().front();
     if (joint->imposed().move || joint->imposed().hold || p->translation_law || s->translation_law) continue;
-    all.push_back({link.get(), p, s});
+    const Mask points = joint->mask() & Mask::xyz;
+    LoopJoint& made = all.emplace_back(LoopJoint{link.get(), p, s});
+    if (points == Mask::xyz) continue;
+    for (const Axis axis : {Axis::x, Axis::y, Axis::z})
+      if (!includes(points, row_of(axis))) made.slide = axis_index(axis);
+    if (count_rows(points) != 2 || (joint->mask() & Mask::e123) != Mask::e123) all.pop_back();
   }
   return all;
 }
 
 Pose frame_in_slot(const Marker& m) { return (m.body->slot == kGround ? m.body->home : m.body->in_slot) * m.local; }
 
-/// A part of a loop between two of its joints: a body, or bodies that drives hold to each other.
+/// A part of a loop between two of its joints: a body, or bodies that do not rotate relative to each other.
 struct Span {
   std::string bodies;
-  const PointJoint *from, *to;
+  const LoopJoint *from, *to;
   Pose a, b;  // the frames of its markers, in the slot of its first body
   int slot;
   Names drives{};
-  double length() const { return (b.x - a.x).norm(); }
+  Vec3 slide = Vec3::Zero();  // a direction in which it changes its length; none: zero
+  double length() const { return (b.x - a.x - (b.x - a.x).dot(slide) * slide).norm(); }  // the least
+  bool slides() const { return !slide.isZero(0); }
 };
 
-Span span_of(const PointJoint& from, const PointJoint& to, int slot) {
-  const auto on = [slot](const PointJoint& j) { return j.p->body->slot == slot ? *j.p : *j.s; };
+Span span_of(const LoopJoint& from, const LoopJoint& to, int slot) {
+  const auto on = [slot](const LoopJoint& j) { return j.p->body->slot == slot ? *j.p : *j.s; };
   return {on(from).body->name, &from, &to, frame_in_slot(on(from)), frame_in_slot(on(to)), slot};
 }
 
 // The loop that each joint closes with those before it, which are a tree.
-std::vector<std::vector<Span>> loops(const std::vector<PointJoint>& joints, int n_slots) {
+std::vector<std::vector<Span>> loops(const std::vector<LoopJoint>& joints, int n_slots) {
   std::vector<std::vector<Span>> all;
   std::vector<std::vector<std::size_t>> of_slot(n_slots + 1);  // joints of the tree, by slot + 1
   Parts parts(n_slots + 1);
@@ -97,23 +106,31 @@ std::vector<std::vector<Span>> loops(const std::vector<PointJoint>& joints, int 
   return all;
 }
 
-/// Makes one span of two whose joint is driven in every coordinate that it leaves free, so that their angle is known.
-void merge_driven(std::vector<Span>& loop, double t) {
+/// Makes one span of two whose joint allows no rotation, or none but what its drive prescribes if `driven`.
+void merge_spans(std::vector<Span>& loop, double t, bool driven) {
   for (std::size_t i = 0; i < loop.size() && loop.size() > 2;) {
     const std::size_t next = (i + 1) % loop.size();
     Span &one = loop[i], &two = loop[next];
-    const PointJoint& joint = *one.to;
-    const ImposedMotion& laws = joint.link->jointed()->imposed();
-    if (joint.link->jointed()->rows() != Mask::all || joint.p->rotation_law || joint.s->rotation_law ||
-        std::ranges::any_of(laws.drives, &Drive::speed)) {
+    const LoopJoint& joint = *one.to;
+    const Jointed& jointed = *joint.link->jointed();
+    const ImposedMotion& laws = jointed.imposed();
+    const Mask held = driven ? jointed.rows() : jointed.mask();
+    const bool slides = (held & Mask::xyz) != Mask::xyz;
+    if ((held & Mask::e123) != Mask::e123 || joint.p->rotation_law || joint.s->rotation_law ||
+        (slides && (one.slides() || two.slides())) || std::ranges::any_of(laws.drives, &Drive::speed)) {
       ++i;
       continue;
     }
     const Pose of_p = named(*joint.link, t, [&] { return Pose{laws.translation(t, {}).p, laws.rotation(t, {}).q}; });
-    const Pose across = joint.s->body->slot == one.slot ? of_p : inverse(of_p);
-    one.b = one.b * across * inverse(two.a) * two.b;
+    const bool has_s = joint.s->body->slot == one.slot;
+    const Pose across = one.b * (has_s ? of_p : inverse(of_p)), to_one = across * inverse(two.a);
+    if (slides)
+      one.slide = rotation(has_s ? one.b.q : across.q).col(joint.slide);
+    else if (two.slides())
+      one.slide = rotation(to_one.q) * two.slide;
+    one.b = to_one * two.b;
     one.bodies += ", " + two.bodies, one.to = two.to;
-    if (!laws.empty()) one.drives.push_back(joint.link->name());
+    if (driven && !laws.empty()) one.drives.push_back(joint.link->name());
     for (const std::string& name : two.drives) one.drives.push_back(name);
     loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(next));
     if (next < i) --i;
@@ -121,7 +138,10 @@ void merge_driven(std::vector<Span>& loop, double t) {
 }
 
 std::optional<Cause> cause_of_loop(const std::vector<Span>& loop) {
-  const auto longest = std::ranges::max_element(loop, {}, &Span::length);
+  const auto n_slides = std::ranges::count_if(loop, &Span::slides);
+  if (n_slides > 1 || std::ranges::any_of(loop, [](const Span& s) { return s.to->slide >= 0; })) return {};
+  const auto longest =
+      n_slides == 1 ? std::ranges::find_if(loop, &Span::slides) : std::ranges::max_element(loop, {}, &Span::length);
   double rest = 0;
   Names others, drives;
   for (const Span& s : loop) {
@@ -135,10 +155,12 @@ std::optional<Cause> cause_of_loop(const std::vector<Span>& loop) {
   const std::string elsewhere = drives.empty() ? "" : ", or let drive " + text::join(drives) + " begin elsewhere";
   Cause cause;
   cause.fact = fmt::format(
-      "the mechanism cannot be assembled: {}a loop is open by {:.3g} m. {} spans {:.3g} m from joint {} to joint {}, "
-      "but {} reach {:.3g} m together",
-      at_start, open, longest->bodies, length, from, to, text::join(others), rest);
-  const bool apart = longest->slot == kGround || !longest->drives.empty();
+      "the mechanism cannot be assembled: {}a loop is open by {:.3g} m. {} {} {:.3g} m from joint {} to joint {}, but "
+      "{} "
+      "reach {:.3g} m together",
+      at_start, open, longest->bodies, longest->slides() ? "span at least" : "spans", length, from, to,
+      text::join(others), rest);
+  const bool apart = longest->slot == kGround || !longest->drives.empty() || longest->slides();
   if (length > 100 * rest)  // a unit is wrong
     cause.hint = fmt::format("check the unit of {}: \"200 mm\" is 0.2",
                              apart ? "the places of joints " + from + " and " + to + " on " + longest->bodies
@@ -155,11 +177,11 @@ std::optional<Cause> cause_of_loop(const std::vector<Span>& loop) {
 }
 
 std::optional<Cause> open_loop(const System& system, const State& state) {
-  const std::vector<PointJoint> joints = point_joints(system, state);
-  std::vector<std::vector<Span>> all = loops(joints, system.n_slots());
+  const std::vector<LoopJoint> joints = loop_joints(system, state);
+  const std::vector<std::vector<Span>> all = loops(joints, system.n_slots());
   for (const bool driven : {false, true})
-    for (std::vector<Span>& loop : all) {
-      if (driven) merge_driven(loop, state.t);
+    for (std::vector<Span> loop : all) {
+      merge_spans(loop, state.t, driven);
       if (std::optional<Cause> cause = cause_of_loop(loop)) return cause;
     }
   return {};
@@ -260,7 +282,7 @@ std::pair<const Lock*, double> odd_axis(Dynamics& dynamics, const State& state) 
     std::vector<std::pair<const Lock*, double>> odd;
     for (const auto& [link, axis] : axes) {
       const double angle = angle_between(shared, axis);
-      if (angle > kNearlyDependent) odd.emplace_back(link, angle);
+      if (angle > kNegligible) odd.emplace_back(link, angle);
     }
     if (odd.size() == 1) return odd.front();
   }
@@ -369,7 +391,8 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
   if (std::optional<Cause> cause = locked(dynamics, still)) return cause;
   return Cause{fmt::format("drive {} has reached a limit position (dead centre) {}: {} allows no further motion",
                            who->drives.front(), when, joints),
-               other_lengths + ", or end the motion before it", Error::Kind::step, at.t};
+               other_lengths + (at.t > 0 ? ", or end the motion before it" : ", or begin away from it"),
+               Error::Kind::step, at.t};
 }
 
 // The evaluation that a fact needs may be what fails: then there is no fact.

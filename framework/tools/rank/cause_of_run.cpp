@@ -19,9 +19,14 @@
 namespace lockstep {
 namespace {
 
-/// Size of the largest eigenvalue of the equations of motion, 1/s: by powers of differences of their rates. Oscillations
-/// repeat after two powers, so it is the mean growth of an even number, with positions as velocities by the mean before.
+/// Size of the largest eigenvalue of the equations of motion, 1/s, but at least the fastest rotation: by powers of
+/// differences of their rates. Oscillations repeat after two powers, so it is the mean growth of an even number, with
+/// positions as velocities by the mean before.
 double fastest_rate(Dynamics& dynamics, const State& at) {
+  State slots = at;
+  dynamics.to_slots(slots);
+  double turns = 0;
+  for (const Motion& O : dynamics.inputs(slots).motions) turns = std::max(turns, O.w.norm());
   constexpr int kPowers = 20;
   const double d = kNearlyDependent * kNearlyDependent * dynamics.system().length();
   StateRate r0, r1;
@@ -32,7 +37,7 @@ double fastest_rate(Dynamics& dynamics, const State& at) {
     double growth = 0;
     for (int k = 0; k < kPowers; ++k) {
       const double size = std::sqrt(q.squaredNorm() * rate * rate + v.squaredNorm());
-      if (!(size > 0) || !std::isfinite(size)) return rate;
+      if (!(size > 0) || !std::isfinite(size)) return std::max(rate, turns);
       q /= size, v /= size;
       State off = at;
       advance_state(off, d, q);
@@ -43,7 +48,7 @@ double fastest_rate(Dynamics& dynamics, const State& at) {
     }
     rate = std::exp(growth);
   }
-  return rate;
+  return std::max(rate, turns);
 }
 
 /// States of a motion, evenly spread over its steps, which are short where it is fast.
@@ -91,9 +96,7 @@ Cause found_by_small_steps(Dynamics& dynamics, State start, double end, double s
   if (!(rate * step > 1)) return {};
   return {fmt::format("the step of {:.3g} s is too long: at t = {:.4g} s the fastest motion has a rate of {:.3g} 1/s",
                       step, t, rate),
-          fmt::format("take a step below {:.2g} s, and a shorter one if the energy error is too large, or a method "
-                      "that chooses its steps",
-                      1 / rate)};
+          fmt::format("take a step of {:.2g} to {:.2g} s, or a method that chooses its steps", 0.1 / rate, 1 / rate)};
 }
 
 // Why a run that began at `started` stopped.

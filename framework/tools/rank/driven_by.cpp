@@ -67,7 +67,7 @@ std::string DriveReport::text() const {
   }
   for (const std::vector<std::string>& set : too_many)
     text += (text.empty() ? "" : ". ") + std::string("the drives ") + text::join(set) +
-            " prescribe dependent coordinates: remove one of them";
+            " prescribe the same motion: remove one of them";
   return text;
 }
 

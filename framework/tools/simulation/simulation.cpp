@@ -24,11 +24,13 @@ RunSettings settings_of(const SimulationOptions& options, const Registry& regist
   run.tolerance = tolerance_of(options.tolerance);
   if (options.absolute_tolerance != 0) run.tolerance.atol_x = options.absolute_tolerance;
   check_tolerance(run.tolerance);
-  run.integrator = read_method_spec(options.integrator, types_of(registry.integrators));
+  run.integrator = read_method_spec(options.integrator, types_of(registry.integrators), "integrator");
   run.formulation = options.dynamics.formulation, run.stabilization = options.dynamics.stabilization;
   const bool quaternion = run.formulation == Formulation::quaternion;
-  run.solver = read_method_spec(!options.solver.empty() ? options.solver : quaternion ? "sparse" : "schur",
-                                types_of(registry.solvers));
+  run.solver = read_method_spec(!options.solver.empty() ? options.solver
+                                : quaternion            ? "sparse"
+                                                        : "schur",
+                                types_of(registry.solvers), "solver");
   if (!options.solver.empty() && run.formulation == Formulation::automatic) run.formulation = Formulation::omega;
   run.step = options.step, run.output = options.output, run.max_steps = options.max_steps;
   run.assemble = options.assemble;
@@ -52,8 +54,10 @@ struct SystemParts final : SystemSettings, Simulation::Parts {
     const MethodSpec& method = Parts::settings.integrator;
     std::unique_ptr<Integrator> made = make_integrator(method, methods, "simulation.integrator");
     if (!made->info().adaptive && !(Parts::settings.step > 0))
-      throw ModelError("simulation: integrator \"" + method.type +
-                       "\" uses fixed steps, and none is given; set .step, such as .step = 1e-3");
+      throw ModelError(
+          "simulation: integrator \"" + method.type + "\" uses fixed steps, and " +
+          (Parts::settings.step == 0 ? "none is given" : "the step is " + text::number(Parts::settings.step)) +
+          "; set .step, such as .step = 1e-3");
     return made;
   }
   std::unique_ptr<LinearSolver> make_solver() const override {

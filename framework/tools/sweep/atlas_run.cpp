@@ -140,6 +140,8 @@ AtlasCell atlas_run(const Scene& scene, const Registry& registry, const AtlasRef
     return cell;
   }
   const bool wrong = ran.audit.is_wrong(), told = wrong || ran.passed > 0 || ran.report.largest_turn > kLongTurn;
+  if (wrong)
+    cell.reason = fmt::format("energy error {:.2g} %, constraint violation {:.2g} m", 100 * cell.energy, cell.drift);
   const double relative = reference.size > 0 ? cell.error / reference.size : 0;
   cell.outcome = relative <= limits.works && !wrong ? AtlasOutcome::works
                  : relative <= limits.wrong         ? AtlasOutcome::inaccurate

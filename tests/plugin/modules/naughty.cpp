@@ -46,6 +46,9 @@ struct NaughtyLaw final : MotionLaw {
     misbehave(does);
     return {does.rfind("nan", 0) == 0 ? std::nan("") : 0.0, 0, 0};
   }
+  void breakpoints(double, double, std::vector<double>&) const override {
+    if (does == "no times") throw std::runtime_error("no times");
+  }
 };
 
 /// Holds P at S along the axes of S, and writes wrongly.

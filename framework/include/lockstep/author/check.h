@@ -73,7 +73,7 @@ class LOCKSTEP_API CheckReport {
   std::vector<CheckFinding> findings_;
   std::vector<Key> keys_;
   std::vector<std::string> notes_;
-  long n_comparisons_ = 0;
+  long n_comparisons_ = 0, n_omitted_ = 0;
   double accuracy_ = 0;
 };
 

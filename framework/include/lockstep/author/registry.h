@@ -114,7 +114,8 @@ std::vector<TypeInfo> types_of(const S& shelf) {
 /// Reads a method from one word: "dopri5", or "dop853:stages=auto:fixed=true". Values are numbers, true, false, or
 /// texts with or without quotes. `types`: those to choose from, by types_of(). Throws ModelError for an unknown name or
 /// key, with the closest one.
-LOCKSTEP_API MethodSpec read_method_spec(const std::string& text, const std::vector<TypeInfo>& types);
+LOCKSTEP_API MethodSpec read_method_spec(const std::string& text, const std::vector<TypeInfo>& types,
+                                         const char* kind = "method");
 
 /// Makes an integrator. Throws SceneError for an unknown name or invalid keys, with the place in the file; its message
 /// begins with `owner`.
