@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/body.h>
 
+#include <vector>
+
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/support/thrown.h"
@@ -18,6 +20,8 @@ template <class L, class Numbers>
 std::string fault(const std::string& what, const LawPtr<L>& law, double t, Numbers&& numbers_of) {
   if (!law) return {};
   try {
+    std::vector<double> times;
+    law->breakpoints(t, t + 1, times);
     const VecX x = numbers_of(law->at(t));
     if (x.allFinite()) return {};
     constexpr const char* kNames[] = {"y = ", "yd = ", "ydd = "};  // of a scalar law
