@@ -19,6 +19,12 @@ Weights gap_of(const EmbeddedScheme& scheme) {
   return {gap.data(), scheme.tableau.n_stages};
 }
 
+// Fixed steps for a scheme without an estimate, or on request.
+std::unique_ptr<StepControl> control_of(const EmbeddedScheme& scheme, const EmbeddedOptions& options) {
+  if (options.fixed || !scheme.error) return nullptr;
+  return std::make_unique<PiControl>(scheme.tableau.order);
+}
+
 }  // namespace
 
 Keys EmbeddedOptions::keys() {
@@ -37,16 +43,6 @@ EmbeddedOptions EmbeddedOptions::from(const Params& params) {
                                    : stages == "plain"  ? StagesWhen::plain
                                                         : StagesWhen::automatic};
 }
-
-namespace {
-
-// Fixed steps for a scheme without an estimate, or on request.
-std::unique_ptr<StepControl> control_of(const EmbeddedScheme& scheme, const EmbeddedOptions& options) {
-  if (options.fixed || !scheme.error) return nullptr;
-  return std::make_unique<PiControl>(scheme.tableau.order);
-}
-
-}  // namespace
 
 EmbeddedRungeKutta::EmbeddedRungeKutta(const EmbeddedScheme& scheme, const EmbeddedOptions& options)
     : AdaptiveStepper(scheme.tableau.order, control_of(scheme, options)),

@@ -22,6 +22,19 @@ namespace {
 
 constexpr double kMostGravity = 300;  // m/s^2; the Sun's is 274
 
+// Whether the value names one of these things, or what such a thing brings with it ("A.friction", "A.x@B").
+bool names_one(const Value& v, const std::set<std::string, std::less<>>& names) {
+  bool named = false;
+  for_each_child(v, [&](const Value& each, const std::string& key) {
+    named = named || (key != "name" && names_one(each, names));
+  });
+  if (v.text() == nullptr) return named;
+  const std::string_view word = *v.text();
+  const std::size_t at = word.find('@');
+  return names.contains(word.substr(0, word.find_first_of(".@"))) ||
+         (at != std::string_view::npos && names.contains(word.substr(at + 1)));
+}
+
 }  // namespace
 
 std::string owner_of(const std::string& kind, const std::string& name) {
@@ -65,23 +78,6 @@ double positive(const Params& p, const std::string& key, const std::string& what
   if (!(x > 0)) p.refuse(key, "the " + what + " is " + plain_text(p.value(key)) + "; it must be greater than 0");
   return x;
 }
-
-namespace {
-
-// Whether the value names one of these things, or what such a thing brings with it ("A.friction", "A.x@B").
-bool names_one(const Value& v, const std::set<std::string, std::less<>>& names) {
-  bool named = false;
-  for_each_child(v, [&](const Value& each, const std::string& key) {
-    named = named || (key != "name" && names_one(each, names));
-  });
-  if (v.text() == nullptr) return named;
-  const std::string_view word = *v.text();
-  const std::size_t at = word.find('@');
-  return names.contains(word.substr(0, word.find_first_of(".@"))) ||
-         (at != std::string_view::npos && names.contains(word.substr(at + 1)));
-}
-
-}  // namespace
 
 const Value* refused_value(const Value& v, const ErrorData& error) {
   const auto is_there = [&](const SourceLocation& where) {

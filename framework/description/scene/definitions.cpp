@@ -163,9 +163,7 @@ const Amount& Definitions::value(Entry& e) {
 // -- places of bodies and markers, as the scene gives them
 
 void Definitions::take_things(const Value& root, const char* list) {
-  const Value* all = root.find(list);
-  if (all == nullptr || all->list() == nullptr) return;
-  for (const Value& object : *all->list())
+  for (const Value& object : items(root, list))
     if (const std::string* name = text_under(object, "name")) things_.emplace(*name, &object);
 }
 

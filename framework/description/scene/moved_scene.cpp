@@ -14,11 +14,6 @@
 namespace lockstep {
 namespace {
 
-std::string text_of(const Value& object, const std::string& key) {
-  const std::string* text = text_under(object, key);
-  return text != nullptr ? *text : "";
-}
-
 void put(Value& object, const std::string& key, const Vec3& v) { put(object, key, Value::list({v[0], v[1], v[2]})); }
 void put(Value& object, const std::string& key, const Quat& q) { put(object, key, Value::list({q.w, q.x, q.y, q.z})); }
 

@@ -20,8 +20,16 @@ inline const std::string* text_under(const Value& object, std::string_view key) 
   const Value* v = object.find(key);
   return v != nullptr ? v->text() : nullptr;
 }
+/// The same; "" where there is none.
+inline std::string text_of(const Value& object, std::string_view key) {
+  const std::string* text = text_under(object, key);
+  return text != nullptr ? *text : std::string();
+}
 /// The items of the list under a key; none if there is no list.
 LOCKSTEP_API std::span<Value> items(Value& object, std::string_view key);
+inline std::span<const Value> items(const Value& object, std::string_view key) {
+  return items(const_cast<Value&>(object), key);
+}
 /// The members of the object under a key; none if there is no object.
 std::span<Value::Member> members(Value& object, std::string_view key);
 

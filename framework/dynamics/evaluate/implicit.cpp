@@ -17,106 +17,100 @@ struct NewtonMatrix::Work : NewtonNumbers {
   NewtonFactor<double> real;
   NewtonFactor<Complex> complex;
 
-  bool same_links(const RowTable& rows) const;
-  void lay_out(const RowTable& rows);
-  void lay_out_plan();
-  void copy_rows(const RowTable& rows);
-  void add_inertia(const Inputs& in);
-  void update_scales();
+  bool same_links(const RowTable& rows) const {
+    return std::equal(entries.begin(), entries.end(), rows.entries.begin(), rows.entries.end(),
+                      [](const RowEntry& a, const RowEntry& b) { return a.link == b.link && a.m == b.m; });
+  }
+
+  void lay_out(const RowTable& rows) {
+    width.clear(), first.clear(), mass.clear();
+    n = 0;
+    const Plane plane = system->plane();
+    velocity = unknown_velocities(plane);
+    for (int k = 0; k < system->n_slots(); ++k) {
+      mass.emplace_back(system->slot(k), plane);
+      width.push_back(mass.back().width());
+      first.push_back(n);
+      n += width.back();
+    }
+    entries = rows.entries;
+    m = rows.n_rows;
+    std::size_t size = 0;
+    for (const RowEntry& e : entries) size += static_cast<std::size_t>(6 * e.m * e.slots.n);
+    J.assign(size, 0.0);
+    s.setZero(m);
+    pattern = -1;
+  }
+
+  // Once the pairs of the tangents are known: the order of elimination and the place of every number.
+  void lay_out_plan() {
+    pattern = tangents.revision();
+    BlockGraph graph{width, first, static_cast<int>(width.size()), {}};
+    for (const auto& [row, column] : tangents.pairs())
+      if (row < column) graph.edges.emplace_back(row, column);
+    for (const RowEntry& e : entries) {
+      const int node = static_cast<int>(graph.width.size());
+      graph.width.push_back(e.m);
+      graph.first.push_back(n + e.first_row);
+      for (int i = 0; i < e.slots.n; ++i) graph.edges.emplace_back(e.slots[i], node);
+    }
+    plan.lay_out(graph, false);
+
+    pairs.clear(), row_places.clear(), proximal.clear();
+    for (const auto& [row, column] : tangents.pairs()) pairs.push_back(plan.find(row, column));
+    int node = graph.n_slots;
+    for (const RowEntry& e : entries) {
+      for (int i = 0; i < e.slots.n; ++i) row_places.push_back(plan.find_above(node, e.slots[i]));
+      proximal.push_back(plan.find(node, node));
+      ++node;
+    }
+    real.lay_out(*this);
+    complex.lay_out(*this);
+  }
+
+  void copy_rows(const RowTable& rows) {
+    double* out = J.data();
+    for (const RowEntry& e : rows.entries) {
+      const RowView block = rows.block(e);
+      for (int i = 0; i < e.slots.n; ++i)
+        for (int k = 0; k < e.m; ++k, out += 6) {
+          const auto r = block.J(i, k);
+          std::copy(&r[0], &r[0] + 6, out);
+        }
+    }
+  }
+
+  // (9.16) d(w x J w)/dw = w~ J - (J w)~
+  void add_inertia(const Inputs& in) {
+    for (int k = 0; k < system->n_slots(); ++k) {
+      const Mat3& moment = mass[k].J();
+      const Vec3& w = in.slot(k).w;
+      tangents.add_D(k, Half::turn, k, Half::turn, skew(w) * moment - skew(Vec3(moment * w)));
+    }
+  }
+
+  void update_scales() {
+    s.setZero();
+    for_each_row(J, [&](int row, int slot, const double* r) {
+      const Eigen::Map<const Vec3> v(r), w(r + 3);
+      s[row] += v.squaredNorm() / mass[slot].m() + w.dot(mass[slot].inverse_J() * w);
+    });
+    for (const RowEntry& e : entries) average_scales(s.data() + e.first_row, e.m, KindBits(e.kind, e.m));
+  }
+
   /// Throw ModelError for a vector of another size.
   void check_slots(Eigen::Index size) const {
     check_size("NewtonMatrix: a vector of the bodies", size, 6 * std::ssize(mass));
   }
-  void add_times(const Mat6& (TangentSum::*block)(std::size_t) const, const VecX& x, VecX& y) const;
+
+  void add_times(const Mat6& (TangentSum::*block)(std::size_t) const, const VecX& x, VecX& y) const {
+    check_slots(x.size()), check_slots(y.size());
+    for (std::size_t p = 0; p < tangents.pairs().size(); ++p)
+      y.segment<6>(6 * tangents.pairs()[p].row) += (tangents.*block)(p)*x.segment<6>(6 * tangents.pairs()[p].column);
+  }
+
   void check_rows(Eigen::Index size) const { check_size("NewtonMatrix: a vector of the constraints", size, m); }
 };
-
-bool NewtonMatrix::Work::same_links(const RowTable& rows) const {
-  return std::equal(entries.begin(), entries.end(), rows.entries.begin(), rows.entries.end(),
-                    [](const RowEntry& a, const RowEntry& b) { return a.link == b.link && a.m == b.m; });
-}
-
-void NewtonMatrix::Work::lay_out(const RowTable& rows) {
-  width.clear(), first.clear(), mass.clear();
-  n = 0;
-  const Plane plane = system->plane();
-  velocity = unknown_velocities(plane);
-  for (int k = 0; k < system->n_slots(); ++k) {
-    mass.emplace_back(system->slot(k), plane);
-    width.push_back(mass.back().width());
-    first.push_back(n);
-    n += width.back();
-  }
-  entries = rows.entries;
-  m = rows.n_rows;
-  std::size_t size = 0;
-  for (const RowEntry& e : entries) size += static_cast<std::size_t>(6 * e.m * e.slots.n);
-  J.assign(size, 0.0);
-  s.setZero(m);
-  pattern = -1;
-}
-
-// Once the pairs of the tangents are known: the order of elimination and the place of every number.
-void NewtonMatrix::Work::lay_out_plan() {
-  pattern = tangents.revision();
-  BlockGraph graph{width, first, static_cast<int>(width.size()), {}};
-  for (const auto& [row, column] : tangents.pairs())
-    if (row < column) graph.edges.emplace_back(row, column);
-  for (const RowEntry& e : entries) {
-    const int node = static_cast<int>(graph.width.size());
-    graph.width.push_back(e.m);
-    graph.first.push_back(n + e.first_row);
-    for (int i = 0; i < e.slots.n; ++i) graph.edges.emplace_back(e.slots[i], node);
-  }
-  plan.lay_out(graph, false);
-
-  pairs.clear(), row_places.clear(), proximal.clear();
-  for (const auto& [row, column] : tangents.pairs()) pairs.push_back(plan.find(row, column));
-  int node = graph.n_slots;
-  for (const RowEntry& e : entries) {
-    for (int i = 0; i < e.slots.n; ++i) row_places.push_back(plan.find_above(node, e.slots[i]));
-    proximal.push_back(plan.find(node, node));
-    ++node;
-  }
-  real.lay_out(*this);
-  complex.lay_out(*this);
-}
-
-void NewtonMatrix::Work::copy_rows(const RowTable& rows) {
-  double* out = J.data();
-  for (const RowEntry& e : rows.entries) {
-    const RowView block = rows.block(e);
-    for (int i = 0; i < e.slots.n; ++i)
-      for (int k = 0; k < e.m; ++k, out += 6) {
-        const auto r = block.J(i, k);
-        std::copy(&r[0], &r[0] + 6, out);
-      }
-  }
-}
-
-// (9.16) d(w x J w)/dw = w~ J - (J w)~
-void NewtonMatrix::Work::add_inertia(const Inputs& in) {
-  for (int k = 0; k < system->n_slots(); ++k) {
-    const Mat3& moment = mass[k].J();
-    const Vec3& w = in.slot(k).w;
-    tangents.add_D(k, Half::turn, k, Half::turn, skew(w) * moment - skew(Vec3(moment * w)));
-  }
-}
-
-void NewtonMatrix::Work::update_scales() {
-  s.setZero();
-  for_each_row(J, [&](int row, int slot, const double* r) {
-    const Eigen::Map<const Vec3> v(r), w(r + 3);
-    s[row] += v.squaredNorm() / mass[slot].m() + w.dot(mass[slot].inverse_J() * w);
-  });
-  for (const RowEntry& e : entries) average_scales(s.data() + e.first_row, e.m, KindBits(e.kind, e.m));
-}
-
-void NewtonMatrix::Work::add_times(const Mat6& (TangentSum::*block)(std::size_t) const, const VecX& x, VecX& y) const {
-  check_slots(x.size()), check_slots(y.size());
-  for (std::size_t p = 0; p < tangents.pairs().size(); ++p)
-    y.segment<6>(6 * tangents.pairs()[p].row) += (tangents.*block)(p)*x.segment<6>(6 * tangents.pairs()[p].column);
-}
 
 NewtonMatrix::NewtonMatrix() : work_(std::make_unique<Work>()) {}
 NewtonMatrix::~NewtonMatrix() = default;

@@ -29,6 +29,20 @@ void write_followed(std::span<const int> slots, std::span<const Motion> motions,
   }
 }
 
+// The axis k of both markers about which the joint of a node turns its slot, by itself or by its laws; -1: it is none of
+// them.
+int axis_of(const TreeNode& n) {
+  const Jointed* const joint = n.lock != nullptr && !n.moving ? n.lock->jointed() : nullptr;
+  if (joint == nullptr || joint->imposed().turn || joint->imposed().hold) return -1;
+  for (int k = 0; k < 3; ++k)
+    if (includes(joint->rows() | row_bit(3 + k), Mask::e123) &&
+        std::ranges::all_of(joint->imposed().drives, [k](const Drive& drive) {
+          return !is_rotation(drive.axis) || axis_index(drive.axis) % 3 == k;
+        }))
+      return k;
+  return -1;
+}
+
 }  // namespace
 
 Dynamics::~Dynamics() = default;
@@ -68,24 +82,6 @@ void Dynamics::Tree::find_turns(const System& system) {
     if (const auto turn = angle->turn(); turn && turn->slot != turn->other) find_turn(*angle, *turn);
   if (!turns.empty()) n_angles = system.counted_angles().size();
 }
-
-namespace {
-
-// The axis k of both markers about which the joint of a node turns its slot, by itself or by its laws; -1: it is none of
-// them.
-int axis_of(const TreeNode& n) {
-  const Jointed* const joint = n.lock != nullptr && !n.moving ? n.lock->jointed() : nullptr;
-  if (joint == nullptr || joint->imposed().turn || joint->imposed().hold) return -1;
-  for (int k = 0; k < 3; ++k)
-    if (includes(joint->rows() | row_bit(3 + k), Mask::e123) &&
-        std::ranges::all_of(joint->imposed().drives, [k](const Drive& drive) {
-          return !is_rotation(drive.axis) || axis_index(drive.axis) % 3 == k;
-        }))
-      return k;
-  return -1;
-}
-
-}  // namespace
 
 // In a plane all slots rotate about its normal, in space two slots with one free axis about that: wherever the axis
 // is fixed in both, with unit vectors a and b in their axes,

@@ -27,6 +27,38 @@ VecX lengths_of_rows(const SparseMat& Jt) {
   return lengths;
 }
 
+// Dependencies are eigenvectors of J Jt of the value zero. J Jt - theta 1 = L D L^T has as many positive numbers in D as
+// J Jt has values above theta (Sylvester's law of inertia). What theta (theta 1 - J Jt)^-1 leaves of a vector lies in the
+// dependencies, and of a few vectors at random one has a share of every row that takes part.
+void find_sparsely(const SparseMat& Jt, Dependencies& out) {
+  constexpr double kTheta =
+      1e-12;  // the square of a singular value, between round-off and a loop of some thousand rows
+  constexpr int kVectors = 8;
+  const VecX lengths = lengths_of_rows(Jt);
+  const SparseMat J = scaled(VecX::Ones(Jt.rows()), Jt, lengths.cwiseInverse());
+  SparseMat one(J.cols(), J.cols());
+  one.setIdentity();
+  const Eigen::SimplicialLDLT<SparseMat> ldlt(SparseMat(SparseMat(J.transpose()) * J) - kTheta * one);
+  if (ldlt.info() != Eigen::Success)
+    throw SolveError("the rank of the constraints cannot be computed: a pivot is zero");
+  out.rank = static_cast<int>((ldlt.vectorD().array() > 0).count());
+  out.circuits.resize(J.cols(), 0);
+  if (out.rank == J.cols()) return;
+  std::minstd_rand random(1);
+  MatX left(J.cols(), kVectors);
+  for (auto column : left.colwise()) {
+    const VecX signs = VecX::NullaryExpr(J.cols(), [&] { return random() % 2 == 0 ? 1.0 : -1.0; });
+    column = ldlt.solve(signs);
+    column /= column.lpNorm<Eigen::Infinity>();
+  }
+  out.round_off = 10 * std::numeric_limits<double>::epsilon() / kTheta;  // of terms of size 1 over theta
+  DependentRows& all = out.sets.emplace_back();
+  all.too_many = static_cast<int>(J.cols()) - out.rank;
+  for (int row = 0; row < J.cols(); ++row)
+    if (left.row(row).lpNorm<Eigen::Infinity>() > out.round_off) all.rows.push_back(row);
+  out.circuits = lengths.cwiseInverse().asDiagonal() * left;
+}
+
 }  // namespace
 
 RowSpace::RowSpace(const SparseMat& Jt)
@@ -87,42 +119,6 @@ std::vector<DependentRows> RowSpace::sets() const {
   std::ranges::sort(out, {}, [](const DependentRows& s) { return s.rows.front(); });
   return out;
 }
-
-namespace {
-
-// Dependencies are eigenvectors of J Jt of the value zero. J Jt - theta 1 = L D L^T has as many positive numbers in D as
-// J Jt has values above theta (Sylvester's law of inertia). What theta (theta 1 - J Jt)^-1 leaves of a vector lies in the
-// dependencies, and of a few vectors at random one has a share of every row that takes part.
-void find_sparsely(const SparseMat& Jt, Dependencies& out) {
-  constexpr double kTheta =
-      1e-12;  // the square of a singular value, between round-off and a loop of some thousand rows
-  constexpr int kVectors = 8;
-  const VecX lengths = lengths_of_rows(Jt);
-  const SparseMat J = scaled(VecX::Ones(Jt.rows()), Jt, lengths.cwiseInverse());
-  SparseMat one(J.cols(), J.cols());
-  one.setIdentity();
-  const Eigen::SimplicialLDLT<SparseMat> ldlt(SparseMat(SparseMat(J.transpose()) * J) - kTheta * one);
-  if (ldlt.info() != Eigen::Success)
-    throw SolveError("the rank of the constraints cannot be computed: a pivot is zero");
-  out.rank = static_cast<int>((ldlt.vectorD().array() > 0).count());
-  out.circuits.resize(J.cols(), 0);
-  if (out.rank == J.cols()) return;
-  std::minstd_rand random(1);
-  MatX left(J.cols(), kVectors);
-  for (auto column : left.colwise()) {
-    const VecX signs = VecX::NullaryExpr(J.cols(), [&] { return random() % 2 == 0 ? 1.0 : -1.0; });
-    column = ldlt.solve(signs);
-    column /= column.lpNorm<Eigen::Infinity>();
-  }
-  out.round_off = 10 * std::numeric_limits<double>::epsilon() / kTheta;  // of terms of size 1 over theta
-  DependentRows& all = out.sets.emplace_back();
-  all.too_many = static_cast<int>(J.cols()) - out.rank;
-  for (int row = 0; row < J.cols(); ++row)
-    if (left.row(row).lpNorm<Eigen::Infinity>() > out.round_off) all.rows.push_back(row);
-  out.circuits = lengths.cwiseInverse().asDiagonal() * left;
-}
-
-}  // namespace
 
 Dependencies::Dependencies(const SparseMat& Jt, double limit) {
   if (Jt.cols() > kDenseRows && limit <= kDependent) {

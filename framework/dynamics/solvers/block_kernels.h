@@ -7,7 +7,6 @@
 #include <complex>
 #include <type_traits>
 
-#include "framework/dynamics/solvers/block_plan.h"
 #include "framework/foundation/math/for_size.h"
 
 namespace lockstep {

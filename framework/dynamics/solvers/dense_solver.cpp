@@ -54,9 +54,67 @@ void solve_lower_transposed(const double* L, int n, double* x) {
 
 class DenseFactorization final : public Factorization {
  public:
-  explicit DenseFactorization(const KktPattern&);
-  void compute(const Kkt&) override;
-  SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
+  explicit DenseFactorization(const KktPattern& pattern) {
+    const int n = pattern.n, m = pattern.m, k = std::min(n, m);
+    L_.assign(pattern.size_M, 0.0);
+    Bt_.setZero(n, m);
+    Rt_.setZero(m, k);
+    outer_ = Qr(n, m);
+    inner_ = Qr(m, k);
+    outer_.setThreshold(kRankTolerance);
+    for (VecX* v : {&y_, &da_, &a_before_}) v->setZero(n);
+    for (VecX* v : {&root_E_, &square_, &z_, &t_, &dl_, &l_before_}) v->setZero(m);
+    rule_.analyse(pattern);
+    watch_.begin(m);
+  }
+
+  void compute(const Kkt& kkt) override {
+    std::copy_n(kkt.M.begin(), kkt.pattern.size_M, L_.begin());
+    for (std::size_t slot = 0; slot < kkt.pattern.width.size(); ++slot)
+      if (!cholesky(&L_[kkt.pattern.M[slot]], kkt.pattern.width[slot]))
+        throw SolveError(fmt::format(
+            "solver dense: the mass matrix of rigid group {} is not positive definite; give its body a mass "
+            "and an inertia above zero",
+            slot));
+    rank_ = 0;
+    if (Rt_.cols() == 0) return;
+    fill_B(kkt);
+    outer_.compute(Bt_);
+    rank_ = static_cast<int>(outer_.rank());
+    measure_pivots(kkt.redundant);
+    Rt_.setZero();
+    for (int i = 0; i < rank_; ++i)
+      for (Eigen::Index j = i; j < Rt_.rows(); ++j) Rt_(j, i) = outer_.matrixQR()(i, j);
+    inner_.compute(Rt_);
+  }
+
+  SolveReport solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override {
+    a.resize(kkt.pattern.n);
+    lambda.resize(kkt.pattern.m);
+    SolveReport report;
+    rule_.start(kkt, f, c);
+    solve_once(kkt, f, c, a, lambda);
+    bool met = rule_.met(kkt, f, c, a, lambda);
+    while (!met && report.corrections < kMaxRefinements) {
+      const double before = rule_.largest();
+      a_before_ = a, l_before_ = lambda;
+      solve_once(kkt, rule_.force_residual(), rule_.row_residual(), da_, dl_);
+      a += da_, lambda += dl_;
+      ++report.corrections;
+      met = rule_.met(kkt, f, c, a, lambda);
+      if (rule_.largest() <= before) continue;
+      a = a_before_, lambda = l_before_;  // only rounding: keep the previous solution
+      rule_.met(kkt, f, c, a, lambda);
+      break;
+    }
+    report.residual = rule_.largest();
+    report.worst_row = rule_.worst_row();
+    report.rank = rank_;
+    watch_.report(report);
+    report.contradictory = rank_ < kkt.pattern.m && watch_.contradictory(rule_.largest(), 0);
+    return report;
+  }
+
   void complete(SolveReport& report) override { watch_.report(report); }
 
  private:
@@ -70,82 +128,78 @@ class DenseFactorization final : public Factorization {
   PivotWatch watch_;
   int rank_ = 0;
 
-  void invert_L(const KktPattern&, VecX& x) const;
-  void invert_Lt(const KktPattern&, VecX& x) const;
-  void fill_B(const Kkt&);
-  void measure_pivots(int redundant);
-  void solve_once(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda);
-};
-
-void DenseFactorization::invert_L(const KktPattern& pattern, VecX& x) const {
-  for_each_mass(pattern, [&](int first, int width, std::size_t at) { solve_lower(&L_[at], width, x.data() + first); });
-}
-
-void DenseFactorization::invert_Lt(const KktPattern& pattern, VecX& x) const {
-  for_each_mass(
-      pattern, [&](int first, int width, std::size_t at) { solve_lower_transposed(&L_[at], width, x.data() + first); });
-}
-
-// B^T = L^-1 J^T E^-1/2, column by column.
-void DenseFactorization::fill_B(const Kkt& kkt) {
-  Bt_.setZero();
-  root_E_ = kkt.E.cwiseSqrt();
-  for_each_jacobian(kkt.pattern, [&](const KktLink& link, int first, int width, std::size_t at) {
-    for (int j = link.first_row; j < link.first_row + link.m; ++j)
-      for (int k = 0; k < width; ++k) Bt_(first + k, j) = kkt.J[at++] / root_E_[j];
-  });
-  for (const KktLink& link : kkt.pattern.links)
-    for (int i = 0; i < link.n_slots; ++i) {
-      const auto slot = static_cast<std::size_t>(link.slot[i]);
-      for (int j = link.first_row; j < link.first_row + link.m; ++j)
-        solve_lower(&L_[kkt.pattern.M[slot]], kkt.pattern.width[slot], &Bt_(kkt.pattern.first[slot], j));
-    }
-}
-
-// Pivots R_kk^2 against |b_k|^2: the fraction of a row that the rows before it do not span; zero for rows beyond the n-th.
-void DenseFactorization::measure_pivots(int redundant) {
-  square_ = Bt_.colwise().squaredNorm();
-  const auto each = [&](auto&& row) {
-    for (Eigen::Index k = 0; k < Bt_.cols(); ++k) {
-      const double own = square_[outer_.colsPermutation().indices()[k]];
-      const double R = k < Rt_.cols() ? outer_.matrixQR()(k, k) : 0.0;
-      row(own > 0.0 ? R * R : 0.0, own > 0.0 ? own : 1.0, 0);
-    }
-  };
-  watch_.see(redundant, each, [] { return std::array<double, 3>{}; });
-}
-
-// With t = P1^T c~:
-//   R1^T z = t  in the least-squares sense,   y = Q1 (z, 0),   P1^T mu = Q2 (-R2^-T P2^T z, 0)
-void DenseFactorization::solve_once(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
-  a = f;
-  invert_L(kkt.pattern, a);
-  invert_Lt(kkt.pattern, a);
-  if (Rt_.cols() == 0) {
-    lambda.setZero();
-    return;
+  void invert_L(const KktPattern& pattern, VecX& x) const {
+    for_each_mass(pattern,
+                  [&](int first, int width, std::size_t at) { solve_lower(&L_[at], width, x.data() + first); });
   }
-  z_.setZero();
-  add_rows_times(kkt, a, z_);
-  const auto& P1 = outer_.colsPermutation().indices();
-  const auto& P2 = inner_.colsPermutation().indices();
-  for (Eigen::Index j = 0; j < t_.size(); ++j) t_[j] = (c[P1[j]] - z_[P1[j]]) / root_E_[P1[j]];
 
-  apply_Qt(inner_.matrixQR(), inner_.hCoeffs(), t_);
-  const auto R2 = inner_.matrixQR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>();
-  R2.solveInPlace(t_.head(rank_));
-  y_.setZero();
-  for (int k = 0; k < rank_; ++k) y_[P2[k]] = t_[k];
-  apply_Q(outer_.matrixQR(), outer_.hCoeffs(), y_);
-  invert_Lt(kkt.pattern, y_);
-  a += y_;
+  void invert_Lt(const KktPattern& pattern, VecX& x) const {
+    for_each_mass(pattern, [&](int first, int width, std::size_t at) {
+      solve_lower_transposed(&L_[at], width, x.data() + first);
+    });
+  }
 
-  t_.tail(t_.size() - rank_).setZero();
-  t_ = -t_;
-  R2.transpose().solveInPlace(t_.head(rank_));
-  apply_Q(inner_.matrixQR(), inner_.hCoeffs(), t_);
-  for (Eigen::Index j = 0; j < t_.size(); ++j) lambda[P1[j]] = t_[j] / root_E_[P1[j]];
-}
+  // B^T = L^-1 J^T E^-1/2, column by column.
+  void fill_B(const Kkt& kkt) {
+    Bt_.setZero();
+    root_E_ = kkt.E.cwiseSqrt();
+    for_each_jacobian(kkt.pattern, [&](const KktLink& link, int first, int width, std::size_t at) {
+      for (int j = link.first_row; j < link.first_row + link.m; ++j)
+        for (int k = 0; k < width; ++k) Bt_(first + k, j) = kkt.J[at++] / root_E_[j];
+    });
+    for (const KktLink& link : kkt.pattern.links)
+      for (int i = 0; i < link.n_slots; ++i) {
+        const auto slot = static_cast<std::size_t>(link.slot[i]);
+        for (int j = link.first_row; j < link.first_row + link.m; ++j)
+          solve_lower(&L_[kkt.pattern.M[slot]], kkt.pattern.width[slot], &Bt_(kkt.pattern.first[slot], j));
+      }
+  }
+
+  // Pivots R_kk^2 against |b_k|^2: the fraction of a row that the rows before it do not span; zero for rows beyond the n-th.
+  void measure_pivots(int redundant) {
+    square_ = Bt_.colwise().squaredNorm();
+    const auto each = [&](auto&& row) {
+      for (Eigen::Index k = 0; k < Bt_.cols(); ++k) {
+        const double own = square_[outer_.colsPermutation().indices()[k]];
+        const double R = k < Rt_.cols() ? outer_.matrixQR()(k, k) : 0.0;
+        row(own > 0.0 ? R * R : 0.0, own > 0.0 ? own : 1.0, 0);
+      }
+    };
+    watch_.see(redundant, each, [] { return std::array<double, 3>{}; });
+  }
+
+  // With t = P1^T c~:
+  //   R1^T z = t  in the least-squares sense,   y = Q1 (z, 0),   P1^T mu = Q2 (-R2^-T P2^T z, 0)
+  void solve_once(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
+    a = f;
+    invert_L(kkt.pattern, a);
+    invert_Lt(kkt.pattern, a);
+    if (Rt_.cols() == 0) {
+      lambda.setZero();
+      return;
+    }
+    z_.setZero();
+    add_rows_times(kkt, a, z_);
+    const auto& P1 = outer_.colsPermutation().indices();
+    const auto& P2 = inner_.colsPermutation().indices();
+    for (Eigen::Index j = 0; j < t_.size(); ++j) t_[j] = (c[P1[j]] - z_[P1[j]]) / root_E_[P1[j]];
+
+    apply_Qt(inner_.matrixQR(), inner_.hCoeffs(), t_);
+    const auto R2 = inner_.matrixQR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>();
+    R2.solveInPlace(t_.head(rank_));
+    y_.setZero();
+    for (int k = 0; k < rank_; ++k) y_[P2[k]] = t_[k];
+    apply_Q(outer_.matrixQR(), outer_.hCoeffs(), y_);
+    invert_Lt(kkt.pattern, y_);
+    a += y_;
+
+    t_.tail(t_.size() - rank_).setZero();
+    t_ = -t_;
+    R2.transpose().solveInPlace(t_.head(rank_));
+    apply_Q(inner_.matrixQR(), inner_.hCoeffs(), t_);
+    for (Eigen::Index j = 0; j < t_.size(); ++j) lambda[P1[j]] = t_[j] / root_E_[P1[j]];
+  }
+};
 
 TypeInfo DenseSolver::info() {
   return {"dense",
@@ -153,67 +207,6 @@ TypeInfo DenseSolver::info() {
           {}};
 }
 std::unique_ptr<LinearSolver> DenseSolver::make(const Params&) { return std::make_unique<DenseSolver>(); }
-
-DenseFactorization::DenseFactorization(const KktPattern& pattern) {
-  const int n = pattern.n, m = pattern.m, k = std::min(n, m);
-  L_.assign(pattern.size_M, 0.0);
-  Bt_.setZero(n, m);
-  Rt_.setZero(m, k);
-  outer_ = Qr(n, m);
-  inner_ = Qr(m, k);
-  outer_.setThreshold(kRankTolerance);
-  for (VecX* v : {&y_, &da_, &a_before_}) v->setZero(n);
-  for (VecX* v : {&root_E_, &square_, &z_, &t_, &dl_, &l_before_}) v->setZero(m);
-  rule_.analyse(pattern);
-  watch_.begin(m);
-}
-
-void DenseFactorization::compute(const Kkt& kkt) {
-  std::copy_n(kkt.M.begin(), kkt.pattern.size_M, L_.begin());
-  for (std::size_t slot = 0; slot < kkt.pattern.width.size(); ++slot)
-    if (!cholesky(&L_[kkt.pattern.M[slot]], kkt.pattern.width[slot]))
-      throw SolveError(
-          fmt::format("solver dense: the mass matrix of rigid group {} is not positive definite; give its body a mass "
-                      "and an inertia above zero",
-                      slot));
-  rank_ = 0;
-  if (Rt_.cols() == 0) return;
-  fill_B(kkt);
-  outer_.compute(Bt_);
-  rank_ = static_cast<int>(outer_.rank());
-  measure_pivots(kkt.redundant);
-  Rt_.setZero();
-  for (int i = 0; i < rank_; ++i)
-    for (Eigen::Index j = i; j < Rt_.rows(); ++j) Rt_(j, i) = outer_.matrixQR()(i, j);
-  inner_.compute(Rt_);
-}
-
-SolveReport DenseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
-  a.resize(kkt.pattern.n);
-  lambda.resize(kkt.pattern.m);
-  SolveReport report;
-  rule_.start(kkt, f, c);
-  solve_once(kkt, f, c, a, lambda);
-  bool met = rule_.met(kkt, f, c, a, lambda);
-  while (!met && report.corrections < kMaxRefinements) {
-    const double before = rule_.largest();
-    a_before_ = a, l_before_ = lambda;
-    solve_once(kkt, rule_.force_residual(), rule_.row_residual(), da_, dl_);
-    a += da_, lambda += dl_;
-    ++report.corrections;
-    met = rule_.met(kkt, f, c, a, lambda);
-    if (rule_.largest() <= before) continue;
-    a = a_before_, lambda = l_before_;  // only rounding: keep the previous solution
-    rule_.met(kkt, f, c, a, lambda);
-    break;
-  }
-  report.residual = rule_.largest();
-  report.worst_row = rule_.worst_row();
-  report.rank = rank_;
-  watch_.report(report);
-  report.contradictory = rank_ < kkt.pattern.m && watch_.contradictory(rule_.largest(), 0);
-  return report;
-}
 
 std::unique_ptr<Factorization> DenseSolver::analyse(const KktPattern& pattern) const {
   return std::make_unique<DenseFactorization>(pattern);

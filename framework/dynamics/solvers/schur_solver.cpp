@@ -34,26 +34,220 @@ LOCKSTEP_INLINE double slot_mass_times(const double* B, const double* v, double*
 class SchurFactorization final : public Factorization {
  public:
   explicit SchurFactorization(const KktPattern&);
-  void compute(const Kkt&) override;
-  SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
-  void complete(SolveReport&) override;
+
+  void compute(const Kkt& kkt) override {
+    if (!masses_known_) read_masses(kkt);
+    rows_ = kkt.pattern.rows;
+    redundant_ = plan_.tree ? 0 : kkt.redundant;
+    revision_ = rows_->revision();
+    z_.rows = rows_->data();
+    schur::fill(plan_, z_);
+    schur::factor(plan_, z_);
+  }
+
+  SolveReport solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override {
+    z_.rows = kkt.pattern.rows->data();
+    start(f, c);
+    SolveReport report = solve_with(kkt);
+    unload(a, lambda);
+    return report;
+  }
+
+  /// Adds the residual of the last solution, and the pivots.
+  void complete(SolveReport& report) override {
+    find_worst();
+    report.residual = worst_;
+    report.worst_row = worst_row_;
+    see_pivots();
+    watch_.report(report);
+  }
 
  private:
-  void read_masses(const Kkt&);
-  void see_pivots();
+  void read_masses(const Kkt& kkt) {
+    const int stride = plane_ ? schur::Planar::mass : schur::Spatial::mass;
+    double lightest = HUGE_VAL, heaviest = 0;
+    for (int k = 0; k < plan_.n_slots; ++k) {
+      const SlotMass& slot = kkt.masses[k];
+      lightest = std::min(lightest, slot.m), heaviest = std::max(heaviest, slot.m);
+      BodyMass(slot.m, slot.J, slot.particle, plane_).write_packed(&mass_[stride * k], &inverse_[stride * k]);
+    }
+    for (const int h : plan_.hubs) {  // a hub that is a particle: an inertia so large that it does not turn
+      double* M = &mass_[stride * plan_.nodes[h].hub_slot];
+      for (int i = 0; i < (plane_ ? 1 : 3); ++i)
+        if (double& J = M[schur::Spatial::I[i][i]]; J == 0) J = 1e30 * M[0];
+    }
+    gradients_.set(z_.eps, lightest / heaviest);
+    masses_known_ = true;
+  }
+
+  void see_pivots() {
+    const auto each = [&](auto&& row) {
+      for (const Row& r : order_) row(1.0 / p_[r.at], diagonal_[r.at], r.kind);
+    };
+    watch_.see(redundant_, each, [&] { return plan_.tree ? std::array<double, 3>{} : pivot_floors(); });
+  }
+
+  // a_f = M^-1 f
   template <class X>
-  void free_motion(const VecX& f);
-  void start(const VecX& f, const VecX& c);
-  SolveReport solve_with(const Kkt&);
-  void correct();
+  void free_motion(const VecX& f) {
+    energy_f_ = 0;
+    for (int s = 0; s < plan_.n_slots; ++s) {
+      double F[X::n];
+      for (int i = 0; i < X::n; ++i) F[i] = f[6 * s + (X::n == 6 ? i : velocity_[i])];
+      energy_f_ = std::max(energy_f_, slot_mass_times<X>(&inverse_[X::mass * s], F, &a_[X::a * s]));
+    }
+  }
+
+  void start(const VecX& f, const VecX& c) {
+    std::copy(c.data(), c.data() + c.size(), given_.data());
+    plane_ ? free_motion<schur::Planar>(f) : free_motion<schur::Spatial>(f);
+    schur::start(plan_, given_.data(), z_);
+    for (const int h : plan_.hubs) {
+      const schur::Node& node = plan_.nodes[h];
+      for (int i = 0; i < node.m; ++i) x_[node.x + i] = -f[6 * node.hub_slot + velocity_[i]];
+    }
+    largest_ = largest_of(scale_);
+    for (std::size_t k = 0; k < 3; ++k) floors_[k] = residual_floor(largest_[k]);
+  }
+
+  SolveReport solve_with(const Kkt& kkt) {
+    SolveReport report;
+    schur::solve(plan_, z_);
+    schur::apply(plan_, x_.data(), z_);
+    lambda_ = x_;
+    if (z_.eps > 0) {  // the plain solution leaves r = E lambda: no need to measure it
+      for (std::size_t i = 0; i < plan_.size_x; ++i) x_[i] = E_[i] * lambda_[i];
+      correct();
+      ++report.corrections;
+    }
+    // the rows have changed since the factor: the caller iterates
+    if (kkt.pattern.rows != rows_ || rows_->revision() != revision_) return report;
+
+    bool raised = false;
+    const auto measure = [&] { schur::residual(plan_, z_); };
+    const auto within = [&] { return schur::rows_met(plan_, kRowTolerance, z_); };
+    const auto raise = [&] {
+      if (raised) return false;
+      plane_ ? raise_floors<schur::Planar>() : raise_floors<schur::Spatial>();
+      return raised = true;
+    };
+    const auto corrected = [&] {
+      find_worst(), before_ = worst_;
+      std::copy(r_.begin(), r_.end(), x_.begin());
+      for (const int h : plan_.hubs) std::fill_n(&x_[plan_.nodes[h].x], plan_.nodes[h].m, 0.0);
+      correct();
+    };
+    const bool met = refine(report.corrections, measure, within, raise, corrected);
+    if (met) return report;
+    find_worst();
+    if (gradients_.needed() || worst_ < kFalling * before_) {
+      if (conjugate(report.corrections, measure)) return report;
+      before_ = gradients_.refused() ? 0 : HUGE_VAL;  // what is left stays, or was not solved for to the end
+    }
+    find_worst();
+    report.residual = worst_;
+    report.worst_row = worst_row_;
+    see_pivots();
+    report.contradictory = watch_.contradictory(worst_, before_);
+    return report;
+  }
+
+  // lambda += (S + E)^-1 x
+  void correct() {
+    schur::solve(plan_, z_);
+    schur::apply(plan_, x_.data(), z_);
+    for (std::size_t i = 0; i < plan_.size_x; ++i) lambda_[i] += x_[i];
+  }
+
   template <class Measure>
-  bool conjugate(int& corrections, Measure&& measure);
+  bool conjugate(int& corrections, Measure&& measure) {
+    const auto spread = [&](const VecX& v, double factor) {
+      std::ranges::fill(x_, 0.0);
+      for (std::size_t k = 0; k < order_.size(); ++k) x_[order_[k].at] = factor * v[static_cast<Eigen::Index>(k)];
+    };
+    const auto gather = [&](const Aligned<double>& from, VecX& v) {
+      for (std::size_t k = 0; k < order_.size(); ++k) v[static_cast<Eigen::Index>(k)] = from[order_[k].at];
+    };
+    const auto solve = [&](const VecX& r, VecX& z) {
+      spread(r, 1.0);
+      schur::solve(plan_, z_);
+      gather(x_, z);
+    };
+    const auto step = [&](const VecX& p, double length) {
+      spread(p, length);
+      schur::apply(plan_, x_.data(), z_);
+      for (const Row& r : order_) lambda_[r.at] += x_[r.at];
+      measure();
+    };
+    const auto worst = [&] { return find_worst(), worst_ / kRowTolerance; };
+    return gradients_.iterate(
+        corrections, [&](VecX& r) { gather(r_, r); }, solve, step, worst);
+  }
+
   template <class X>
-  void raise_floors();
-  std::array<double, 3> pivot_floors() const;
-  std::array<double, 3> largest_of(const Aligned<double>& values) const;
-  void find_worst();
-  void unload(VecX& a_out, VecX& lambda_out) const;
+  void raise_floors() {
+    double energy = 0, force[X::n];
+    for (int s = 0; s < plan_.n_slots; ++s)
+      energy = std::max(energy, slot_mass_times<X>(&mass_[X::mass * s], &a_[X::a * s], force));
+    const std::array<double, 3> S = largest_of(diagonal_);
+    for (std::size_t k = 0; k < 3; ++k) floors_[k] = residual_floor(largest_[k], S[k], energy_f_ + energy);
+  }
+
+  /// What E leaves of the pivots of rows, were they redundant, by kind.
+  std::array<double, 3> pivot_floors() const {
+    PivotFloors floors;
+    for (const Row& r : order_) floors.add(static_cast<RowKind>(r.kind), E_[r.at]);
+    const int nv = plane_ ? 2 : 3, nw = plane_ ? 1 : 3;
+    for (const schur::Node& node : plan_.nodes)
+      for (const schur::Side& side : plan_.sides_of(node))
+        for (int k = 0; k < node.m; ++k) {
+          if (node.kinds.of(k) != RowKind::translation) continue;
+          const double* arm = z_.rows + side.J + (side.turned ? 0 : nv) * node.ld() + k;
+          double arm2 = 0;
+          for (int c = 0; c < nw; ++c) arm2 += arm[c * node.ld()] * arm[c * node.ld()];
+          floors.arm2 = std::max(floors.arm2, arm2);
+        }
+    return floors.by_kind();
+  }
+
+  /// The largest value of the rows of each kind.
+  std::array<double, 3> largest_of(const Aligned<double>& values) const {
+    std::array<double, 3> largest{};
+    for (const Row& r : order_) largest[r.kind] = std::max(largest[r.kind], values[r.at]);
+    return largest;
+  }
+
+  void find_worst() {
+    worst_ = 0, worst_row_ = -1;
+    for (const Row& row : order_) {
+      const double r = std::abs(r_[row.at]), q = r == 0 ? 0.0 : r / std::max(scale_[row.at], floors_[row.kind]);
+      if (worst_row_ >= 0 && (q <= worst_ || std::isnan(worst_))) continue;
+      worst_ = q, worst_row_ = row.row;
+    }
+  }
+
+  void unload(VecX& a_out, VecX& lambda_out) const {
+    a_out.resize(6 * plan_.n_slots);
+    if (plane_) {
+      a_out.setZero();
+      for (int s = 0; s < plan_.n_slots; ++s)
+        for (int i = 0; i < 3; ++i) a_out[6 * s + velocity_[i]] = a_[schur::Planar::a * s + i];
+    } else {
+      std::copy_n(a_.begin(), a_out.size(), a_out.begin());
+    }
+    lambda_out.resize(plan_.n_rows);
+    for (const schur::Node& node : plan_.nodes) {
+      if (node.link < 0) continue;
+      const double* l = lambda_.data() + node.x;
+      double* out = lambda_out.data() + node.first_row;
+      for (int k = 0; k < node.m; ++k) out[k] = l[k];
+      for (int k = 0; k < node.n_turned; ++k) {  // back into the link's axes
+        const double* R = z_.rows + node.R + k * node.ld();
+        out[k] = R[0] * l[0] + R[1] * l[1];
+        if (node.n_turned == 3) out[k] += R[2] * l[2];
+      }
+    }
+  }
 
   struct Row {
     int row;               // number in the table
@@ -76,11 +270,6 @@ class SchurFactorization final : public Factorization {
   double worst_ = 0, before_ = 0;  // relative residual, and that before the last correction
   int worst_row_ = -1;
 };
-
-TypeInfo SchurSolver::info() {
-  return {"schur", "Schur complement on the graph of the joints: any topology and size, the default", {}};
-}
-std::unique_ptr<LinearSolver> SchurSolver::make(const Params&) { return std::make_unique<SchurSolver>(); }
 
 SchurFactorization::SchurFactorization(const KktPattern& pattern)
     : plan_(schur::make_plan(*pattern.rows, pattern.n_slots(), bool(pattern.plane))),
@@ -109,218 +298,10 @@ SchurFactorization::SchurFactorization(const KktPattern& pattern)
   gradients_.size(pattern.m);
 }
 
-void SchurFactorization::read_masses(const Kkt& kkt) {
-  const int stride = plane_ ? schur::Planar::mass : schur::Spatial::mass;
-  double lightest = HUGE_VAL, heaviest = 0;
-  for (int k = 0; k < plan_.n_slots; ++k) {
-    const SlotMass& slot = kkt.masses[k];
-    lightest = std::min(lightest, slot.m), heaviest = std::max(heaviest, slot.m);
-    BodyMass(slot.m, slot.J, slot.particle, plane_).write_packed(&mass_[stride * k], &inverse_[stride * k]);
-  }
-  for (const int h : plan_.hubs) {  // a hub that is a particle: an inertia so large that it does not turn
-    double* M = &mass_[stride * plan_.nodes[h].hub_slot];
-    for (int i = 0; i < (plane_ ? 1 : 3); ++i)
-      if (double& J = M[schur::Spatial::I[i][i]]; J == 0) J = 1e30 * M[0];
-  }
-  gradients_.set(z_.eps, lightest / heaviest);
-  masses_known_ = true;
+TypeInfo SchurSolver::info() {
+  return {"schur", "Schur complement on the graph of the joints: any topology and size, the default", {}};
 }
-
-void SchurFactorization::compute(const Kkt& kkt) {
-  if (!masses_known_) read_masses(kkt);
-  rows_ = kkt.pattern.rows;
-  redundant_ = plan_.tree ? 0 : kkt.redundant;
-  revision_ = rows_->revision();
-  z_.rows = rows_->data();
-  schur::fill(plan_, z_);
-  schur::factor(plan_, z_);
-}
-
-void SchurFactorization::see_pivots() {
-  const auto each = [&](auto&& row) {
-    for (const Row& r : order_) row(1.0 / p_[r.at], diagonal_[r.at], r.kind);
-  };
-  watch_.see(redundant_, each, [&] { return plan_.tree ? std::array<double, 3>{} : pivot_floors(); });
-}
-
-/// What E leaves of the pivots of rows, were they redundant, by kind.
-std::array<double, 3> SchurFactorization::pivot_floors() const {
-  PivotFloors floors;
-  for (const Row& r : order_) floors.add(static_cast<RowKind>(r.kind), E_[r.at]);
-  const int nv = plane_ ? 2 : 3, nw = plane_ ? 1 : 3;
-  for (const schur::Node& node : plan_.nodes)
-    for (const schur::Side& side : plan_.sides_of(node))
-      for (int k = 0; k < node.m; ++k) {
-        if (node.kinds.of(k) != RowKind::translation) continue;
-        const double* arm = z_.rows + side.J + (side.turned ? 0 : nv) * node.ld() + k;
-        double arm2 = 0;
-        for (int c = 0; c < nw; ++c) arm2 += arm[c * node.ld()] * arm[c * node.ld()];
-        floors.arm2 = std::max(floors.arm2, arm2);
-      }
-  return floors.by_kind();
-}
-
-/// Adds the residual of the last solution, and the pivots.
-void SchurFactorization::complete(SolveReport& report) {
-  find_worst();
-  report.residual = worst_;
-  report.worst_row = worst_row_;
-  see_pivots();
-  watch_.report(report);
-}
-
-// a_f = M^-1 f
-template <class X>
-void SchurFactorization::free_motion(const VecX& f) {
-  energy_f_ = 0;
-  for (int s = 0; s < plan_.n_slots; ++s) {
-    double F[X::n];
-    for (int i = 0; i < X::n; ++i) F[i] = f[6 * s + (X::n == 6 ? i : velocity_[i])];
-    energy_f_ = std::max(energy_f_, slot_mass_times<X>(&inverse_[X::mass * s], F, &a_[X::a * s]));
-  }
-}
-
-void SchurFactorization::find_worst() {
-  worst_ = 0, worst_row_ = -1;
-  for (const Row& row : order_) {
-    const double r = std::abs(r_[row.at]), q = r == 0 ? 0.0 : r / std::max(scale_[row.at], floors_[row.kind]);
-    if (worst_row_ >= 0 && (q <= worst_ || std::isnan(worst_))) continue;
-    worst_ = q, worst_row_ = row.row;
-  }
-}
-
-/// The largest value of the rows of each kind.
-std::array<double, 3> SchurFactorization::largest_of(const Aligned<double>& values) const {
-  std::array<double, 3> largest{};
-  for (const Row& r : order_) largest[r.kind] = std::max(largest[r.kind], values[r.at]);
-  return largest;
-}
-
-template <class X>
-void SchurFactorization::raise_floors() {
-  double energy = 0, force[X::n];
-  for (int s = 0; s < plan_.n_slots; ++s)
-    energy = std::max(energy, slot_mass_times<X>(&mass_[X::mass * s], &a_[X::a * s], force));
-  const std::array<double, 3> S = largest_of(diagonal_);
-  for (std::size_t k = 0; k < 3; ++k) floors_[k] = residual_floor(largest_[k], S[k], energy_f_ + energy);
-}
-
-void SchurFactorization::unload(VecX& a_out, VecX& lambda_out) const {
-  a_out.resize(6 * plan_.n_slots);
-  if (plane_) {
-    a_out.setZero();
-    for (int s = 0; s < plan_.n_slots; ++s)
-      for (int i = 0; i < 3; ++i) a_out[6 * s + velocity_[i]] = a_[schur::Planar::a * s + i];
-  } else {
-    std::copy_n(a_.begin(), a_out.size(), a_out.begin());
-  }
-  lambda_out.resize(plan_.n_rows);
-  for (const schur::Node& node : plan_.nodes) {
-    if (node.link < 0) continue;
-    const double* l = lambda_.data() + node.x;
-    double* out = lambda_out.data() + node.first_row;
-    for (int k = 0; k < node.m; ++k) out[k] = l[k];
-    for (int k = 0; k < node.n_turned; ++k) {  // back into the link's axes
-      const double* R = z_.rows + node.R + k * node.ld();
-      out[k] = R[0] * l[0] + R[1] * l[1];
-      if (node.n_turned == 3) out[k] += R[2] * l[2];
-    }
-  }
-}
-
-void SchurFactorization::start(const VecX& f, const VecX& c) {
-  std::copy(c.data(), c.data() + c.size(), given_.data());
-  plane_ ? free_motion<schur::Planar>(f) : free_motion<schur::Spatial>(f);
-  schur::start(plan_, given_.data(), z_);
-  for (const int h : plan_.hubs) {
-    const schur::Node& node = plan_.nodes[h];
-    for (int i = 0; i < node.m; ++i) x_[node.x + i] = -f[6 * node.hub_slot + velocity_[i]];
-  }
-  largest_ = largest_of(scale_);
-  for (std::size_t k = 0; k < 3; ++k) floors_[k] = residual_floor(largest_[k]);
-}
-
-// lambda += (S + E)^-1 x
-void SchurFactorization::correct() {
-  schur::solve(plan_, z_);
-  schur::apply(plan_, x_.data(), z_);
-  for (std::size_t i = 0; i < plan_.size_x; ++i) lambda_[i] += x_[i];
-}
-
-template <class Measure>
-bool SchurFactorization::conjugate(int& corrections, Measure&& measure) {
-  const auto spread = [&](const VecX& v, double factor) {
-    std::ranges::fill(x_, 0.0);
-    for (std::size_t k = 0; k < order_.size(); ++k) x_[order_[k].at] = factor * v[static_cast<Eigen::Index>(k)];
-  };
-  const auto gather = [&](const Aligned<double>& from, VecX& v) {
-    for (std::size_t k = 0; k < order_.size(); ++k) v[static_cast<Eigen::Index>(k)] = from[order_[k].at];
-  };
-  const auto solve = [&](const VecX& r, VecX& z) {
-    spread(r, 1.0);
-    schur::solve(plan_, z_);
-    gather(x_, z);
-  };
-  const auto step = [&](const VecX& p, double length) {
-    spread(p, length);
-    schur::apply(plan_, x_.data(), z_);
-    for (const Row& r : order_) lambda_[r.at] += x_[r.at];
-    measure();
-  };
-  const auto worst = [&] { return find_worst(), worst_ / kRowTolerance; };
-  return gradients_.iterate(
-      corrections, [&](VecX& r) { gather(r_, r); }, solve, step, worst);
-}
-
-SolveReport SchurFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
-  z_.rows = kkt.pattern.rows->data();
-  start(f, c);
-  SolveReport report = solve_with(kkt);
-  unload(a, lambda);
-  return report;
-}
-
-SolveReport SchurFactorization::solve_with(const Kkt& kkt) {
-  SolveReport report;
-  schur::solve(plan_, z_);
-  schur::apply(plan_, x_.data(), z_);
-  lambda_ = x_;
-  if (z_.eps > 0) {  // the plain solution leaves r = E lambda: no need to measure it
-    for (std::size_t i = 0; i < plan_.size_x; ++i) x_[i] = E_[i] * lambda_[i];
-    correct();
-    ++report.corrections;
-  }
-  // the rows have changed since the factor: the caller iterates
-  if (kkt.pattern.rows != rows_ || rows_->revision() != revision_) return report;
-
-  bool raised = false;
-  const auto measure = [&] { schur::residual(plan_, z_); };
-  const auto within = [&] { return schur::rows_met(plan_, kRowTolerance, z_); };
-  const auto raise = [&] {
-    if (raised) return false;
-    plane_ ? raise_floors<schur::Planar>() : raise_floors<schur::Spatial>();
-    return raised = true;
-  };
-  const auto corrected = [&] {
-    find_worst(), before_ = worst_;
-    std::copy(r_.begin(), r_.end(), x_.begin());
-    for (const int h : plan_.hubs) std::fill_n(&x_[plan_.nodes[h].x], plan_.nodes[h].m, 0.0);
-    correct();
-  };
-  const bool met = refine(report.corrections, measure, within, raise, corrected);
-  if (met) return report;
-  find_worst();
-  if (gradients_.needed() || worst_ < kFalling * before_) {
-    if (conjugate(report.corrections, measure)) return report;
-    before_ = gradients_.refused() ? 0 : HUGE_VAL;  // what is left stays, or was not solved for to the end
-  }
-  find_worst();
-  report.residual = worst_;
-  report.worst_row = worst_row_;
-  see_pivots();
-  report.contradictory = watch_.contradictory(worst_, before_);
-  return report;
-}
+std::unique_ptr<LinearSolver> SchurSolver::make(const Params&) { return std::make_unique<SchurSolver>(); }
 
 std::unique_ptr<Factorization> SchurSolver::analyse(const KktPattern& pattern) const {
   return std::make_unique<SchurFactorization>(pattern);

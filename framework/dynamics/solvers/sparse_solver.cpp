@@ -55,9 +55,43 @@ void for_each_number(const KktPattern& pattern, const std::vector<int>& place, V
 
 class SparseFactorization final : public Factorization {
  public:
-  explicit SparseFactorization(const KktPattern&);
-  void compute(const Kkt&) override;
-  SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
+  explicit SparseFactorization(const KktPattern& pattern) : place_(places_of_rows(pattern)) {
+    shape(pattern);
+    ldlt_.analyzePattern(matrix_);
+    for (VecX* v : {&rhs_, &solution_}) v->setZero(pattern.n + pattern.m);
+    rule_.analyse(pattern, kProximalOfMatrix);
+    watch_.begin(pattern.m);
+  }
+
+  void compute(const Kkt& kkt) override {
+    double* K = matrix_.valuePtr();
+    const Eigen::Index* at = positions_.data();
+    for_each_mass(kkt.pattern, [&](int, int width, std::size_t block) {
+      for (int i = 0; i < width; ++i)
+        for (int k = i; k < width; ++k) K[*at++] = kkt.M[block + i * width + k];
+    });
+    for_each_jacobian(kkt.pattern, [&](const KktLink& link, int, int width, std::size_t block) {
+      for (int i = 0; i < link.m * width; ++i) K[*at++] = kkt.J[block + i];
+    });
+    for (int j = 0; j < kkt.pattern.m; ++j) K[*at++] = -kProximalOfMatrix * kkt.E[j];
+    ldlt_.factorize(matrix_);
+    if (ldlt_.info() != Eigen::Success)
+      throw SolveError("solver sparse: a pivot is zero; give every body a mass and an inertia above zero");
+    const VecX D = ldlt_.vectorD();
+    rule_.show_pivots(kkt, watch_, [&](int j) { return -D[place_[j]]; });
+  }
+
+  SolveReport solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override {
+    const int n = kkt.pattern.n, m = kkt.pattern.m;
+    return rule_.iterate(kkt, f, c, a, lambda, watch_, [&](const VecX& r_f, const VecX& r_c, VecX& da, VecX& dl) {
+      rhs_.head(n) = r_f;
+      for (int j = 0; j < m; ++j) rhs_[place_[j]] = r_c[j];
+      solution_ = ldlt_.solve(rhs_);
+      da = solution_.head(n);
+      for (int j = 0; j < m; ++j) dl[j] = solution_[place_[j]];
+    });
+  }
+
   void complete(SolveReport& report) override { watch_.report(report); }
 
  private:
@@ -69,68 +103,28 @@ class SparseFactorization final : public Factorization {
   StopRule rule_;
   PivotWatch watch_;
 
-  void shape(const KktPattern&);
-  Eigen::Index position(int row, int column) const;
+  void shape(const KktPattern& pattern) {
+    std::vector<Triplet> numbers;
+    for_each_number(pattern, place_, [&](int row, int column) { numbers.emplace_back(row, column, 1.0); });
+    matrix_.resize(pattern.n + pattern.m, pattern.n + pattern.m);
+    matrix_.setFromTriplets(numbers.begin(), numbers.end());
+    matrix_.makeCompressed();
+    positions_.clear();
+    for_each_number(pattern, place_, [&](int row, int column) { positions_.push_back(position(row, column)); });
+  }
+
+  // The index of K(row, column) among K's values.
+  Eigen::Index position(int row, int column) const {
+    const int* begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column];
+    const int* end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column + 1];
+    return std::lower_bound(begin, end, row) - matrix_.innerIndexPtr();
+  }
 };
-
-void SparseFactorization::shape(const KktPattern& pattern) {
-  std::vector<Triplet> numbers;
-  for_each_number(pattern, place_, [&](int row, int column) { numbers.emplace_back(row, column, 1.0); });
-  matrix_.resize(pattern.n + pattern.m, pattern.n + pattern.m);
-  matrix_.setFromTriplets(numbers.begin(), numbers.end());
-  matrix_.makeCompressed();
-  positions_.clear();
-  for_each_number(pattern, place_, [&](int row, int column) { positions_.push_back(position(row, column)); });
-}
-
-// The index of K(row, column) among K's values.
-Eigen::Index SparseFactorization::position(int row, int column) const {
-  const int* begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column];
-  const int* end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column + 1];
-  return std::lower_bound(begin, end, row) - matrix_.innerIndexPtr();
-}
 
 TypeInfo SparseSolver::info() {
   return {"sparse", "sparse LDL^T with proximal corrections: any topology, handles redundant constraints", {}};
 }
 std::unique_ptr<LinearSolver> SparseSolver::make(const Params&) { return std::make_unique<SparseSolver>(); }
-
-SparseFactorization::SparseFactorization(const KktPattern& pattern) : place_(places_of_rows(pattern)) {
-  shape(pattern);
-  ldlt_.analyzePattern(matrix_);
-  for (VecX* v : {&rhs_, &solution_}) v->setZero(pattern.n + pattern.m);
-  rule_.analyse(pattern, kProximalOfMatrix);
-  watch_.begin(pattern.m);
-}
-
-void SparseFactorization::compute(const Kkt& kkt) {
-  double* K = matrix_.valuePtr();
-  const Eigen::Index* at = positions_.data();
-  for_each_mass(kkt.pattern, [&](int, int width, std::size_t block) {
-    for (int i = 0; i < width; ++i)
-      for (int k = i; k < width; ++k) K[*at++] = kkt.M[block + i * width + k];
-  });
-  for_each_jacobian(kkt.pattern, [&](const KktLink& link, int, int width, std::size_t block) {
-    for (int i = 0; i < link.m * width; ++i) K[*at++] = kkt.J[block + i];
-  });
-  for (int j = 0; j < kkt.pattern.m; ++j) K[*at++] = -kProximalOfMatrix * kkt.E[j];
-  ldlt_.factorize(matrix_);
-  if (ldlt_.info() != Eigen::Success)
-    throw SolveError("solver sparse: a pivot is zero; give every body a mass and an inertia above zero");
-  const VecX D = ldlt_.vectorD();
-  rule_.show_pivots(kkt, watch_, [&](int j) { return -D[place_[j]]; });
-}
-
-SolveReport SparseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
-  const int n = kkt.pattern.n, m = kkt.pattern.m;
-  return rule_.iterate(kkt, f, c, a, lambda, watch_, [&](const VecX& r_f, const VecX& r_c, VecX& da, VecX& dl) {
-    rhs_.head(n) = r_f;
-    for (int j = 0; j < m; ++j) rhs_[place_[j]] = r_c[j];
-    solution_ = ldlt_.solve(rhs_);
-    da = solution_.head(n);
-    for (int j = 0; j < m; ++j) dl[j] = solution_[place_[j]];
-  });
-}
 
 std::unique_ptr<Factorization> SparseSolver::analyse(const KktPattern& pattern) const {
   return std::make_unique<SparseFactorization>(pattern);

@@ -25,14 +25,64 @@ class LoopClosures final : public ClosureRows {
   using Twist = typename Space::Twist;
 
   /// Sizes everything for this tree and the rows of its closures.
-  void begin(const JointTree&, const System&, ClosureFronts);
+  void begin(const JointTree& tree, const System& system, ClosureFronts fronts) {
+    const auto mass = [&](const TreeNode& n) { return system.slot(n.slot).mass; };
+    const auto [lightest, heaviest] = std::ranges::minmax_element(tree.nodes(), {}, mass);
+    ClosureRows::begin(std::move(fronts), system.length(), mass(*heaviest) / mass(*lightest));
+    K_.assign(fronts_.rows.size(), {}), J_.assign(fronts_.sides.size(), {});
+    wrenches_.assign(fronts_.n_nodes, {}), changes_.assign(fronts_.n_nodes, {});
+    du_.setZero(tree.n_v());
+  }
 
   /// Reads the rows, gathered at these motions; their right-hand sides c are Qhat. After the outward pass.
   template <class Slots>
-  void read(const Slots&, std::span<const Motion> motions, const RowTable&);
+  LOCKSTEP_INLINE void read(const Slots& slots, std::span<const Motion> motions, const RowTable& table) {
+    OpenRows<Space> open = rows();
+    open.clear();
+    diagonal_.setZero();
+    double arm2 = 0;
+    for (const RowEntry& e : table.entries) {
+      const RowView block = table.block(e);
+      for (int k = 0; k < e.m; ++k) {
+        const int row = e.first_row + k;
+        c_[row] = block.Qhat(k);
+        const ClosureSource& source = fronts_.sources[row];
+        double l = -c_[row];
+        for (int i = 0; i < source.n_sides; ++i) {
+          const auto at = static_cast<std::size_t>(source.first_side + i);
+          const ClosureSide& side = fronts_.sides[at];
+          const auto node = static_cast<std::size_t>(side.node);
+          const Motion& motion = motions[e.slots[i] + 1];
+          Wrench& J = J_[at];
+          J = slots.read_side(block, i, k, node, motion, diagonal_[row]);
+          if (source.kind == RowKind::translation) arm2 = std::max(arm2, squares(J).second);
+          Wrench K = J;
+          l += slots.move_to_joint(node, K);
+          K_[side.place] += K;
+        }
+        open.l_of(static_cast<std::size_t>(row)) = l;
+      }
+    }
+    measure_scales(table, arm2);
+  }
+
   /// After the recursion, or a correction: measures J a - c, and returns whether it is small enough.
   template <class Slots>
-  bool met(const Slots&, bool corrected);
+  LOCKSTEP_INLINE bool met(const Slots& slots, bool corrected) {
+    for (const bool raised : {false, true}) {
+      for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {
+        const ClosureSource& source = fronts_.sources[j];
+        const auto row = static_cast<Eigen::Index>(j);
+        const auto side = [&](std::size_t at, auto&& take) __attribute__((always_inline)) {
+          take(J_[at], slots.centre(static_cast<std::size_t>(fronts_.sides[at].node)));
+        };
+        measure_row(source, raised, c_[row], r_[row], size_[row], side);
+      }
+      if (is_met(corrected)) return true;
+    }
+    return false;
+  }
+
   const VecX& measured() const { return r_; }     ///< the residuals that met() has measured
   void add_correction() { lambda_ += dlambda_; }  ///< of them, as found last
   /// What the last correction changes, by node.
@@ -51,65 +101,5 @@ class LoopClosures final : public ClosureRows {
       wrenches_;                // of a correction, by node
   std::vector<Twist> changes_;  // likewise
 };
-
-template <class Space>
-void LoopClosures<Space>::begin(const JointTree& tree, const System& system, ClosureFronts fronts) {
-  const auto mass = [&](const TreeNode& n) { return system.slot(n.slot).mass; };
-  const auto [lightest, heaviest] = std::ranges::minmax_element(tree.nodes(), {}, mass);
-  ClosureRows::begin(std::move(fronts), system.length(), mass(*heaviest) / mass(*lightest));
-  K_.assign(fronts_.rows.size(), {}), J_.assign(fronts_.sides.size(), {});
-  wrenches_.assign(fronts_.n_nodes, {}), changes_.assign(fronts_.n_nodes, {});
-  du_.setZero(tree.n_v());
-}
-
-template <class Space>
-template <class Slots>
-LOCKSTEP_INLINE void LoopClosures<Space>::read(const Slots& slots, std::span<const Motion> motions,
-                                               const RowTable& table) {
-  OpenRows<Space> open = rows();
-  open.clear();
-  diagonal_.setZero();
-  double arm2 = 0;
-  for (const RowEntry& e : table.entries) {
-    const RowView block = table.block(e);
-    for (int k = 0; k < e.m; ++k) {
-      const int row = e.first_row + k;
-      c_[row] = block.Qhat(k);
-      const ClosureSource& source = fronts_.sources[row];
-      double l = -c_[row];
-      for (int i = 0; i < source.n_sides; ++i) {
-        const auto at = static_cast<std::size_t>(source.first_side + i);
-        const ClosureSide& side = fronts_.sides[at];
-        const auto node = static_cast<std::size_t>(side.node);
-        const Motion& motion = motions[e.slots[i] + 1];
-        Wrench& J = J_[at];
-        J = slots.read_side(block, i, k, node, motion, diagonal_[row]);
-        if (source.kind == RowKind::translation) arm2 = std::max(arm2, squares(J).second);
-        Wrench K = J;
-        l += slots.move_to_joint(node, K);
-        K_[side.place] += K;
-      }
-      open.l_of(static_cast<std::size_t>(row)) = l;
-    }
-  }
-  measure_scales(table, arm2);
-}
-
-template <class Space>
-template <class Slots>
-LOCKSTEP_INLINE bool LoopClosures<Space>::met(const Slots& slots, bool corrected) {
-  for (const bool raised : {false, true}) {
-    for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {
-      const ClosureSource& source = fronts_.sources[j];
-      const auto row = static_cast<Eigen::Index>(j);
-      const auto side = [&](std::size_t at, auto&& take) __attribute__((always_inline)) {
-        take(J_[at], slots.centre(static_cast<std::size_t>(fronts_.sides[at].node)));
-      };
-      measure_row(source, raised, c_[row], r_[row], size_[row], side);
-    }
-    if (is_met(corrected)) return true;
-  }
-  return false;
-}
 
 }  // namespace lockstep

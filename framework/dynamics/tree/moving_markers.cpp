@@ -74,12 +74,10 @@ MovedCoordinates read_moving(const TreeNode& n, double t, const VecX& s, const M
   far.move(carrying(now.far), {}, 1), far.turn(carrying(now.far), {});
   const Frame<false>&P = n.reversed ? near : far, &S = n.reversed ? far : near;
   const Vec3 d = P.x - S.x;
-  MovedCoordinates c;
-  c.rho = S.A.transpose() * d;
-  c.rhod = S.A.transpose() * (P.v - S.v - cross(S.w, d));
-  c.r = conjugate(now.D.q) * (conjugate(S.e) * P.e);
-  c.w = P.A.transpose() * (P.w - S.w - S.A * (now.D.A * now.D.w));
-  return c;
+  return {.rho = S.A.transpose() * d,
+          .rhod = S.A.transpose() * (P.v - S.v - cross(S.w, d)),
+          .w = P.A.transpose() * (P.w - S.w - S.A * (now.D.A * now.D.w)),
+          .r = conjugate(now.D.q) * (conjugate(S.e) * P.e)};
 }
 
 }  // namespace lockstep

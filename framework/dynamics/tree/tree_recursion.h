@@ -2,6 +2,8 @@
 // TreeRecursion: accelerations of a tree, with the rows that close its loops, by articulated inertias.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <span>
 #include <vector>
@@ -10,9 +12,17 @@
 #include <lockstep/system.h>
 #include "framework/dynamics/tree/closure_rows.h"
 #include "framework/dynamics/tree/joint_tree.h"
-#include "framework/dynamics/tree/largest.h"
 
 namespace lockstep {
+
+/// The largest accelerations of the slots, as they are found one by one.
+struct Largest {
+  double a2 = 0, al2 = 0;  ///< their squares
+
+  LOCKSTEP_INLINE void add(double own_a2, double own_al2) { a2 = std::max(a2, own_a2), al2 = std::max(al2, own_al2); }
+  double a() const { return std::sqrt(a2); }       ///< m/s^2
+  double alpha() const { return std::sqrt(al2); }  ///< angular, rad/s^2
+};
 
 /// Three passes over the nodes of a tree, and their scratch (Featherstone 2008, chapter 7).
 class LOCKSTEP_API TreeRecursion {

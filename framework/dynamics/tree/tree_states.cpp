@@ -131,6 +131,20 @@ NodeVariation vary_node(const TreeNode& n, const State& y, const StateRate& d, c
   return motion_of(joint, y).vary(p.A, own.A, p.A * p.w, d.q.data() + n.first_q, d.v.data() + n.first_v, dp);
 }
 
+// Writes the coordinates of a turn r, with the rates of its axes; an angle within half a revolution of that of `near`,
+// or without one as the sign of r has it.
+void write_turn(const TreeNode& node, const Quat& r, const Vec3& rates, const State* near, State& out) {
+  const int at_q = node.first_q + node.n_slides, at_v = node.first_v + node.n_slides;
+  if (node.turn == TreeTurn::hinge) {
+    const double angle = 2.0 * std::atan2(r.vec().dot(node.hinge), r.w);
+    out.q[at_q] = near ? angle + kTwoPi * std::round((near->q[at_q] - angle) / kTwoPi) : angle;
+    out.v[at_v] = rates[0];
+  } else if (node.turn == TreeTurn::ball) {
+    out.q.segment<4>(at_q) = r.coefficients();
+    out.v.segment<3>(at_v) = rates;
+  }
+}
+
 }  // namespace
 
 void JointTree::variations(const State& y, std::span<const Motion> at, const StateRate& d, VecX& dx, VecX& dv) const {
@@ -149,24 +163,6 @@ void JointTree::variations(const State& y, std::span<const Motion> at, const Sta
     dv.segment<3>(6 * node.slot) = own.v, dv.segment<3>(6 * node.slot + 3) = own.w;
   }
 }
-
-namespace {
-
-// Writes the coordinates of a turn r, with the rates of its axes; an angle within half a revolution of that of `near`,
-// or without one as the sign of r has it.
-void write_turn(const TreeNode& node, const Quat& r, const Vec3& rates, const State* near, State& out) {
-  const int at_q = node.first_q + node.n_slides, at_v = node.first_v + node.n_slides;
-  if (node.turn == TreeTurn::hinge) {
-    const double angle = 2.0 * std::atan2(r.vec().dot(node.hinge), r.w);
-    out.q[at_q] = near ? angle + kTwoPi * std::round((near->q[at_q] - angle) / kTwoPi) : angle;
-    out.v[at_v] = rates[0];
-  } else if (node.turn == TreeTurn::ball) {
-    out.q.segment<4>(at_q) = r.coefficients();
-    out.v.segment<3>(at_v) = rates;
-  }
-}
-
-}  // namespace
 
 // The pose of far seen from near: r and rho of P seen from S, or their inverse.
 void JointTree::read_off(const State& slots, const State* near, State& out) const {

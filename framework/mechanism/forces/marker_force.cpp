@@ -14,6 +14,17 @@ void require_body(const std::string& force, const Marker& m) {
   if (m.body == nullptr)
     throw ModelError("force '" + force + "': marker '" + m.name + "' is not on a body; add it with add_marker");
 }
+
+// Along the normal: of a marker as its law puts it, and of the centre of mass of its slot, which has the world's axes.
+struct Height {
+  double marker, center, rounding;
+};
+
+Height height_of(const Marker& m, const MarkerFrame& frame, Plane plane) {
+  const Vec3 x = (m.body->home * m.local).x;
+  const double center = x[plane.n] - frame.u0[plane.n];
+  return {center + frame.at(0).u[plane.n], center, kParallel * x.norm() + 1e-15};
+}
 }  // namespace
 
 MarkerForce::MarkerForce(std::string name, Marker& p, Marker* s) : Force(std::move(name)), p_(&p), s_(s) {
@@ -30,21 +41,6 @@ std::vector<const Marker*> MarkerForce::markers() const {
   if (s_ == nullptr) return {p_};
   return {p_, s_};
 }
-
-namespace {
-
-// Along the normal: of a marker as its law puts it, and of the centre of mass of its slot, which has the world's axes.
-struct Height {
-  double marker, center, rounding;
-};
-
-Height height_of(const Marker& m, const MarkerFrame& frame, Plane plane) {
-  const Vec3 x = (m.body->home * m.local).x;
-  const double center = x[plane.n] - frame.u0[plane.n];
-  return {center + frame.at(0).u[plane.n], center, kParallel * x.norm() + 1e-15};
-}
-
-}  // namespace
 
 bool MarkerForce::has_no_arms(Plane plane) const {
   const Height P = height_of(*p_, P_, plane), S = s_ ? height_of(*s_, S_, plane) : P;

@@ -29,6 +29,16 @@ double root(double u, F&& f) {
   return std::abs(last) < 1e-11 ? u : kNoContact;
 }
 
+Key radius_key() {
+  Key key{"radius", Form::law, Unit::length, kRequired, "radius of the cam over its angle, from 0 to 2 pi rad"};
+  key.of_time = false;
+  return key;
+}
+
+CamProfile profile_of(const std::string& link, LawPtr<MotionLaw> radius) {
+  return CamProfile(given(link, std::move(radius), "law for its radius"));
+}
+
 }  // namespace
 
 CamProfile::Point CamProfile::at(double u) const {
@@ -106,20 +116,6 @@ void FaceOnCam::accept_step(std::span<double> z, PhiCoords y) const {
   const double alpha = angle_of_normal(y[0]).v;
   z[0] = profile.facing(alpha, alpha + y[0].memory[0]) - alpha;
 }
-
-namespace {
-
-Key radius_key() {
-  Key key{"radius", Form::law, Unit::length, kRequired, "radius of the cam over its angle, from 0 to 2 pi rad"};
-  key.of_time = false;
-  return key;
-}
-
-CamProfile profile_of(const std::string& link, LawPtr<MotionLaw> radius) {
-  return CamProfile(given(link, std::move(radius), "law for its radius"));
-}
-
-}  // namespace
 
 CamRoller::CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius, double roller)
     : FunctionLock(name, p, s, Mask::none,

@@ -24,6 +24,14 @@ double seen_on(const CurvePoint& curve, const LockCoords<Time>& y, int k) {
   return k == 0 ? s.v : s.d;
 }
 
+Key path_key() {
+  Key key{"path", Form::translation_law, Unit::length, kRequired,
+          "the curve c(s), S axes: a translation law with s in place of time"};
+  key.of_time = false;
+  return key;
+}
+Key near_key() { return {"near", Form::number, Unit::none, 0, "a value of s near the start of P"}; }
+
 }  // namespace
 
 // `like` made normal to the tangent; where that leaves little, a normal from the axis furthest from the tangent.
@@ -36,11 +44,8 @@ Vec3 CurvePoint::normal(double s, const Vec3& like) const {
 }
 
 CurvePoint::Frame CurvePoint::frame(const double* memory) const {
-  Frame f;
-  f.t = path_->at(memory[0]).v.normalized();
-  f.n1 = Vec3(memory[3], memory[4], memory[5]);
-  f.n2 = cross(f.t, f.n1);
-  return f;
+  const Vec3 t = path_->at(memory[0]).v.normalized(), n1(memory[3], memory[4], memory[5]);
+  return {t, n1, cross(t, n1)};
 }
 
 double CurvePoint::in_plane(const Vec3& t, const Vec3& rho, double s) const {
@@ -99,18 +104,6 @@ void CurvePoint::accept_step(std::span<double> z, const LockCoords<Time>& y) con
   z[0] = s, z[1] = c.v.dot(rate) / (c.v.squaredNorm() - c.a.dot(rho - c.x)), z[2] = y.t.v;
   Eigen::Map<Vec3>(z.data() + 3) = normal(s, Vec3(y.memory[3], y.memory[4], y.memory[5]));
 }
-
-namespace {
-
-Key path_key() {
-  Key key{"path", Form::translation_law, Unit::length, kRequired,
-          "the curve c(s), S axes: a translation law with s in place of time"};
-  key.of_time = false;
-  return key;
-}
-Key near_key() { return {"near", Form::number, Unit::none, 0, "a value of s near the start of P"}; }
-
-}  // namespace
 
 PointOnCurve::PointOnCurve(std::string name, Marker& p, Marker& s, LawPtr<TranslationLaw> path, double near)
     : FunctionLock(name, p, s, Mask::none, rows_of(OnCurve(CurvePoint(given(name, std::move(path), "path"), near)))) {}

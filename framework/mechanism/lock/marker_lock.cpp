@@ -15,6 +15,17 @@ namespace {
 
 constexpr int kPoseNumbers = 7;  // origin and quaternion of a pose that is held
 
+MarkerMotion at_rest(const MarkerAtRest& home) {
+  MarkerMotion m;
+  m.u = home.u, m.A = home.A, m.q = home.q;
+  return m;
+}
+
+LawValue value(const Drive& d, double t, std::span<const double> s) {
+  const LawValue l = d.law->at(t);
+  return d.speed ? LawValue{s[d.state], l.y, l.yd} : l;
+}
+
 }  // namespace
 
 MarkerLock::MarkerLock(std::string name, Marker& p, Marker& s, Mask mask)
@@ -36,16 +47,6 @@ MarkerLock::Lawful& MarkerLock::lawful() {
   if (!lawful_) lawful_ = std::make_unique<Lawful>();
   return *lawful_;
 }
-
-namespace {
-
-MarkerMotion at_rest(const MarkerAtRest& home) {
-  MarkerMotion m;
-  m.u = home.u, m.A = home.A, m.q = home.q;
-  return m;
-}
-
-}  // namespace
 
 MarkerMotion MarkerLock::P_at(double t) const { return lawful_ ? lawful_->P.at(t) : at_rest(P_); }
 MarkerMotion MarkerLock::S_at(double t) const { return lawful_ ? lawful_->S.at(t) : at_rest(S_); }
@@ -231,15 +232,6 @@ void MarkerLock::state_rates(const Inputs& in, std::span<double> sd) const {
 }
 
 // ---------------------------------------------------------------------------------------------------------- evaluation
-
-namespace {
-
-LawValue value(const Drive& d, double t, std::span<const double> s) {
-  const LawValue l = d.law->at(t);
-  return d.speed ? LawValue{s[d.state], l.y, l.yd} : l;
-}
-
-}  // namespace
 
 ImposedTranslation ImposedMotion::translation(double t, std::span<const double> s) const {
   ImposedTranslation D;

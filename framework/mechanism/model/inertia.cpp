@@ -30,12 +30,7 @@ Mat3 turned(const Mat3& J, const Mat3& A) {
   return 0.5 * (K + K.transpose());
 }
 
-MassProperties diagonal(double mass, const Vec3& J) {
-  MassProperties properties;
-  properties.mass = mass;
-  properties.J = J.asDiagonal();
-  return properties;
-}
+MassProperties diagonal(double mass, const Vec3& J) { return {.mass = mass, .J = J.asDiagonal()}; }
 
 // Frame in the middle of a rod, x along it, z as close as possible to the world's z.
 Pose rod_pose(const Vec3& from, const Vec3& to) {

@@ -212,6 +212,17 @@ Refusal check_reads(const Force& force, Plane plane, const System::Found& found,
   return {};
 }
 
+// Whether all joints that can move do so only out of the plane, such as hinges with their axes in it.
+bool moves_only_out(const System& system) {
+  bool some = false;
+  for (const auto& link : system.links()) {
+    if (system.merged(*link) || link->row_count() == 6) continue;
+    if (std::popcount(unsigned{system.found().planar_rows[link->number()].held}) < 3) return false;
+    some = true;
+  }
+  return some;
+}
+
 }  // namespace
 
 std::optional<ModelError> setup_plane(const System& system, System::Found& found) {
@@ -268,21 +279,6 @@ std::optional<ModelError> setup_plane(const System& system, System::Found& found
     if (Refusal refusal = check_reads(*force, plane, found, arms)) return refusal;
   return {};
 }
-
-namespace {
-
-// Whether all joints that can move do so only out of the plane, such as hinges with their axes in it.
-bool moves_only_out(const System& system) {
-  bool some = false;
-  for (const auto& link : system.links()) {
-    if (system.merged(*link) || link->row_count() == 6) continue;
-    if (std::popcount(unsigned{system.found().planar_rows[link->number()].held}) < 3) return false;
-    some = true;
-  }
-  return some;
-}
-
-}  // namespace
 
 Plane settle_in_plane(System& system, const std::function<bool(Plane)>& starts_in) {
   for (int n = 2; n >= 0; --n) {

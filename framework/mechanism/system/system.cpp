@@ -35,6 +35,16 @@ void check_pose(const std::string& what, const Pose& pose) {
     throw ModelError(what + ": its quaternion has length " + text::brief(std::sqrt(norm2(pose.q))) + "; normalise it");
 }
 
+std::uint32_t hash_of(std::string_view name) {
+  const std::uint64_t h = std::hash<std::string_view>{}(name);
+  return static_cast<std::uint32_t>(h ^ h >> 32);
+}
+
+// The place at which a name of this hash is looked for first, of so many.
+std::size_t place_of(std::uint32_t hash, std::size_t places) {
+  return static_cast<std::size_t>(std::uint64_t{hash} * places >> 32);
+}
+
 }  // namespace
 
 Pose pose_at(const Vec3& x, const Vec3& z) {
@@ -58,20 +68,6 @@ System::System(System&&) noexcept = default;
 System& System::operator=(System&&) noexcept = default;
 
 // --------------------------------------------------------------------------------------------------------------- names
-
-namespace {
-
-std::uint32_t hash_of(std::string_view name) {
-  const std::uint64_t h = std::hash<std::string_view>{}(name);
-  return static_cast<std::uint32_t>(h ^ h >> 32);
-}
-
-// The place at which a name of this hash is looked for first, of so many.
-std::size_t place_of(std::uint32_t hash, std::size_t places) {
-  return static_cast<std::size_t>(std::uint64_t{hash} * places >> 32);
-}
-
-}  // namespace
 
 std::string_view System::word_of(Kind kind) {
   constexpr std::array kWords{"thing", "body", "marker", "joint", "force", "control input"};

@@ -9,10 +9,10 @@
 
 #include <lockstep/detail/newton.h>
 #include "framework/foundation/math/limits.h"
-#include "framework/tools/analysis/eigenvectors.h"
 #include "framework/tools/analysis/forces_at_rest.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/rest_matrices.h"
+#include "framework/tools/analysis/spectrum.h"
 #include "framework/tools/rank/motion_words.h"
 
 namespace lockstep {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/analysis/spectrum.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -9,7 +10,6 @@
 #include <utility>
 
 #include "framework/foundation/math/limits.h"
-#include "framework/tools/analysis/eigenvectors.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
 #include "framework/tools/analysis/modal_basis.h"
 
@@ -127,6 +127,12 @@ Spectrum spectrum_of(const LinearMotion& m, const MatX& N) {
   }
   std::ranges::stable_sort(out.all, {}, [](const Eigenvalue& e) { return std::pair(std::abs(e.l), e.l.real()); });
   return out;
+}
+
+Eigenvectors eigenvectors(const MatX& A) {
+  const Eigen::EigenSolver<MatX> solver(A);
+  if (solver.info() != Eigen::Success) throw SolveError("the eigenvalues of a matrix did not converge");
+  return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
 }  // namespace lockstep

@@ -30,4 +30,12 @@ Spectrum spectrum_of(const LinearMotion&, const MatX& N);
 /// SolveError where they do not settle.
 MatX lowest_motions(const LinearMotion&, int count, bool redundant);
 
+/// A x = l x of a dense matrix; compiled once, since Eigen's solvers cost seconds in each file that names them.
+struct Eigenvectors {
+  Eigen::VectorXcd values;
+  Eigen::MatrixXcd vectors;  ///< a column for each value
+};
+/// Throws SolveError if the iteration does not converge.
+Eigenvectors eigenvectors(const MatX& A);
+
 }  // namespace lockstep

@@ -53,12 +53,7 @@ Inputs Batch::inputs(int lane, const double* y, double t) {
   const VecX& z = memory_[lane];
   const double* from = y + kL * first_state() + lane;
   for (Eigen::Index i = 0; i < s.size(); ++i, from += kLanes) s[i] = *from;
-  Inputs in;
-  in.t = t;
-  in.motions = motions_;
-  in.s = {s.data(), static_cast<std::size_t>(s.size())};
-  in.z = {z.data(), static_cast<std::size_t>(z.size())};
-  return in;
+  return {t, motions_, {s.data(), static_cast<std::size_t>(s.size())}, {z.data(), static_cast<std::size_t>(z.size())}};
 }
 
 void Batch::see_motions(int lane) {

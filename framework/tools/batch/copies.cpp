@@ -87,35 +87,6 @@ void check(const CopiesOptions& o, const EmbeddedScheme* scheme) {
                      " m; it must be above 0");
 }
 
-}  // namespace
-
-struct Copies::Work {
-  std::vector<System*> systems;
-  CopiesOptions options;
-  Registry own;  // if none was given
-  std::function<std::unique_ptr<Integrator>()> make_integrator;
-  std::unique_ptr<Integrator> method;  // whose coefficients the lanes use
-  std::vector<std::unique_ptr<lanes::Batch>> batches;
-
-  void check_states(std::span<const State> states) const {
-    if (states.size() != systems.size())
-      throw ModelError("batch: " + std::to_string(states.size()) + " states for " + std::to_string(systems.size()) +
-                       " instances; give one for each");
-    for (std::size_t i = 0; i < states.size(); ++i) {
-      systems[i]->check_size(states[i]);
-      if (states[i].coordinates)
-        throw ModelError("batch: the state of instance " + std::to_string(i) +
-                         " is in joint coordinates; convert it first (Dynamics::to_slots)");
-      for (std::size_t k = 0; k < states[i].modes.size(); ++k)
-        if (states[i].modes[k] != systems[i]->links()[k]->active_at_start())
-          throw ModelError("batch: joint '" + systems[i]->links()[k]->name() +
-                           "' is switched in a state; start with the active joints of System::start");
-    }
-  }
-};
-
-namespace {
-
 // Whether its rates need more than coordinates and velocities.
 bool reads_solution(const Auxiliary& own, const System& system) {
   return own.reads_solution() && (!own.vanishes_without_laws() || may_have_laws(system));
@@ -155,6 +126,31 @@ std::string unsuited(std::span<System* const> systems, Formulation formulation) 
 }
 
 }  // namespace
+
+struct Copies::Work {
+  std::vector<System*> systems;
+  CopiesOptions options;
+  Registry own;  // if none was given
+  std::function<std::unique_ptr<Integrator>()> make_integrator;
+  std::unique_ptr<Integrator> method;  // whose coefficients the lanes use
+  std::vector<std::unique_ptr<lanes::Batch>> batches;
+
+  void check_states(std::span<const State> states) const {
+    if (states.size() != systems.size())
+      throw ModelError("batch: " + std::to_string(states.size()) + " states for " + std::to_string(systems.size()) +
+                       " instances; give one for each");
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      systems[i]->check_size(states[i]);
+      if (states[i].coordinates)
+        throw ModelError("batch: the state of instance " + std::to_string(i) +
+                         " is in joint coordinates; convert it first (Dynamics::to_slots)");
+      for (std::size_t k = 0; k < states[i].modes.size(); ++k)
+        if (states[i].modes[k] != systems[i]->links()[k]->active_at_start())
+          throw ModelError("batch: joint '" + systems[i]->links()[k]->name() +
+                           "' is switched in a state; start with the active joints of System::start");
+    }
+  }
+};
 
 std::string Copies::unsuited(System& system, Formulation formulation) {
   System* const one[] = {&system};

@@ -69,30 +69,6 @@ void by_caller(Act&& act) {
   }
 }
 
-}  // namespace
-
-Dynamics RunTask::dynamics_of(System& system) const {
-  DynamicsOptions how;
-  how.stabilization = options.stabilization, how.formulation = Formulation::joint;
-  return Dynamics(system, std::make_unique<SchurSolver>(), how);
-}
-
-void RunTask::tell(int copy, std::size_t time, const State& state) const {
-  by_caller([&] { output(copy, time, state); });
-}
-
-void RunTask::tell_step(int copy, const State& state, bool jumped) const {
-  by_caller([&] { step(copy, state, jumped); });
-}
-
-void RunTask::go_on_from(double t) const {
-  bool on = true;
-  by_caller([&] { on = !go_on || go_on(t); });
-  if (!on) throw StepError("stopped by the caller", t);
-}
-
-namespace {
-
 /// Counts the steps of a copy that runs alone, and hands them on. What is thrown there leaves the run as it is.
 class Follower final : public Observer {
  public:
@@ -141,6 +117,26 @@ class Follower final : public Observer {
 };
 
 }  // namespace
+
+Dynamics RunTask::dynamics_of(System& system) const {
+  DynamicsOptions how;
+  how.stabilization = options.stabilization, how.formulation = Formulation::joint;
+  return Dynamics(system, std::make_unique<SchurSolver>(), how);
+}
+
+void RunTask::tell(int copy, std::size_t time, const State& state) const {
+  by_caller([&] { output(copy, time, state); });
+}
+
+void RunTask::tell_step(int copy, const State& state, bool jumped) const {
+  by_caller([&] { step(copy, state, jumped); });
+}
+
+void RunTask::go_on_from(double t) const {
+  bool on = true;
+  by_caller([&] { on = !go_on || go_on(t); });
+  if (!on) throw StepError("stopped by the caller", t);
+}
 
 void run_alone(System& system, int copy, State state, std::size_t next, double start_limit, const RunTask& task,
                CopyReport& report) try {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // All passes for one instruction set: included once by lane_avx512.cpp, lane_fma.cpp and lane_plain.cpp, which define
 // LOCKSTEP_SET, LOCKSTEP_WIDE and, except for those that every machine has, LOCKSTEP_INSTRUCTIONS. Private to the room.
+//
+// Numbers are packs of LOCKSTEP_WIDE lanes, one value per copy, as many as a register holds. Everything is always
+// inlined, so that it is compiled for the instruction set of the calling pass. In memory there are always eight lanes
+// side by side; narrower packs make several rounds.
 #pragma once
 
 #include "framework/foundation/math/sin_cos.h"
 #include "framework/tools/batch/lane_closures.h"
-#include "framework/tools/batch/lane_math.h"
 #include "framework/tools/batch/lane_passes.h"
 
 #if defined(LOCKSTEP_INSTRUCTIONS) && defined(__x86_64__)
@@ -15,6 +18,25 @@
 #endif
 
 namespace lockstep::lanes::LOCKSTEP_SET {
+
+inline constexpr int kWide = LOCKSTEP_WIDE;  ///< lanes in one register
+using V = Pack<kWide>;                       ///< of the eight that are stored side by side
+
+/// An array of eight lanes: [i] is its pack i, + i what begins there.
+struct LaneArray {
+  double* p = nullptr;
+  LOCKSTEP_LANE LaneArray() = default;
+  LOCKSTEP_LANE LaneArray(const double* numbers) : p(const_cast<double*>(numbers)) {}
+  LOCKSTEP_LANE explicit operator bool() const { return p != nullptr; }
+  template <class I>
+  LOCKSTEP_LANE V& operator[](I i) const {
+    return *reinterpret_cast<V*>(p + kLanes * static_cast<std::ptrdiff_t>(i));
+  }
+  template <class I>
+  LOCKSTEP_LANE LaneArray operator+(I n) const {
+    return {p + kLanes * static_cast<std::ptrdiff_t>(n)};
+  }
+};
 
 LOCKSTEP_LANE void combine(std::size_t n, const double* y, const double* h, std::size_t n_k, const double* const* k,
                            const double* w, double* out, int lane) {

@@ -14,14 +14,6 @@
 namespace lockstep {
 namespace {
 
-const Fields<Contribution>& contribution_fields() {
-  static const Fields<Contribution> kFields{
-      {"what", "", "of", &Contribution::what},
-      {"force", "N", "force, world", &Contribution::force},
-      {"moment", "N m", "moment about the centre of mass", &Contribution::moment}};
-  return kFields;
-}
-
 std::string components_text(const Json& v) { return v.size() == 1 ? number_text(v[0]) : vector_text(v); }
 
 const Fields<LawAccount>& law_fields() {
@@ -49,14 +41,18 @@ struct At {
 };
 
 const Fields<BodyBalance>& balance_fields() {
+  static const Fields<Contribution> kContribution{
+      {"what", "", "of", &Contribution::what},
+      {"force", "N", "force, world", &Contribution::force},
+      {"moment", "N m", "moment about the centre of mass", &Contribution::moment}};
   static const Fields<BodyBalance> kFields{
       {"body", "", "body", &BodyBalance::body},
       {"mass", "kg", "mass", &BodyBalance::mass},
       {"center", "m", "centre of mass", &BodyBalance::center},
       {"acceleration", "m/s^2", "acceleration", &BodyBalance::acceleration},
-      {"parts", "loads", &BodyBalance::parts, contribution_fields()},
-      {"sum", "sum", &BodyBalance::sum, contribution_fields(), contribution_text},
-      {"rate", "rate of momentum", &BodyBalance::rate, contribution_fields(), contribution_text},
+      {"parts", "loads", &BodyBalance::parts, kContribution},
+      {"sum", "sum", &BodyBalance::sum, kContribution, contribution_text},
+      {"rate", "rate of momentum", &BodyBalance::rate, kContribution, contribution_text},
       {"left_force", "N", "residual force", &BodyBalance::left_force},
       {"left_moment", "N m", "residual moment", &BodyBalance::left_moment},
       {"incomplete", "", "incomplete", &BodyBalance::incomplete}};

@@ -20,7 +20,6 @@
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
-#include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/doubts.h"

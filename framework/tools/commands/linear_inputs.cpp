@@ -19,11 +19,6 @@ constexpr std::array kAxes = {"x", "y", "z", "rx", "ry", "rz"};
 
 std::string along(const std::string& name, int axis) { return name + "." + kAxes[axis]; }
 
-std::string text_of(const Value& object, std::string_view key) {
-  const std::string* text = text_under(object, key);
-  return text != nullptr ? *text : std::string();
-}
-
 // The input with a number, added to the law if there is one.
 Value input_beside(const Value* law, std::size_t number) {
   Value input = Value::object({{"type", kInputLaw}, {"number", static_cast<int>(number)}});

@@ -9,7 +9,6 @@
 #include <lockstep/analysis.h>
 #include <lockstep/equilibrium.h>
 #include <lockstep/text.h>
-#include "framework/description/scene/system_of.h"
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"

@@ -19,7 +19,6 @@
 #include "framework/description/scene/write.h"
 #include "framework/foundation/support/at_end.h"
 #include "framework/foundation/support/lines.h"
-#include "framework/foundation/support/thrown.h"
 #include "framework/tools/commands/run_queue.h"
 #include "framework/tools/commands/sweep_plan.h"
 #include "framework/tools/commands/sweep_rest.h"

@@ -8,7 +8,6 @@
 
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/options.h"
-#include "framework/tools/program/run_report.h"
 
 namespace lockstep {
 namespace {

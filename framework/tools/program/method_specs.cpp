@@ -2,10 +2,10 @@
 #include "framework/tools/program/method_specs.h"
 
 #include <algorithm>
-#include <charconv>
 
 #include <lockstep/error.h>
 #include "framework/description/scene/write.h"
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep {
 namespace {
@@ -27,20 +27,16 @@ std::vector<Value> other_values(const Key& key) {
 }
 
 double number_of(const std::string& option, const std::string& text, Unit unit, const char* example) {
-  double x = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    const Measured measured = read_quantity(text, unit);
-    if (!measured.problem.empty() || unit == Unit::none)
-      throw UsageError(option + ": \"" + text + "\" is not a " + name_of(unit) +
-                       (text.starts_with("=") ? " (formulas are for scenes only)" : "") + "; write it as in " + option +
-                       " " +
-                       (example != nullptr   ? example
-                        : unit == Unit::none ? "1e-6"
-                                             : "0.001"));
-    x = measured.value;
-  }
-  return x;
+  if (const std::optional<double> x = number_in<double>(text)) return *x;
+  const Measured measured = read_quantity(text, unit);
+  if (!measured.problem.empty() || unit == Unit::none)
+    throw UsageError(option + ": \"" + text + "\" is not a " + name_of(unit) +
+                     (text.starts_with("=") ? " (formulas are for scenes only)" : "") + "; write it as in " + option +
+                     " " +
+                     (example != nullptr   ? example
+                      : unit == Unit::none ? "1e-6"
+                                           : "0.001"));
+  return measured.value;
 }
 
 }  // namespace
@@ -103,9 +99,8 @@ double instant(const std::string& option, const std::string& text) {
 }
 
 int whole_number(const std::string& option, const std::string& text, int most, const std::string& refusal) {
-  int n = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
-  if (error != std::errc() || end != text.data() + text.size() || n < 1 || n > most)
+  const int n = number_in<int>(text).value_or(0);
+  if (n < 1 || n > most)
     throw UsageError(option + ": \"" + text + "\" " +
                      (refusal.empty() ? "is not a whole number from 1 to " + std::to_string(most) : refusal));
   return n;

@@ -130,8 +130,30 @@ struct Field {
   }
   /// A field that is an object, a list of objects, or objects by their names. `of` must stay.
   template <class Get, class U>
-  Field(std::string name, std::string label, Get read, const Fields<U>& of,
-        std::string (*words)(const Json&) = nullptr);
+  Field(std::string name, std::string label, Get read, const Fields<U>& of, std::string (*words)(const Json&) = nullptr)
+      : info{std::move(name), "", std::move(label), "object", 0, &of.schema()} {
+    using V = std::remove_cvref_t<std::invoke_result_t<Get, const T&>>;
+    info.by_name = result_detail::kNamed<V, U>;
+    info.depth = result_detail::Listed<V>::value && !info.by_name ? 1 : 0;
+    info.words = words;
+    get = [read, &of](const T& t) -> Json {
+      const auto& value = std::invoke(read, t);
+      if constexpr (result_detail::kNamed<V, U>) {
+        Json all = Json::object();
+        for (const auto& [key, each] : value) all[key] = of(each);
+        return all;
+      } else if constexpr (result_detail::Listed<V>::value) {
+        Json all = Json::array();
+        for (const auto& each : value) all.push_back(of(each));
+        return all;
+      } else if constexpr (requires { value.has_value(); }) {
+        return value.has_value() ? of(*value) : Json();
+      } else {
+        return of(value);
+      }
+    };
+  }
+
   /// The same, absent if it is empty.
   Field optional() const { return with(&FieldInfo::optional); }
   /// The same, of which text has all entries.
@@ -182,32 +204,6 @@ class Fields {
   std::vector<Field<T>> fields_;
   Schema schema_;
 };
-
-template <class T>
-template <class Get, class U>
-Field<T>::Field(std::string name, std::string label, Get read, const Fields<U>& of, std::string (*words)(const Json&))
-    : info{std::move(name), "", std::move(label), "object", 0, &of.schema()} {
-  using V = std::remove_cvref_t<std::invoke_result_t<Get, const T&>>;
-  info.by_name = result_detail::kNamed<V, U>;
-  info.depth = result_detail::Listed<V>::value && !info.by_name ? 1 : 0;
-  info.words = words;
-  get = [read, &of](const T& t) -> Json {
-    const auto& value = std::invoke(read, t);
-    if constexpr (result_detail::kNamed<V, U>) {
-      Json all = Json::object();
-      for (const auto& [key, each] : value) all[key] = of(each);
-      return all;
-    } else if constexpr (result_detail::Listed<V>::value) {
-      Json all = Json::array();
-      for (const auto& each : value) all.push_back(of(each));
-      return all;
-    } else if constexpr (requires { value.has_value(); }) {
-      return value.has_value() ? of(*value) : Json();
-    } else {
-      return of(value);
-    }
-  };
-}
 
 /// What a command returns: its exit code, and its data, if any.
 struct Result {

@@ -12,6 +12,7 @@
 #include <lockstep/error.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/tree.h"
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -22,16 +23,15 @@ namespace {
 // Springs with a negative stiffness.
 std::vector<Finding> negative_stiffness(const Scene& scene) {
   std::vector<Finding> all;
-  const Value* forces = scene.root.find("forces");
-  if (forces == nullptr || forces->list() == nullptr) return all;
-  for (const Value& force : *forces->list()) {
-    const Value *name = force.find("name"), *k = force.find("stiffness");
-    if (k == nullptr || name == nullptr || name->text() == nullptr) continue;
+  for (const Value& force : items(scene.root, "forces")) {
+    const std::string* name = text_under(force, "name");
+    const Value* k = force.find("stiffness");
+    if (k == nullptr || name == nullptr) continue;
     const std::string* text = k->text();
     if (text != nullptr ? text->starts_with('-') : k->number() != nullptr && *k->number() < 0)
-      all.push_back({&finding::negative_stiffness, "force '" + *name->text() + "'",
+      all.push_back({&finding::negative_stiffness, "force '" + *name + "'",
                      fmt::format("force '{}', stiffness: {} is negative: it pushes away from its free length or angle",
-                                 *name->text(), plain_text(*k))});
+                                 *name, plain_text(*k))});
   }
   return all;
 }

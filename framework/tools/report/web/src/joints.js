@@ -1,18 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Joints: a symbol for each kind of mask, at the markers of the joint, with its axis.
-import {
-  Group,
-  LineBasicMaterial,
-  LineDashedMaterial,
-  LineLoop,
-  LineSegments,
-  Line,
-  Mesh,
-  OctahedronGeometry,
-  PlaneGeometry,
-  TorusGeometry,
-  Vector3,
-} from 'three';
+import * as THREE from 'three';
 import { markerOf } from './bodies.js';
 import { freedoms } from './freedoms.js';
 import { extentOf } from './marks.js';
@@ -36,7 +24,7 @@ function kindOf(link) {
 }
 
 function axisLine(length, mats) {
-  const line = new Line(geometryOf([0, 0, -length, 0, 0, length]), mats.axis);
+  const line = new THREE.Line(geometryOf([0, 0, -length, 0, 0, length]), mats.axis);
   return unpicked(line.computeLineDistances());
 }
 
@@ -55,11 +43,11 @@ function thread(u, mats, travel) {
     const a = (i / 400) * ((high - low) / (0.8 * u)) * 2 * Math.PI;
     points.push(0.42 * u * Math.cos(a), 0.42 * u * Math.sin(a), low + ((high - low) * i) / 400);
   }
-  return new Line(geometryOf(points), mats.line);
+  return new THREE.Line(geometryOf(points), mats.line);
 }
 
 function ball(u, mats) {
-  const cup = new Mesh(new TorusGeometry(0.95 * u, 0.16 * u, 12, 36), mats.rail);
+  const cup = new THREE.Mesh(new THREE.TorusGeometry(0.95 * u, 0.16 * u, 12, 36), mats.rail);
   return { p: [sphere(0.8 * u, mats.solid)], s: [cup] };
 }
 
@@ -72,9 +60,9 @@ function cylindrical(u, mats, travel) {
 
 function sheet(u, mats) {
   const r = 3.5 * u;
-  const edge = new LineLoop(geometryOf([-r, -r, 0, r, -r, 0, r, r, 0, -r, r, 0]), mats.line);
+  const edge = new THREE.LineLoop(geometryOf([-r, -r, 0, r, -r, 0, r, r, 0, -r, r, 0]), mats.line);
   return {
-    s: [new Mesh(new PlaneGeometry(2 * r, 2 * r), mats.sheet), edge],
+    s: [new THREE.Mesh(new THREE.PlaneGeometry(2 * r, 2 * r), mats.sheet), edge],
     p: [cylinder(0.9 * u, 0.4 * u, mats.solid)],
   };
 }
@@ -111,7 +99,7 @@ const SYMBOLS = {
   sheet,
   fixed: (u, mats) => ({ p: [box([1.1 * u, 1.1 * u, 1.1 * u], mats.solid, mats.edge)] }),
   curve: (u, mats) => ({ p: [sphere(0.4 * u, mats.solid)] }),
-  other: (u, mats) => ({ p: [new Mesh(new OctahedronGeometry(0.8 * u), mats.solid)] }),
+  other: (u, mats) => ({ p: [new THREE.Mesh(new THREE.OctahedronGeometry(0.8 * u), mats.solid)] }),
 };
 
 // Curves of a joint, in the axes of a marker; of a wheel a spoke as well, which shows its rotation.
@@ -119,13 +107,13 @@ function addCurves(link, markers, unit, mats) {
   const added = [];
   for (const curve of link.curves ?? []) {
     if (curve.points.length < 6) continue;
-    const group = new Group();
+    const group = new THREE.Group();
     group.add(tube(curve.points, curve.closed, (curve.closed ? 0.14 : 0.2) * unit, mats.rail));
     if (curve.closed) {
       const [x, y, z] = curve.points;
       group.add(
-        new LineLoop(geometryOf(curve.points), mats.wheel),
-        new Line(geometryOf([0, 0, 0, x, y, z]), mats.wheel),
+        new THREE.LineLoop(geometryOf(curve.points), mats.wheel),
+        new THREE.Line(geometryOf([0, 0, 0, x, y, z]), mats.wheel),
       );
     }
     markers[markerOf(link, curve)].add(group);
@@ -139,7 +127,7 @@ function travelOf(link, k, world, times) {
   const [p, s] = link.pairs[0].map((m) => world.markers[m]);
   const places = times.map((t) => {
     world.seek(t);
-    return s.worldToLocal(p.getWorldPosition(new Vector3())).getComponent(k);
+    return s.worldToLocal(p.getWorldPosition(new THREE.Vector3())).getComponent(k);
   });
   const [low, high] = extentOf(places, places.keys());
   return low <= high ? [low, high] : [0, 0];
@@ -151,23 +139,24 @@ function groundMark(u, frame, mats) {
   for (let i = -2; i <= 3; ++i) points.push(0.9 * i - 0.1, -2.4, 0.9 * i - 0.8, -3.2);
   const numbers = [];
   for (let i = 0; i < points.length; i += 2) {
-    const p = new Vector3().addScaledVector(frame.right, points[i] * u).addScaledVector(frame.up, points[i + 1] * u);
+    const p = new THREE.Vector3();
+    p.addScaledVector(frame.right, points[i] * u).addScaledVector(frame.up, points[i + 1] * u);
     numbers.push(...p);
   }
-  return unpicked(new LineSegments(geometryOf(numbers), mats.line));
+  return unpicked(new THREE.LineSegments(geometryOf(numbers), mats.line));
 }
 
 function materials(name, unit) {
-  const wheel = new LineBasicMaterial({ depthTest: false, transparent: true, opacity: 0.6 });
+  const wheel = new THREE.LineBasicMaterial({ depthTest: false, transparent: true, opacity: 0.6 });
   return {
     solid: inked(name),
     rail: inked('ground'),
     pin: inked('pin'),
     sheet: inked('ground', { transparent: true, opacity: 0.18, side: 2, depthWrite: false }),
-    line: theme.tinted('soft', new LineBasicMaterial()),
+    line: theme.tinted('soft', new THREE.LineBasicMaterial()),
     edge: theme.is.dark ? '#000000' : '#1c2530',
     wheel: theme.tinted('ink', wheel),
-    axis: theme.tinted('soft', new LineDashedMaterial({ dashSize: 0.8 * unit, gapSize: 0.4 * unit })),
+    axis: theme.tinted('soft', new THREE.LineDashedMaterial({ dashSize: 0.8 * unit, gapSize: 0.4 * unit })),
   };
 }
 
@@ -196,9 +185,9 @@ export class Joints {
     if (link.rack) added.push(this.rack(link, world, unit, mats, times));
     if (link.pairs.length > 0) {
       for (const [k, parts] of [p, s].entries()) {
-        const group = new Group();
+        const group = new THREE.Group();
         for (const part of parts) group.add(part);
-        const turned = new Group().add(along(group, axisOf(free)));
+        const turned = new THREE.Group().add(along(group, axisOf(free)));
         world.markers[link.pairs[0][k]].add(turned);
         added.push(turned);
       }
@@ -213,7 +202,7 @@ export class Joints {
       length = to - from + 2 * Math.abs(link.rack);
     const bar = box([length, 0.8 * unit, 1.6 * unit], mats.rail, mats.edge);
     bar.position.set(0.5 * (from + to), -link.rack - Math.sign(link.rack) * 0.4 * unit, 0);
-    const group = new Group().add(bar);
+    const group = new THREE.Group().add(bar);
     world.markers[link.pairs[0][1]].add(group);
     return group;
   }

@@ -2,6 +2,7 @@
 // The panel next to the picture: the selected body, the list of bodies, the run, the scene.
 import { button, factsTable, make, press } from './dom.js';
 import { number } from './plots.js';
+import { offAt, statesAt } from './switches.js';
 
 // Whether the checks of a run failed, by their words.
 export const isBad = (checks) => /\bnot conserved|VIOLATED/.test(checks);
@@ -116,7 +117,7 @@ export class Panel {
   idleLinks() {
     const { links, markers } = this.data.mechanism,
       { t } = this.world.motion;
-    const states = this.world.switches.statesAt(t);
+    const states = statesAt(this.data, t);
     const rows = [];
     links.forEach((link, k) => {
       if (states[k] === 'holds' || !link.pairs.flat().some((m) => markers[m].body === this.selected)) return;
@@ -127,7 +128,7 @@ export class Panel {
 
   // "deactivated at 0.33 s, by event 'cut'"; "": it was not until t.
   offWords(link, t) {
-    const off = this.world.switches.offAt(link, t);
+    const off = offAt(this.data, link, t);
     return off ? `deactivated at ${number(off.t)} s${off.what ? `, by ${off.what}` : ''}` : '';
   }
 

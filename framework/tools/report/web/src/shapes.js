@@ -1,29 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Shapes: geometry made of a few solids, with thin edges that keep forms apart.
-import {
-  BoxGeometry,
-  BufferAttribute,
-  BufferGeometry,
-  CatmullRomCurve3,
-  Color,
-  CylinderGeometry,
-  EdgesGeometry,
-  Group,
-  LineBasicMaterial,
-  LineSegments,
-  Mesh,
-  MeshStandardMaterial,
-  Quaternion,
-  Shape,
-  ShapeGeometry,
-  SphereGeometry,
-  TubeGeometry,
-  Vector3,
-} from 'three';
+import * as THREE from 'three';
 import { theme } from './theme.js';
 
-const Y = new Vector3(0, 1, 0),
-  Z = new Vector3(0, 0, 1);
+const Y = new THREE.Vector3(0, 1, 0),
+  Z = new THREE.Vector3(0, 0, 1);
 
 // Parts of the same size share one geometry: a chain has a hundred of them.
 const made = new Map();
@@ -33,13 +14,13 @@ function shared(make, ...numbers) {
   return made.get(key);
 }
 
-const boxOf = (x, y, z) => new BoxGeometry(x, y, z);
-const cylinderOf = (radius, length, sides) => new CylinderGeometry(radius, radius, length, sides);
-const sphereOf = (radius, across, down) => new SphereGeometry(radius, across, down);
+const boxOf = (x, y, z) => new THREE.BoxGeometry(x, y, z);
+const cylinderOf = (radius, length, sides) => new THREE.CylinderGeometry(radius, radius, length, sides);
+const sphereOf = (radius, across, down) => new THREE.SphereGeometry(radius, across, down);
 const edgesOf = new Map(); // of a geometry
 
 export function material(color, options = {}) {
-  return new MeshStandardMaterial({ color, roughness: 0.55, metalness: 0.05, ...options });
+  return new THREE.MeshStandardMaterial({ color, roughness: 0.55, metalness: 0.05, ...options });
 }
 
 // In a colour of the theme, with which it changes.
@@ -56,14 +37,14 @@ export function along(object, k) {
 }
 
 export function edges(geometry, color) {
-  if (!edgesOf.has(geometry)) edgesOf.set(geometry, new EdgesGeometry(geometry, 40));
-  const mat = new LineBasicMaterial({ color, transparent: true, opacity: 0.35 });
-  return unpicked(new LineSegments(edgesOf.get(geometry), mat));
+  if (!edgesOf.has(geometry)) edgesOf.set(geometry, new THREE.EdgesGeometry(geometry, 40));
+  const mat = new THREE.LineBasicMaterial({ color, transparent: true, opacity: 0.35 });
+  return unpicked(new THREE.LineSegments(edgesOf.get(geometry), mat));
 }
 
 export function box(size, mat, edgeColor) {
   const geometry = shared(boxOf, ...size);
-  const mesh = new Mesh(geometry, mat);
+  const mesh = new THREE.Mesh(geometry, mat);
   mesh.add(edges(geometry, edgeColor));
   return mesh;
 }
@@ -71,29 +52,29 @@ export function box(size, mat, edgeColor) {
 // Along z.
 export function cylinder(radius, length, mat, edgeColor, sides = 40) {
   const geometry = shared(cylinderOf, radius, length, sides);
-  const mesh = new Mesh(geometry, mat);
+  const mesh = new THREE.Mesh(geometry, mat);
   mesh.rotation.x = Math.PI / 2;
   if (edgeColor) mesh.add(edges(geometry, edgeColor));
-  return new Group().add(mesh);
+  return new THREE.Group().add(mesh);
 }
 
 export function sphere(radius, mat, detail = 32) {
-  return new Mesh(shared(sphereOf, radius, detail, detail >> 1), mat);
+  return new THREE.Mesh(shared(sphereOf, radius, detail, detail >> 1), mat);
 }
 
 // A bar with round ends.
 export function bar(from, to, radius, mat) {
-  const group = new Group();
-  const along = new Vector3().subVectors(to, from);
+  const group = new THREE.Group();
+  const along = new THREE.Vector3().subVectors(to, from);
   const length = along.length();
   if (length > 1e-9) {
-    const rod = new Mesh(shared(cylinderOf, radius, length, 20), mat);
+    const rod = new THREE.Mesh(shared(cylinderOf, radius, length, 20), mat);
     rod.quaternion.setFromUnitVectors(Y, along.divideScalar(length));
     rod.position.addVectors(from, to).multiplyScalar(0.5);
     group.add(rod);
   }
   for (const end of [from, to]) {
-    const ball = new Mesh(shared(sphereOf, radius, 20, 12), mat);
+    const ball = new THREE.Mesh(shared(sphereOf, radius, 20, 12), mat);
     ball.position.copy(end);
     group.add(ball);
   }
@@ -102,43 +83,45 @@ export function bar(from, to, radius, mat) {
 
 // The flat area of points in the plane with this normal, as a thin sheet.
 export function plate(points, normal, mat) {
-  const turn = new Quaternion().setFromUnitVectors(normal, Z);
+  const turn = new THREE.Quaternion().setFromUnitVectors(normal, Z);
   const flat = points.map((p) => p.clone().applyQuaternion(turn));
-  const mesh = new Mesh(new ShapeGeometry(new Shape(flat)), mat);
+  const mesh = new THREE.Mesh(new THREE.ShapeGeometry(new THREE.Shape(flat)), mat);
   mesh.quaternion.copy(turn).invert();
-  mesh.position.copy(new Vector3(0, 0, flat[0].z).applyQuaternion(mesh.quaternion));
+  mesh.position.copy(new THREE.Vector3(0, 0, flat[0].z).applyQuaternion(mesh.quaternion));
   return mesh;
 }
 
 // The engineer's mark of a centre of mass: a ball in quarters.
 export function centerMark(radius) {
-  return new Mesh(shared(quarters, radius), new MeshStandardMaterial({ vertexColors: true, roughness: 0.7 }));
+  const mat = new THREE.MeshStandardMaterial({ vertexColors: true, roughness: 0.7 });
+  return new THREE.Mesh(shared(quarters, radius), mat);
 }
 
 function quarters(radius) {
-  const geometry = new SphereGeometry(radius, 24, 16).toNonIndexed();
+  const geometry = new THREE.SphereGeometry(radius, 24, 16).toNonIndexed();
   const at = geometry.getAttribute('position');
   const colors = new Float32Array(3 * at.count);
-  const [a, b] = [new Color('#15181c'), new Color('#f4f4f4')];
+  const [a, b] = [new THREE.Color('#15181c'), new THREE.Color('#f4f4f4')];
   for (let i = 0; i < at.count; i += 3) {
     const mean = [0, 1, 2].map((c) => at.getComponent(i, c) + at.getComponent(i + 1, c) + at.getComponent(i + 2, c));
     const color = mean[0] * mean[1] * mean[2] > 0 ? a : b;
     for (let k = 0; k < 3; ++k) color.toArray(colors, 3 * (i + k));
   }
-  geometry.setAttribute('color', new BufferAttribute(colors, 3));
+  geometry.setAttribute('color', new THREE.BufferAttribute(colors, 3));
   return geometry;
 }
 
 // A tube along points x y z, x y z, ...
 export function tube(numbers, closed, radius, mat) {
   const points = [];
-  for (let i = 0; i < numbers.length; i += 3) points.push(new Vector3(numbers[i], numbers[i + 1], numbers[i + 2]));
-  return new Mesh(new TubeGeometry(new CatmullRomCurve3(points, closed), 2 * points.length, radius, 8, closed), mat);
+  for (let i = 0; i < numbers.length; i += 3) points.push(new THREE.Vector3().fromArray(numbers, i));
+  const curve = new THREE.CatmullRomCurve3(points, closed);
+  return new THREE.Mesh(new THREE.TubeGeometry(curve, 2 * points.length, radius, 8, closed), mat);
 }
 
 // Points x y z, x y z, ... as a geometry.
 export function geometryOf(numbers) {
-  return new BufferGeometry().setAttribute('position', new BufferAttribute(Float32Array.from(numbers), 3));
+  return new THREE.BufferGeometry().setAttribute('position', new THREE.BufferAttribute(Float32Array.from(numbers), 3));
 }
 
 // Other places for the points of a line.

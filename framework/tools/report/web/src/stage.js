@@ -1,16 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage: the picture of the mechanism, drawn when something changed.
-import {
-  AmbientLight,
-  Color,
-  DirectionalLight,
-  HemisphereLight,
-  Raycaster,
-  Scene,
-  Vector2,
-  Vector3,
-  WebGLRenderer,
-} from 'three';
+import * as THREE from 'three';
 import { Views } from './camera.js';
 import { Grid } from './grid.js';
 import { Overlay } from './overlay.js';
@@ -19,21 +9,21 @@ import { theme } from './theme.js';
 export class Stage {
   constructor(data, world, elements) {
     Object.assign(this, { world, elements });
-    this.scene = new Scene();
-    this.renderer = new WebGLRenderer({ canvas: elements.canvas, antialias: true });
+    this.scene = new THREE.Scene();
+    this.renderer = new THREE.WebGLRenderer({ canvas: elements.canvas, antialias: true });
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.grid = new Grid(world.frame, world.unit);
     this.views = new Views(world.frame, elements.canvas, () => this.redraw());
     this.overlay = new Overlay(data, world, elements);
     // Light comes over the viewer's left shoulder, from wherever he looks.
-    this.key = new DirectionalLight('#ffffff', 2.1);
+    this.key = new THREE.DirectionalLight('#ffffff', 2.1);
     this.scene.add(
       world.root,
       this.grid.lines,
       this.key,
       this.key.target,
-      new HemisphereLight('#ffffff', '#b0b7c0', 1.4),
-      new AmbientLight('#ffffff', 0.5),
+      new THREE.HemisphereLight('#ffffff', '#b0b7c0', 1.4),
+      new THREE.AmbientLight('#ffffff', 0.5),
     );
     this.recolor();
     new ResizeObserver(() => this.resize()).observe(elements.stage);
@@ -65,7 +55,7 @@ export class Stage {
     const { camera, controls } = this.views;
     this.views.moveAlong();
     camera.updateMatrixWorld();
-    this.key.position.copy(controls.target).add(new Vector3(-0.5, 0.9, 1).applyQuaternion(camera.quaternion));
+    this.key.position.copy(controls.target).add(new THREE.Vector3(-0.5, 0.9, 1).applyQuaternion(camera.quaternion));
     this.key.target.position.copy(controls.target);
     this.renderer.render(this.scene, camera);
     this.overlay.draw(camera, this.width, this.height, this.views.metresPerPixel(this.height));
@@ -73,8 +63,8 @@ export class Stage {
 
   // The body under a point of the canvas; -1: none.
   pick(x, y) {
-    const ray = new Raycaster(),
-      at = new Vector2((2 * x) / this.width - 1, 1 - (2 * y) / this.height);
+    const ray = new THREE.Raycaster(),
+      at = new THREE.Vector2((2 * x) / this.width - 1, 1 - (2 * y) / this.height);
     ray.setFromCamera(at, this.views.camera);
     for (const hit of ray.intersectObject(this.world.root, true)) {
       let object = hit.object;
@@ -85,7 +75,7 @@ export class Stage {
   }
 
   recolor() {
-    this.scene.background = new Color(theme.is.background);
+    this.scene.background = new THREE.Color(theme.is.background);
     this.world.recolor();
     this.grid.recolor();
     this.redraw();

@@ -7,7 +7,7 @@ import { Bodies, attachments, setPose, setPoseOf } from './bodies.js';
 import { frameOf, instants } from './frame.js';
 import { Joints } from './joints.js';
 import { Stretched } from './stretched.js';
-import { Switches } from './switches.js';
+import { statesAt } from './switches.js';
 import { Trails } from './trails.js';
 
 // The size of symbols: a part of the mechanism, less where its parts are small.
@@ -42,7 +42,6 @@ export class World {
     this.joints = new Joints(data, this, this.frame, this.unit, instants(motion, 60));
     this.stretched = new Stretched(data, this, this.unit);
     this.badges = new Badges(data, this, this.unit);
-    this.switches = new Switches(data);
     this.arrows = new Arrows(data, motion, this, this.frame, this.unit);
     this.trails = new Trails(motion, this);
     this.addTrails();
@@ -92,7 +91,7 @@ export class World {
 
   // Links that are not in force are not shown; those that were deactivated leave a cross.
   showActive(t) {
-    const states = this.switches.statesAt(t),
+    const states = statesAt(this.data, t),
       key = states.join();
     if (key === this.active) return;
     this.active = key;
