@@ -138,7 +138,7 @@ TEST_CASE("a guide out of reach is reported by its least distance", "[runner]") 
   check_mistake({"check '" + slider_crank("0.3") + "'", 0, {"OK: the mechanism assembles"}});
   check_mistake({"check '" + slider_crank("0.8") + "'",
                  5,
-                 {"error: the mechanism cannot be assembled: a loop is open by 0.3 m", "span at least 0.8 m from joint",
+                 {"error: the mechanism cannot be assembled: a loop is open by 0.3 m", "spans at least 0.8 m from joint",
                   "reach 0.5 m together", "at least 0.3 m nearer to each other"}});
   const std::string at_zero = R"(, "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1}})";
   check_mistake({"check '" + slider_crank("0.4", at_zero) + "'",  // the rod of 0.35 m from B
@@ -301,7 +301,7 @@ TEST_CASE("a dead centre is reported by every method, and drives that begin apar
                    {"error: drive G.z has reached a limit position (dead centre) at t = 0.366 s"}});
   check_mistake({driven("far", R"({"type": "formula", "y": "=3 + t"})"),
                  5,
-                 {"drive G.z begins at 3 m, 3 m from the given poses"}});
+                 {"with drive G at its start, a loop is open by 2.54 m", "or let drive G begin elsewhere"}});
   check_mistake(
       {"run '" + scene_file("apart", R"("bodies": [
       {"name": "shaft", "cylinder": {"mass": 2, "radius": 0.02, "length": 0.5}}],
@@ -409,6 +409,16 @@ TEST_CASE("numbers that no machine has are warned of, in check and in run", "[mi
     CHECK(contains(called.text, "implausible.json:1:"));
   }
   CHECK(table_of("implausible").n_rows() == 11);
+  const auto turned =
+      [](const std::string& angle) {
+        return call("check '" + scene_file("turned", R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 0.1},
+      "orientation": {"axis": "z", "angle": )" + angle + "}}], \"run\": {\"until\": 1}") +
+                    "'")
+            .text;
+      };
+  CHECK(contains(turned("45"), "is 45 rad, more than a revolution; if degrees are meant, write \"45 deg\""));
+  CHECK_FALSE(contains(turned("6.2"), "more than a revolution"));
+  CHECK_FALSE(contains(turned("\"450 deg\""), "more than a revolution"));
 }
 
 }  // namespace mistakes_test

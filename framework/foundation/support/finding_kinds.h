@@ -47,9 +47,10 @@ inline constexpr FindingKind start_far{"start-far", Severity::doubt,
 // -- probably not what was meant
 inline constexpr FindingKind renamed_key{"renamed-key", Severity::warning,
                                          "A key of the scene, or of --set, has its old name.", "Use the new name."};
-inline constexpr FindingKind implausible{"implausible", Severity::warning,
-                                         "Gravity, or an inertia for its mass, is too large. Lengths are not tested.",
-                                         "Give numbers in m, kg and s, or with their units, as \"500 mm\"."};
+inline constexpr FindingKind implausible{
+    "implausible", Severity::warning,
+    "Gravity, an inertia for its mass, or an angle without a unit is too large. Lengths are not tested.",
+    "Give numbers in m, kg, s and rad, or with their units, as \"500 mm\" and \"45 deg\"."};
 inline constexpr FindingKind not_included{
     "not-included", Severity::warning,
     "An included scene has a key that is read from the main scene only, and the main scene does not give it.",

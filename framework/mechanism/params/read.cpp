@@ -6,7 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include <lockstep/finding.h>
 #include <lockstep/text.h>
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/params/units.h"
 
 namespace lockstep {
@@ -75,7 +77,18 @@ const Value& partner(const Value& v, const char* key, const char* wanted, const 
 
 Quat read_turn(const Value& v, const std::string& context) {
   const Vec3 n = read_axis(partner(v, "angle", "axis", context), part_of(context, "axis"));
-  return axis_angle(n, read_number(partner(v, "axis", "angle", context), Unit::angle, part_of(context, "angle")));
+  const Value& given = partner(v, "axis", "angle", context);
+  const std::string whose = part_of(context, "angle");
+  const double angle = read_number(given, Unit::angle, whose);
+  if (given.number() != nullptr && std::abs(angle) > kTwoPi)
+    report_finding({.kind = &finding::implausible,
+                    .thing = whose,
+                    .message = whose + " is " + text::brief(angle) + " rad, more than a revolution",
+                    .advice = "if degrees are meant, write \"" + text::brief(angle) + " deg\"",
+                    .value = angle,
+                    .unit = "rad",
+                    .place = given.where.text()});
+  return axis_angle(n, angle);
 }
 
 Quat read_angle_orientation(const Value& v, const std::string& context) {

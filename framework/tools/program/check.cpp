@@ -318,7 +318,10 @@ Result check_scene(const Arguments& args) {
   Mechanism m = build_observed(loaded.scene, loaded.registry);
   if (args.has("--channels")) return {loaded, channel_fields(), channels_of(m.system, args["--of"])};
   const Findings found = found_in(args, loaded, m);
-  if (!found.moves.error.empty()) tell_error(found.moves.error);
+  if (!found.moves.error.empty())
+    tell_error(found.moves.error);
+  else if (!args.has("--verbose"))  // which lists them
+    note_not_unique(found.moves.reactions);
   Result result(loaded, check_fields(), found);
   result.brief = head_text(m.system, found) + brief_text(found, args.has("--verbose"));
   Json shown = result.data;

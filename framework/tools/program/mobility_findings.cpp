@@ -92,7 +92,6 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   }
   r.freedoms = in_space.freedoms, r.driven = in_space.driven, r.drives = in_space.drives;
   found.columns_not_unique = columns_not_unique(m.run, found.reactions);
-  if (found.error.empty()) note_not_unique(found.reactions);
   if (r.freedoms > 0 && r.freedoms <= kMostMotions && in_space.unknowns <= kDenseUnknowns)
     found.moves = driven_by(dynamics, at);
   return found;

@@ -129,7 +129,7 @@ void merge_spans(std::vector<Span>& loop, double t, bool driven) {
     else if (two.slides())
       one.slide = rotation(to_one.q) * two.slide;
     one.b = to_one * two.b;
-    one.bodies += ", " + two.bodies, one.to = two.to;
+    one.bodies += " with " + two.bodies, one.to = two.to;
     if (driven && !laws.empty()) one.drives.push_back(joint.link->name());
     for (const std::string& name : two.drives) one.drives.push_back(name);
     loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(next));
@@ -158,7 +158,7 @@ std::optional<Cause> cause_of_loop(const std::vector<Span>& loop) {
       "the mechanism cannot be assembled: {}a loop is open by {:.3g} m. {} {} {:.3g} m from joint {} to joint {}, but "
       "{} "
       "reach {:.3g} m together",
-      at_start, open, longest->bodies, longest->slides() ? "span at least" : "spans", length, from, to,
+      at_start, open, longest->bodies, longest->slides() ? "spans at least" : "spans", length, from, to,
       text::join(others), rest);
   const bool apart = longest->slot == kGround || !longest->drives.empty() || longest->slides();
   if (length > 100 * rest)  // a unit is wrong

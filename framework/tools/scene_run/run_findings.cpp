@@ -53,7 +53,7 @@ std::vector<Finding> run_findings(StepLoop& run, const Audit& audit, const Doubt
   if (std::isfinite(report.stiff_since))
     all.push_back({&finding::stiff, "",
                    fmt::format("damped fast modes limited the steps from t = {:.4g} s on", report.stiff_since),
-                   "an implicit method, as --integrator radau5, may be cheaper: compare by lockstep advise",
+                   "an implicit method, such as --integrator radau5, may be cheaper: compare by lockstep advise",
                    std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(), "",
                    report.stiff_since});
   return all;
