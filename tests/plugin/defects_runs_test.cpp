@@ -68,7 +68,7 @@ TEST_CASE("nearly redundant constraints are named before a start velocity that v
   INFO(trammel.text);
   CHECK(trammel.exit == 5);
   CHECK(contains(trammel.text,
-                 "1 of P1 x y e1 e2 e3; P2 x y e1 e3; R1 x y z e1 e2; R2 x y z e1 e2 is nearly redundant"));
+                 "1 of the constraints P1 x y e1 e2 e3; P2 x y e1 e3; R1 and R2 x y z e1 e2 is nearly redundant"));
   CHECK(contains(trammel.text, "start velocity: P1.z is impossible"));
 }
 

@@ -49,9 +49,10 @@ void meet(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& t
       if (left <= start_limit() * std::max(1.0, largest)) return;
       std::vector<std::string> names;
       for (const VelocityTarget& t : targets) names.push_back(t.link + "." + std::string(to_string(t.axis)));
-      throw AssemblyError("start velocity: " + text::join(names) +
-                          (targets.size() > 1 ? " are incompatible" : " is impossible") +
-                          ": the joints do not allow this motion; give fewer coordinates, or one that is free");
+      throw AssemblyError(
+          "start velocity: " + text::join(names) + (targets.size() > 1 ? " are incompatible" : " is impossible") +
+          ": the joints do not allow this motion; give fewer coordinates, or one that is free (lockstep "
+          "check lists free motions and nearly redundant joints)");
     }
     before = left;
     const Evaluation& e = dynamics.gather_rows(state);

@@ -17,10 +17,12 @@ std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
   if (choice == NearlyRedundant::reported || !d.decided)
     return "Solvers may differ; choose \"nearly_redundant\": \"held\" or \"free\" (--nearly-redundant)";
   const std::string left_out =
-      d.left_out.empty() ? "" : fmt::format(". Left out, because others imply them: {}", by_joint(d.left_out));
+      d.left_out.empty() ? "" : fmt::format(". Dropped, because others imply them: {}", by_joint(d.left_out));
   if (choice != NearlyRedundant::free)
     return "It is kept, so it may lock the mechanism" + left_out +
-           (choice == NearlyRedundant::held ? "" : ". To release it: --nearly-redundant free");
+           (choice == NearlyRedundant::held
+                ? ""
+                : ". To release it, as of joints that are slightly misaligned: --nearly-redundant free");
   return fmt::format(
       "It is released{}. Violation after a motion of 0.3 rad: {:.1g} m. To hold it: --nearly-redundant held", left_out,
       d.violation);
@@ -36,9 +38,10 @@ std::string decision(const NearDependency& d, NearlyRedundant choice) {
 
 Finding finding_of(const NearDependency& d, NearlyRedundant choice) {
   Finding f{&finding::nearly_redundant, by_joint(d.rows)};
-  f.message = fmt::format("{} of {} {} nearly redundant (relative singular value {:.2g}, 0 is redundant). ", d.nearly,
-                          by_joint(d.rows), d.nearly == 1 ? "is" : "are", d.singular_value) +
-              decided_words(d, choice);
+  f.message =
+      fmt::format("{} of the constraints {} {} nearly redundant (relative singular value {:.2g}, 0 is redundant). ",
+                  d.nearly, by_joint(d.rows), d.nearly == 1 ? "is" : "are", d.singular_value) +
+      decided_words(d, choice);
   f.value = d.singular_value;
   return f;
 }

@@ -94,8 +94,14 @@ std::string by_joint(const std::vector<std::string>& constraints) {
     if (found == joints.end()) found = joints.insert(found, {joint, ""});
     found->second += own;
   }
+  std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // of the same constraints
+  for (const auto& [joint, own] : joints) {
+    auto found = std::ranges::find(groups, own, [](const auto& group) { return group.first; });
+    if (found == groups.end()) found = groups.insert(found, {own, {}});
+    found->second.push_back(joint);
+  }
   std::string words;
-  for (const auto& [joint, own] : joints) words += (words.empty() ? "" : "; ") + joint + own;
+  for (const auto& [own, all] : groups) words += (words.empty() ? "" : "; ") + first_of(all) + own;
   return words;
 }
 

@@ -7,6 +7,7 @@
 #include <lockstep/error.h>
 #include <lockstep/recorder.h>
 #include <lockstep/scene.h>
+#include <lockstep/text.h>
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 #include "framework/mechanism/params/read.h"
