@@ -282,7 +282,7 @@ std::string redundant_words(const Findings& f, bool all) {
   if (all && r.redundant > 0) words = fmt::format("{}, in the table of dependent constraints", r.redundant);
   for (const Dependency& d : r.dependencies)
     if (!all) add(static_cast<std::size_t>(d.too_many), "of", d.rows);
-  for (const NearDependency& d : f.moves.near.all) add(d.left_out.size(), "of these left out:", d.left_out);
+  for (const NearDependency& d : f.moves.near.all) add(d.left_out.size(), "of these dropped:", d.left_out);
   return (words.empty() ? "none" : words) + where;
 }
 
