@@ -6,6 +6,7 @@
 #include <spdlog/fmt/ranges.h>
 
 #include <algorithm>
+#include <nlohmann/ordered_map.hpp>
 #include <span>
 #include <string_view>
 
@@ -86,20 +87,13 @@ std::string first_of(const std::vector<std::string>& names, std::size_t most) {
 }
 
 std::string by_joint(const std::vector<std::string>& constraints) {
-  std::vector<std::pair<std::string, std::string>> joints;
+  nlohmann::ordered_map<std::string, std::string> joints;
   for (const std::string& name : constraints) {
     const std::size_t dot = std::min(name.rfind('.'), name.size());
-    const auto [joint, own] = std::pair(name.substr(0, dot), dot < name.size() ? " " + name.substr(dot + 1) : "");
-    auto found = std::ranges::find(joints, joint, &std::pair<std::string, std::string>::first);
-    if (found == joints.end()) found = joints.insert(found, {joint, ""});
-    found->second += own;
+    joints[name.substr(0, dot)] += dot < name.size() ? " " + name.substr(dot + 1) : "";
   }
-  std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // of the same constraints
-  for (const auto& [joint, own] : joints) {
-    auto found = std::ranges::find(groups, own, [](const auto& group) { return group.first; });
-    if (found == groups.end()) found = groups.insert(found, {own, {}});
-    found->second.push_back(joint);
-  }
+  nlohmann::ordered_map<std::string, std::vector<std::string>> groups;  // of the same constraints
+  for (const auto& [joint, own] : joints) groups[own].push_back(joint);
   std::string words;
   for (const auto& [own, all] : groups) words += (words.empty() ? "" : "; ") + first_of(all) + own;
   return words;
