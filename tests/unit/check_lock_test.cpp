@@ -330,6 +330,15 @@ struct Flat {
     return 0.0 * y.z;
   }
 };
+/// Its gradient vanishes at its solutions.
+struct Squared {
+  static constexpr PhiSpec spec{.reads = Reads::translation};
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    return y.z * y.z;
+  }
+};
+
 struct SameAsMask {
   static constexpr PhiSpec spec{};
   template <class T>
@@ -436,6 +445,13 @@ TEST_CASE("check_lock finds a function that removes no degree of freedom", "[uni
   CHECK(says(flat, "  constraint phi removes no degree of freedom in any state; look at its equation"));
   CHECK(says(same, "  constraint phi removes no degree of freedom in any state"));
   CHECK(right.notes().size() == 1);
+}
+
+TEST_CASE("check_lock finds a function without a gradient at its solutions", "[unit][check]") {
+  const CheckReport report = typed<Squared>();
+  CAPTURE(report.text());
+  CHECK(report.findings().size() == 1);
+  CHECK(says(report, "  constraint phi has no gradient at its solutions (seed 1, state 0)"));
 }
 
 TEST_CASE("check_lock names the joint whose function throws", "[unit][check]") {

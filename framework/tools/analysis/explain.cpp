@@ -2,6 +2,8 @@
 // Accounts of bodies and joints from one solution of the equations of motion.
 #include <lockstep/explain.h>
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <array>
 
@@ -41,9 +43,11 @@ void add_loads(const System& system, const Evaluated& v, int slot, std::vector<C
 }
 
 std::string left_out_in(Plane plane) {
-  return !plane ? ""
-                : std::string("motion in the plane with normal ") + "xyz"[plane.n] +
-                      ": forces along the normal and moments about axes in the plane are not computed";
+  if (!plane) return "";
+  return fmt::format(
+      "motion in the plane with normal {}: forces along the normal and moments about axes in the plane are not "
+      "computed",
+      "xyz"[plane.n]);
 }
 
 std::vector<double> numbers(const Vec3& v) { return {v[0], v[1], v[2]}; }

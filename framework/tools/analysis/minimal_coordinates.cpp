@@ -6,6 +6,8 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/row_space.h"
+#include "framework/tools/rank/stopping_form.h"
+#include "framework/tools/rank/unknowns.h"
 
 namespace lockstep {
 

@@ -126,6 +126,7 @@ class LockCheck final : public StateCheck {
   }
 
   void at_state() override {
+    if (function_ != nullptr && index_ == 0) gradient_at_solution();
     between(index_ == 0 ? start_of(system_, state_.t) : last_, state_);
     last_ = state_;
     everything_written();
@@ -221,6 +222,15 @@ class LockCheck final : public StateCheck {
     }
   }
 
+  // Newton's method halves the distance to a double root: so much smaller is its gradient then.
+  void gradient_at_solution() {
+    const MatX met = numbers(on_rows(state_));
+    for (int k = m_ - function_->spec().rows; k < m_; ++k)
+      if (!(met.row(k).tail(6 * n_).norm() >= 10 * kSlight * is_.row(k).tail(6 * n_).norm()))
+        doubled_ = true, add(fmt::format("solution {}", k), row(k) + " has no gradient at its solutions",
+                             "its equation: x^2 = 0, for example, holds nothing at x = 0; write x = 0");
+  }
+
   // The values of phi, or their derivatives, as coordinate i of pair k (0 to 6; 7: the time) changes by x.
   Curve phi_along(int k, int i, double Time::*part) const {
     return [=, this](double x) {
@@ -271,7 +281,7 @@ class LockCheck final : public StateCheck {
   // Bisects between two states on the rows of the joint, along them and then on the straight line: always into the
   // half with the larger departure from the linear function of its ends.
   void between(const TestState& from, const TestState& to) override {
-    if (function_ == nullptr || remembering_ != nullptr) return;
+    if (function_ == nullptr || remembering_ != nullptr || doubled_) return;
     const auto departure = [&](const TestState& a, const VecX& A, const TestState& b, const VecX& B) {
       const VecX x = motion(a, b);
       return std::abs(B[0] - A[0] - x.dot(A.tail(6 * n_))) + std::abs(B[0] - A[0] - x.dot(B.tail(6 * n_)));
@@ -497,6 +507,7 @@ class LockCheck final : public StateCheck {
   TestState last_;                     // under test before
   int m_;                              // rows
   std::vector<bool> idle_;             // rows that remove no degree of freedom in any state so far
+  bool doubled_ = false;               // a row has no gradient at its solutions
 };
 
 }  // namespace

@@ -266,7 +266,7 @@ of at most --error, and `lockstep run` does not report it as WRONG. A wrong run 
 constraint violation, a rotation of more than 1 rad in a step, or a singular configuration passed without projected
 stages indicates it. Runs are compared with a reference solution of the same mechanism. A black line is the largest
 stable step of a method with fixed steps, by linear theory at the start. The CSV file has a row for every run, with the
-reason if it failed.
+reason if it failed or was reported as WRONG.
 
 Example:
   lockstep atlas samples/scenes/mass_spring_damper.json --vary run.step=1e-3:3:30:log --vary forces.spring_a.stiffness=1:1e4:20:log --integrators rk4,semi_implicit_euler,radau5)",

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include <lockstep/error.h>
+#include "framework/foundation/support/hash.h"
 #include "framework/tools/record/csv_lines.h"
 
 namespace lockstep {

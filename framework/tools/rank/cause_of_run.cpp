@@ -11,6 +11,7 @@
 #include <lockstep/author/registry.h>
 #include <lockstep/solvers.h>
 #include <lockstep/system.h>
+#include "framework/dynamics/evaluate/row_space.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/system/diagnose.h"

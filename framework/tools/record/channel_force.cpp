@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep::channels {
