@@ -218,6 +218,12 @@ TEST_CASE("a locked mechanism that is driven is reported, with the axis that loc
   check_mistake({"check turned.json",
                  5,
                  {"the mechanism is locked", "correct the axis of joint C: it is 90 deg off the axes of all other joints"}});
+  for (const double tilt : {1e-7, 1e-5, 1e-3}) {
+    CAPTURE(tilt);
+    turned["joints"][2]["axis"] = {tilt, 0, 1};
+    std::ofstream(kRunnerFolder + "/turned.json") << turned;
+    check_mistake({"check turned.json", 5, {"the mechanism is locked", "correct the axis of joint C: it is"}});
+  }
 }
 
 TEST_CASE("a start outside a stop and a step that is too long are reported as such", "[runner]") {
@@ -416,6 +422,9 @@ TEST_CASE("numbers that no machine has are warned of, in check and in run", "[mi
                     "'")
             .text;
       };
+  const std::string once = turned("45");
+  INFO(once);
+  CHECK(once.find("more than a revolution") == once.rfind("more than a revolution"));
   CHECK(contains(turned("45"), "is 45 rad, more than a revolution; if degrees are meant, write \"45 deg\""));
   CHECK_FALSE(contains(turned("6.2"), "more than a revolution"));
   CHECK_FALSE(contains(turned("\"450 deg\""), "more than a revolution"));

@@ -89,8 +89,9 @@ TEST_CASE("A body or joint is rejected while a run of its system exists", "[simu
     CHECK(message_of<ModelError>([&] {
             system.add_particle("late", 1, {0, 0, 0});
           }) == "body 'late': the run of its system has begun; add it before the run, or build the system again");
-    CHECK(says(message_of<ModelError>([&] { system.add<Revolute>("late", rod, system.ground(), pose_at({})); }),
-               {"joint 'late': the run of its system has begun"}));
+    CHECK(
+        says(message_of<ModelError>([&] { system.add<Revolute>("late", rod, system.ground(), pose_at(Vec3::Zero())); }),
+             {"joint 'late': the run of its system has begun"}));
     run.run_until(0.2);
   }
   system.add_particle("later", 1, {0, 0, 0});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/finding.h>
 
+#include <algorithm>
 #include <array>
 
 #include <lockstep/error.h>
@@ -49,7 +50,11 @@ std::vector<std::string> texts_of(const std::vector<Finding>& findings) {
 }
 
 void report_finding(const Finding& f) {
+  const auto is_same = [&f](const Finding& g) {
+    return g.place == f.place && g.code() == f.code() && g.message == f.message;
+  };
   for (FindingScope* scope = innermost; scope != nullptr; scope = scope->outer_) {
+    if (!f.place.empty() && std::ranges::any_of(scope->found, is_same)) return;  // a place of a scene is read twice
     scope->found.push_back(f);
     if (!scope->hands_on_) return;
   }

@@ -407,8 +407,8 @@ Cause first_found(std::initializer_list<std::function<std::optional<Cause>()>> f
 }  // namespace
 
 Cause cause_of_start(Dynamics& dynamics, const State& given) {
-  return first_found(
-      {[&] { return open_loop(dynamics.system(), given); }, [&] { return contradicting(dynamics, given); }});
+  return first_found({[&] { return open_loop(dynamics.system(), given); },
+                      [&] { return contradicting(dynamics, given); }, [&] { return locked(dynamics, given); }});
 }
 
 Cause cause_of_lock(Dynamics& dynamics, const State& at) {

@@ -18,9 +18,11 @@ namespace {
 double must_be_number(const System& system, const Force& f, const char* what, double value, const Inputs& in) {
   if (std::isfinite(value)) return value;
   check_wrench(system, in, f);
-  throw NonFiniteError(at_time(in.t) + thing_of(f).label() + ": its energy is not finite: " + what + " is " +
-                           text::number(value) + "; " + (in.t == 0 ? "check its parameters" : kShorterStep),
-                       {.thing = thing_of(f), .t = in.t});
+  const Thing whose = thing_of(f);
+  const std::string own = whose.origin == "built in" ? "" : std::string(": ") + what + " is " + text::number(value);
+  throw NonFiniteError(at_time(in.t) + whose.label() + ": its energy is not finite" + own + "; " +
+                           (in.t == 0 ? "check its parameters" : kShorterStep),
+                       {.thing = whose, .t = in.t});
 }
 
 // Adds the energy of slot k to a sum, which may be too large for a double.
