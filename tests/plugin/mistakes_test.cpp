@@ -222,7 +222,14 @@ TEST_CASE("a locked mechanism that is driven is reported, with the axis that loc
     CAPTURE(tilt);
     turned["joints"][2]["axis"] = {tilt, 0, 1};
     std::ofstream(kRunnerFolder + "/turned.json") << turned;
-    check_mistake({"check turned.json", 5, {"the mechanism is locked", "correct the axis of joint C: it is"}});
+    check_mistake(
+        {"check turned.json", 5, {"the mechanism is locked", "correct the axis of joint C: it is", "or release it"}});
+    const Called released = call("run turned.json --nearly-redundant free --no-picture --record released.csv");
+    const Called plane = call("run " + sample("four_bar") + " --no-picture --record plane.csv");
+    INFO(released.text);
+    REQUIRE(released.exit == 0);
+    for (const char* column : {"rocker", "drive_torque"})
+      CHECK(std::abs(table_of("released").last(column) - table_of("plane").last(column)) < 10 * tilt + 1e-7);
   }
 }
 

@@ -297,8 +297,9 @@ std::optional<Cause> locked(Dynamics& dynamics, const State& state) {
                            text::join(mobile.drives));
   cause.kind = Error::Kind::assembly;
   if (const auto [joint, angle] = odd_axis(dynamics, state); joint != nullptr)
-    cause.hint = fmt::format("correct the axis of joint {}: it is {:.3g} deg off the axes of all other joints",
-                             joint->name(), degrees(angle));
+    cause.hint =
+        fmt::format("correct the axis of joint {}: it is {:.3g} deg off the axes of all other joints{}", joint->name(),
+                    degrees(angle), angle < 2 * kNearlyDependent ? ", or release it (--nearly-redundant free)" : "");
   else if (cause.hint = to_plane(dynamics, state); !cause.hint.empty())
     return cause;
   else if (!mobile.redundant_links.empty())

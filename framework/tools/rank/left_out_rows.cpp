@@ -75,6 +75,16 @@ void leave_out(System& system, const std::vector<NamedRow>& rows) {
   for (const NamedRow& row : rows) system.leave_out(*row.link, system.left_out(*row.link) | 1U << row.own);
 }
 
+void release_drives(System& system) {
+  for (const auto& link : system.links()) {
+    unsigned drives = 0;
+    for (int k = 0; k < link->row_count(); ++k)
+      if (link->row(k).drive >= 0) drives |= 1U << k;
+    if (drives != 0) system.leave_out(*link, system.left_out(*link) | drives);
+  }
+  system.setup();
+}
+
 void take_back(System& system) {
   system.setup();
   for (const auto& link : system.links())
@@ -85,8 +95,7 @@ void take_back(System& system) {
 
 double violation_without(System& system, Dynamics& dynamics, const State& start, const std::vector<NamedRow>& rows,
                          const std::vector<NamedRow>& all_left_out) {
-  leave_out(system, all_left_out);
-  system.setup();
+  leave_out(system, all_left_out), release_drives(system);
   const AtEnd back([&] { take_back(system); });  // it was set up before with all rows: that does not throw
   double most = 0;
   for (const NamedRow& row : rows) {

@@ -15,11 +15,13 @@ bool are_few_rows(const System&, const std::vector<bool>& modes);
 
 /// Leaves rows out, in addition to those that are.
 void leave_out(System&, const std::vector<NamedRow>&);
+/// Leaves out the rows of drives, too.
+void release_drives(System&);
 /// Puts all rows that were left out back, and revokes the decision to keep nearly dependent rows.
 void take_back(System&);
 
 /// The largest violation of `rows`, m, on assembled poses without them: along what each of them held the mechanism
-/// moves on by 0.3 rad, or the same part of System::length(). HUGE_VAL if it cannot. They are left out as long as it
+/// moves on by 0.3 rad without its drives, or the same part of System::length(). HUGE_VAL if it cannot. They are left out as long as it
 /// looks.
 double violation_without(System&, Dynamics&, const State&, const std::vector<NamedRow>& rows,
                          const std::vector<NamedRow>& all_left_out);

@@ -174,6 +174,7 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
   take_back(system);
   std::vector<NearDependency> told;
   if (!has_loops(system, state.modes)) return told;
+  release_drives(system);  // they hold what is free, so nothing would be nearly dependent with them
   std::deque<LoopChoice> loops;
   {
     const RowTable& table = dynamics.gather_rows(state).rows();
@@ -181,11 +182,15 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
       if (const LoopRows rows(system, table, entries); rows.n() <= kDenseRows) loops.emplace_back(system, table, rows);
   }
   std::vector<NearSet> all = nearly_dependent(loops);
-  if (all.empty()) return told;
+  if (all.empty()) {
+    take_back(system);
+    return told;
+  }
   const NearlyRedundant choice = asked != NearlyRedundant::automatic ? asked
                                  : are_few_rows(system, state.modes) ? NearlyRedundant::held
                                                                      : NearlyRedundant::reported;
   try_out(system, dynamics, state, all);
+  take_back(system);
   std::vector<NamedRow> gone;
   for (NearSet& f : all) {
     f.told.decided = choice != NearlyRedundant::reported && f.told.undecided.empty() && !f.told.in_passing;
