@@ -137,7 +137,7 @@ void merge_spans(std::vector<Span>& loop, double t, bool driven) {
   }
 }
 
-std::optional<Cause> cause_of_loop(const std::vector<Span>& loop) {
+Cause cause_of_loop(const std::vector<Span>& loop) {
   const auto n_slides = std::ranges::count_if(loop, &Span::slides);
   if (n_slides > 1 || std::ranges::any_of(loop, [](const Span& s) { return s.to->slide >= 0; })) return {};
   const auto longest =
@@ -176,13 +176,13 @@ std::optional<Cause> cause_of_loop(const std::vector<Span>& loop) {
   return cause;
 }
 
-std::optional<Cause> open_loop(const System& system, const State& state) {
+Cause open_loop(const System& system, const State& state) {
   const std::vector<LoopJoint> joints = loop_joints(system, state);
   const std::vector<std::vector<Span>> all = loops(joints, system.n_slots());
   for (const bool driven : {false, true})
     for (std::vector<Span> loop : all) {
       merge_spans(loop, state.t, driven);
-      if (std::optional<Cause> cause = cause_of_loop(loop)) return cause;
+      if (Cause cause = cause_of_loop(loop); cause.found()) return cause;
     }
   return {};
 }
@@ -289,7 +289,7 @@ std::pair<const Lock*, double> odd_axis(Dynamics& dynamics, const State& state) 
   return {};
 }
 
-std::optional<Cause> locked(Dynamics& dynamics, const State& state) {
+Cause locked(Dynamics& dynamics, const State& state) {
   const MobilityReport mobile = mobility(dynamics, state);
   if (mobile.freedoms + mobile.driven > 0 || mobile.drives.empty()) return {};
   Cause cause;
@@ -330,7 +330,7 @@ void close_stops(Dynamics& dynamics, State& state) {
       contacts.put(i, true, state);
 }
 
-std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
+Cause contradicting(Dynamics& dynamics, const State& at) {
   State moving = at;
   dynamics.to_slots(moving);
   close_stops(dynamics, moving);
@@ -389,7 +389,7 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
                                      : who->rates + " is required of it by " + text::join(who->drives, " and ")),
         first + "remove one of them, or let their motions agree"};
   }
-  if (std::optional<Cause> cause = locked(dynamics, still)) return cause;
+  if (Cause cause = locked(dynamics, still); cause.found()) return cause;
   return Cause{fmt::format("drive {} has reached a limit position (dead centre) {}: {} allows no further motion",
                            who->drives.front(), when, joints),
                other_lengths + (at.t > 0 ? ", or end the motion before it" : ", or begin away from it"),
@@ -397,9 +397,9 @@ std::optional<Cause> contradicting(Dynamics& dynamics, const State& at) {
 }
 
 // The evaluation that a fact needs may be what fails: then there is no fact.
-Cause first_found(std::initializer_list<std::function<std::optional<Cause>()>> finders) {
+Cause first_found(std::initializer_list<std::function<Cause()>> finders) {
   for (const auto& find : finders) try {
-      if (std::optional<Cause> cause = find()) return *cause;
+      if (Cause cause = find(); cause.found()) return cause;
     } catch (const Error&) {
     }
   return {};
@@ -421,10 +421,10 @@ Cause cause_of_stop(Dynamics& dynamics, const State& at) {
 }
 
 void rethrow_with(const Cause& cause, const Error& error, const std::string& lines) {
-  if (cause.fact.empty() && lines.empty()) throw;
+  if (!cause.found() && lines.empty()) throw;
   ErrorData about = error;
   std::string sentence = error.what();
-  if (!cause.fact.empty() && error.kind() != Error::Kind::user_code) {
+  if (cause.found() && error.kind() != Error::Kind::user_code) {
     about.problem = cause.fact, about.advice = cause.hint;
     if (std::isnan(about.t)) about.t = cause.t;
     sentence = cause.fact + "; " + cause.hint;

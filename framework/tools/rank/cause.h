@@ -17,6 +17,7 @@ struct Cause {
   std::string fact, hint;
   Error::Kind kind = Error::Kind::other;  ///< assembly or step: of the error that is thrown; other: of that it explains
   double t = std::numeric_limits<double>::quiet_NaN();  ///< simulated time, s
+  bool found() const { return !fact.empty(); }
 };
 
 /// What is wrong with a start that cannot be assembled. `given`: the start as it was given.

@@ -86,7 +86,7 @@ Cause found_by_small_steps(Dynamics& dynamics, State start, double end, double s
       motion.add(start);
     }
   } catch (const Error&) {
-    if (Cause cause = cause_of_stop(dynamics, start); !cause.fact.empty()) return cause;
+    if (Cause cause = cause_of_stop(dynamics, start); cause.found()) return cause;
   }
   double rate = 0, t = 0;
   for (const State& at : motion.states()) try {
@@ -116,7 +116,7 @@ Cause cause_of_run(System& system, StepLoop& run, State started, double step) {
     Dynamics own(system, std::make_unique<SparseSolver>(), dynamics.options());  // that of the run may go on
     if (Cause cause =
             found_by_small_steps(own, started, changed ? started.t : at.t + 2 * step, step, run.report().steps + 1000);
-        !cause.fact.empty())
+        cause.found())
       return cause;
   }
   if (has(finding::violated_in_run) != findings.end() &&
@@ -134,7 +134,7 @@ void rethrow_of_run(System& system, StepLoop& run, const State& started, double 
   Cause cause;
   if (std::ranges::count(kOfMechanism, error.kind()) > 0) cause = cause_of_run(system, run, started, step);
   const std::string first = tests_first(system);
-  if (cause.fact.empty() && error.kind() == Kind::step && !first.empty() && error.advice.find(first) == error.advice.npos)
+  if (!cause.found() && error.kind() == Kind::step && !first.empty() && error.advice.find(first) == error.advice.npos)
     cause = {error.fact(), first + error.advice};
   rethrow_with(cause, error, lines);
 }

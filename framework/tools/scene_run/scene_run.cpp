@@ -121,7 +121,7 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
 }
 
 void refuse_driven_lock(Dynamics& dynamics, const State& start) {
-  if (const Cause lock = cause_of_lock(dynamics, start); !lock.fact.empty())
+  if (const Cause lock = cause_of_lock(dynamics, start); lock.found())
     throw AssemblyError({.problem = lock.fact, .advice = lock.hint});
 }
 
