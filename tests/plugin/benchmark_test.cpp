@@ -279,6 +279,10 @@ TEST_CASE("a method is not given up while its runs are wrong by energy alone", "
   std::ifstream file(kFolder + "/prescribed/four_bar_chart.csv");
   const std::string all(std::istreambuf_iterator<char>(file), {});
   CHECK(all.find(",project,") < all.find(",none,"));  // the base is the scene's own
+  if (!find_gnuplot().empty()) {
+    std::ifstream picture(kFolder + "/prescribed/four_bar_chart.svg");
+    CHECK(contains(std::string(std::istreambuf_iterator<char>(picture), {}), "nothing is integrated"));
+  }
 }
 
 TEST_CASE("a chart gives the reason why a plane has no quaternions", "[benchmark]") {

@@ -215,8 +215,8 @@ class LOCKSTEP_API System final : public AngleCounter {
   bool merged(const Lock&) const;
   /// Leaves constraints of a joint out of all tables: they hold nothing and have no reaction. Meant for redundant or
   /// nearly redundant ones (decide_nearly_redundant()). An evaluation throws ModelError if one is violated by more than
-  /// a hundredth: of length(), or as a number. `rows`: a bit for each row of the joint, replacing the earlier ones.
-  /// Call it after setup. Throws ModelError for a row that the joint does not have.
+  /// a hundredth: of length(), or as a number. A drive that is left out is released. `rows`: a bit for each row of the
+  /// joint, replacing the earlier ones. Call it after setup. Throws ModelError for a row that the joint does not have.
   void leave_out(const Lock&, unsigned rows);
   /// Constraints that were left out, a bit for each.
   unsigned left_out(const Lock&) const;

@@ -50,7 +50,7 @@ void check_count(const char* what, Eigen::Index found, Eigen::Index needed) {
 // A row that is left out must demand nothing: of a motion out of the plane, or of one that rows on which it depends hold.
 void check_absent_row(const System& system, const Inputs& in, const Lock& link, int k, const RowView& all) {
   if ((system.left_out(link) >> k & 1U) != 0) {
-    if (link.row(k).drive >= 0) return;  // of a drive that is released on trial
+    if (link.row(k).drive >= 0) return;  // the drive is released
     constexpr double kMost = 1e-2;
     const double x = std::abs(all.C(k)),
                  limit = kMost * (link.row_kind(k) == RowKind::translation ? system.length() : 1.0);
