@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <lockstep/text.h>
-#include "framework/dynamics/tree/buckets.h"
 #include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/spanning_tree.h"
 #include "framework/foundation/math/limits.h"
