@@ -222,12 +222,14 @@ TEST_CASE("a locked mechanism that is driven is reported, with the axis that loc
     CAPTURE(tilt);
     turned["joints"][2]["axis"] = {tilt, 0, 1};
     std::ofstream(kRunnerFolder + "/turned.json") << turned;
-    check_mistake(
-        {"check turned.json", 5, {"the mechanism is locked", "correct the axis of joint C: it is", "or release it"}});
-    const Called released = call("run turned.json --nearly-redundant free --no-picture --record released.csv");
+    check_mistake({"check turned.json --nearly-redundant held",
+                   5,
+                   {"the mechanism is locked", "correct the axis of joint C: it is", "or release it"}});
+    const Called released = call("run turned.json --no-picture --record released.csv");
     const Called plane = call("run " + sample("four_bar") + " --no-picture --record plane.csv");
     INFO(released.text);
     REQUIRE(released.exit == 0);
+    CHECK(contains(released.text, "It is released, because it would lock the drives. Dropped"));
     for (const char* column : {"rocker", "drive_torque"})
       CHECK(std::abs(table_of("released").last(column) - table_of("plane").last(column)) < 10 * tilt + 1e-7);
   }
@@ -422,6 +424,17 @@ TEST_CASE("numbers that no machine has are warned of, in check and in run", "[mi
     CHECK(contains(called.text, "implausible.json:1:"));
   }
   CHECK(table_of("implausible").n_rows() == 11);
+  const auto joined_at = [](const std::string& center) {
+    return call("check '" + scene_file("far", R"("bodies": [{"name": "a", "mass": 1, "inertia": [1, 1, 1], "position": )" +
+                                                  center + R"(}], "links": [{"name": "A", "type": "revolute", "p": "a",
+      "s": "ground", "at": [0, 0, 0]}, {"name": "B", "type": "point_on_line", "p": "a", "s": "ground", "at": [0.3, 0, 0],
+      "axis": "x"}], "run": {"until": 1})") +
+                    "'")
+        .text;
+  };
+  CHECK(contains(joined_at("[150, 0, 0]"),
+                 "body 'a': its centre of mass is 149.7 m from its joints, which are 0.3 m apart; check the units"));
+  CHECK_FALSE(contains(joined_at("[15, 0, 0]"), "centre of mass"));
   const auto turned =
       [](const std::string& angle) {
         return call("check '" + scene_file("turned", R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 0.1},

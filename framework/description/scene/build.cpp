@@ -3,6 +3,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <limits>
+#include <map>
 
 #include <lockstep/author/integrator.h>
 #include <lockstep/author/loader.h>
@@ -14,6 +16,7 @@
 #include "framework/description/scene/tree.h"
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/tree/tree_layout.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/system/rows_at_start.h"
 
@@ -21,6 +24,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kMostGravity = 300;  // m/s^2; the Sun's is 274
+constexpr double kFarCenter = 100;    // distances of its joints
 
 // Whether the value names one of these things, or what such a thing brings with it ("A.friction", "A.x@B").
 bool names_one(const Value& v, const std::set<std::string, std::less<>>& names) {
@@ -180,6 +184,33 @@ void Builder::set_gravity(const Params& root) {
                   .place = root.value("gravity").where.text()});
 }
 
+// Of a body whose joints are close together, compared with their distance from its centre of mass.
+void Builder::doubt_centers() const {
+  std::map<const Body*, std::vector<Vec3>> joints;  // of a body, in its frame
+  for (const auto& link : system_.links())
+    if (const auto& [p, s] = link->pairs().front(); link->jointed() != nullptr)
+      for (const Marker* m : {p, s})
+        if (!m->body->fixed) joints[m->body].push_back(m->local.x);
+  for (const auto& [body, points] : joints) {
+    double span = 0, nearest = std::numeric_limits<double>::infinity();
+    for (const Vec3& x : points) {
+      nearest = std::min(nearest, (x - body->mass.center).norm());
+      for (const Vec3& y : points) span = std::max(span, (x - y).norm());
+    }
+    if (span > kSlight * nearest && nearest > kFarCenter * span)
+      report_finding({.kind = &finding::implausible,
+                      .thing = owner_of("body", body->name),
+                      .message = fmt::format("body '{}': its centre of mass is {:.4g} m from its joints, which are "
+                                             "{:.4g} m apart",
+                                             body->name, nearest, span),
+                      .advice = "check the units: numbers without a unit are in m",
+                      .value = nearest,
+                      .limit = kFarCenter * span,
+                      .unit = "m",
+                      .place = taken_[0].at(body->name).second.text()});
+  }
+}
+
 void Builder::build() {
   const Params root = params_of(scene_.root, "scene", "scene", &registry_);
   set_gravity(root);
@@ -195,6 +226,7 @@ void Builder::build() {
   errors_.attempt(of_no_thing, [&] { check_assembled(); });
   if (!errors_.empty() && also_) also_(out_, errors_);
   errors_.raise();
+  doubt_centers();
   set_merge(root.text("merge"));
   set_up(root);
 }

@@ -157,6 +157,7 @@ class Builder {
   void check_assembled() const;
   void set_merge(const std::string& how);
   void set_gravity(const Params& root);
+  void doubt_centers() const;
   void set_up(const Params& root);
   void choose_plane(bool asked);
   std::shared_ptr<const JointTree> tree() const;

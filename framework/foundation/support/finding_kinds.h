@@ -49,7 +49,7 @@ inline constexpr FindingKind renamed_key{"renamed-key", Severity::warning,
                                          "A key of the scene, or of --set, has its old name.", "Use the new name."};
 inline constexpr FindingKind implausible{
     "implausible", Severity::warning,
-    "Gravity, an inertia for its mass, or an angle without a unit is too large. Lengths are not tested.",
+    "Gravity, an inertia for its mass, the distance of a centre of mass or an angle without a unit is too large.",
     "Give numbers in m, kg, s and rad, or with their units, as \"500 mm\" and \"45 deg\"."};
 inline constexpr FindingKind not_included{
     "not-included", Severity::warning,

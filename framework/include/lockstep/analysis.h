@@ -67,6 +67,8 @@ struct MobilityReport {
   std::vector<std::string> redundant_links;  ///< names of joints with constraints in such a group
   int driven = 0;                            ///< further degrees of freedom, which drives prescribe
   std::vector<std::string> drives;           ///< their names: "A.rz"
+  /// Whether drives are to move a mechanism whose joints leave it no degree of freedom.
+  bool locked() const { return freedoms + driven == 0 && !drives.empty(); }
 };
 
 /// Counts degrees of freedom by the rank of the constraints, loop by loop. Constraints have unit norm, with rotations
@@ -82,6 +84,7 @@ struct NearDependency {
   /// Whether they nearly depend only near a singular configuration: then nothing is decided, and they hold.
   bool in_passing = false;
   bool decided = false;  ///< whether the requested decision, free or held, was possible
+  bool free = false;     ///< whether these are left out: on request, or because they would lock a driven mechanism
   /// Why it was not: "one of them is driven"; "" if it was. Solvers may then treat them differently.
   std::string undecided;
   double violation = 0;  ///< of constraints that would be left out, m, after a rotation of 0.3 rad
@@ -94,7 +97,7 @@ struct NearDependency {
 
 /// Finds constraints that nearly depend on others at an assembled start: those of pivots, as in mobility(), between
 /// 1e-9 and 1e-3. Then decides about them: reported, the default here, changes nothing; automatic, the default of scenes,
-/// keeps them. Constraints that a law drives, of one-sided joints and of couplings are never left out, and groups with
+/// keeps them, unless this locks a driven mechanism. Constraints that a law drives, of one-sided joints and of couplings are never left out, and groups with
 /// them are not decided. Of others, those of a large share are kept first, then those of the earlier joint. They are
 /// left out only if they nearly depend everywhere: without them, a motion by 0.3 rad must violate them by less than a
 /// thousandth of System::length(). Leaves out constraints of `system` (System::leave_out), which must be that of the

@@ -18,20 +18,19 @@ std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
     return "Solvers may differ; choose \"nearly_redundant\": \"held\" or \"free\" (--nearly-redundant)";
   const std::string left_out =
       d.left_out.empty() ? "" : fmt::format(". Dropped, because others imply them: {}", by_joint(d.left_out));
-  if (choice != NearlyRedundant::free)
+  const bool automatic = choice == NearlyRedundant::automatic;
+  if (!d.free)
     return "It is kept, so it may lock the mechanism" + left_out +
-           (choice == NearlyRedundant::held
-                ? ""
-                : ". To release it, as of joints that are slightly misaligned: --nearly-redundant free");
+           (automatic ? ". To release it, as of joints that are slightly misaligned: --nearly-redundant free" : "");
   return fmt::format(
-      "It is released{}. Violation after a motion of 0.3 rad: {:.1g} m. To hold it: --nearly-redundant held", left_out,
-      d.violation);
+      "It is released{}{}. Violation after a motion of 0.3 rad: {:.1g} m. To hold it: --nearly-redundant held",
+      automatic ? ", because it would lock the drives" : "", left_out, d.violation);
 }
 
 std::string decision(const NearDependency& d, NearlyRedundant choice) {
   if (choice == NearlyRedundant::reported) return "reported";
   if (!d.decided) return choice == NearlyRedundant::automatic && d.undecided.empty() ? "reported" : "undecided";
-  return choice == NearlyRedundant::free ? "free" : "held";
+  return d.free ? "free" : "held";
 }
 
 }  // namespace

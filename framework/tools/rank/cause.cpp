@@ -291,7 +291,7 @@ std::pair<const Lock*, double> odd_axis(Dynamics& dynamics, const State& state) 
 
 Cause locked(Dynamics& dynamics, const State& state) {
   const MobilityReport mobile = mobility(dynamics, state);
-  if (mobile.freedoms + mobile.driven > 0 || mobile.drives.empty()) return {};
+  if (!mobile.locked()) return {};
   Cause cause;
   cause.fact = fmt::format("the mechanism is locked: its joints leave no degree of freedom, so drive {} cannot move it",
                            text::join(mobile.drives));

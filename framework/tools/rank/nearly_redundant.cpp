@@ -196,13 +196,16 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
     f.told.decided = choice != NearlyRedundant::reported && f.told.undecided.empty() && !f.told.in_passing;
     if (f.told.decided && choice == NearlyRedundant::free) {
       gone.insert(gone.end(), f.gone.begin(), f.gone.end());
-      f.told.left_out = names_of(f.gone);
+      f.told.left_out = names_of(f.gone), f.told.free = true;
     }
     told.push_back(f.told);
   }
   leave_out(system, gone);
   if (choice == NearlyRedundant::held) hold(system, loops, told);
   system.setup();
+  if (asked == NearlyRedundant::automatic && std::ranges::any_of(told, &NearDependency::decided) &&
+      mobility(dynamics, state).locked())
+    return decide_nearly_redundant(system, dynamics, given, NearlyRedundant::free);
   return told;
 }
 
