@@ -280,6 +280,15 @@ TEST_CASE("atlas: near its middle axis a racket tumbles alike at any tolerance",
   }
 }
 
+TEST_CASE("atlas: a scene that cannot be built fails for every method, with its own error", "[runner][atlas]") {
+  const Json j = atlas_of(
+      spring(), "--vary bodies.m.particle=-2,-1 --vary forces.spring.stiffness=1,2 --integrators rk4,dop853 --step 0.1");
+  INFO(j);
+  for (const Json& map : j["maps"]) CHECK(map["counts"] == Json{{"failed", 4}});
+  CHECK(contains(j["missing"].get<std::string>(), "body 'm'"));
+  CHECK_FALSE(contains(j["missing"].get<std::string>(), "dop853"));
+}
+
 TEST_CASE("atlas: invalid settings of a map are rejected by name", "[runner][atlas]") {
   const std::string scene = spring();
   const auto refused = [&](const std::string& words, const std::string& part) {

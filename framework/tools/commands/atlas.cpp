@@ -124,7 +124,7 @@ class Atlas {
         try {
           scene = plan_.scene(run, panel);
         } catch (const Error& error) {
-          shared.reference.reason = error.what();
+          shared.reference.reason = error.what(), shared.reference.invalid = true;
           continue;
         }
         const std::vector<double> more = atlas_instants(scene->run, panel.adaptive);
@@ -142,7 +142,8 @@ class Atlas {
     AtlasCell& cell = panel.cells[run - 1];
     const AtlasReference& reference = references_.at(plan_.reference_key(run)).reference;
     if (reference.method.empty()) {
-      cell.reason = "no reference: " + reference.reason;
+      cell.outcome = reference.invalid ? AtlasOutcome::stopped : AtlasOutcome::untried, cell.error = HUGE_VAL;
+      cell.reason = (reference.invalid ? "" : "no reference: ") + reference.reason;
       return;
     }
     try {
@@ -264,7 +265,7 @@ forces.spring.stiffness, a parameter. NAME=a:b:n are n values evenly, NAME=a:b:n
 --vary is the x axis. Each method has a map. A run is accurate, inaccurate, wrong, or failed. An accurate run has an error
 of at most --error, and `lockstep run` does not report it as WRONG. A wrong run is flagged if its energy balance, its
 constraint violation, a rotation of more than 1 rad in a step, or a singular configuration passed without projected
-stages indicates it. Runs are compared with a reference solution of the same mechanism. A black line is the largest
+stages indicates it. Runs are compared with a reference solution of the same mechanism. Outputs of the scene cut no steps. A black line is the largest
 stable step of a method with fixed steps, by linear theory at the start. The CSV file has a row for every run, with the
 reason if it failed or was reported as WRONG.
 

@@ -450,6 +450,7 @@ Command check_command() {
                  .along("--channels"),
              Option{"more", "SCENE", "further scenes"}.repeated()}}),
       check,
+      "Constraints of a joint are named by what they hold: x y z translations, e1 e2 e3 rotations, in the axes of S.\n\n"
       "Example:\n  lockstep check samples/scenes/four_bar.json --json",
       {&check_fields().schema(), &channel_fields().schema()}};
 }

@@ -153,9 +153,12 @@ std::string simulated(const EndedRun& run) {
   const RunSettings& set = run.settings;
   const SimulationReport& report = run.sim.report();
   const double t = run.sim.state().t;
-  const std::string method = run.sim.integrator().info().adaptive
-                                 ? fmt::format("tolerance {:g}", set.tolerance.relative)
-                                 : fmt::format("step {:g} s", set.step);
+  const double mean = report.steps > 0 ? t / static_cast<double>(report.steps) : set.step;
+  const bool cut = fmt::format("{:.2g}", mean) != fmt::format("{:.2g}", set.step);  // at outputs and events
+  const std::string method =
+      run.sim.integrator().info().adaptive ? fmt::format("tolerance {:g}", set.tolerance.relative)
+      : cut                                ? fmt::format("mean step {:.2g} s", mean)
+                                           : fmt::format("step {:g} s", set.step);
   std::string text = fmt::format("{:.6g} s{} in {} step{}, computed in {} ({}, {})", t,
                                  t < set.until ? fmt::format(" of {:.6g} s", set.until) : "", report.steps,
                                  report.steps == 1 ? "" : "s", time_text(run.seconds), to_word(set.integrator), method);

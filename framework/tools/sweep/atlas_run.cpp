@@ -104,6 +104,10 @@ AtlasReference atlas_reference(const Scene& scene, const Registry& registry, con
   for (const auto& [method, tolerance] :
        {std::pair("dop853", 1e-11), std::pair("radau5", 1e-10), std::pair("dop853", 1e-8), std::pair("radau5", 1e-7)}) {
     Ran ran = with(method, tolerance);
+    if (ran.length == 0) {  // no run has begun
+      out.invalid = true, out.reason = ran.failure;
+      return out;
+    }
     if (!ran.failure.empty() || ran.given_up || ran.history.size() != instants.size()) {
       out.reason = fmt::format("{} at {:g}: {}", method, tolerance, ran.given_up ? "too slow" : ran.failure);
       if (!go_on()) return out;

@@ -22,6 +22,7 @@ struct AtlasReference {
       agreement = 0;   ///< difference from a run with a tolerance a hundred times wider, m
   std::string method;  ///< "dop853 at 1e-11"; "": there is none, for this reason:
   std::string reason;
+  bool invalid = false;  ///< the scene cannot be built or assembled
 };
 
 struct AtlasCell {
