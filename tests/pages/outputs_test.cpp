@@ -38,9 +38,9 @@ std::vector<Shown> shown_in(const Block& block) {
   return all;
 }
 
-// Times of computing differ from run to run, round-off and last digits from processor to processor.
+// Times of computing differ from run to run, round-off, last digits and steps at contacts from processor to processor.
 std::string comparable(const std::string& text) {
-  static const std::regex time("computed in +[0-9.e-]+ m?s\\b"), blanks(" +"),
+  static const std::regex time("(in [0-9]+ steps, )?computed in +[0-9.e-]+ m?s\\b"), blanks(" +"),
       number("[0-9]+(\\.[0-9]+)?(e[-+]?[0-9]+)?");
   const std::string same = std::regex_replace(std::regex_replace(text, time, "computed"), blanks, " ");
   std::string all;

@@ -232,6 +232,13 @@ TEST_CASE("a locked mechanism that is driven is reported, with the axis that loc
     CHECK(contains(released.text, "It is released, because it would lock the drives. Dropped"));
     for (const char* column : {"rocker", "drive_torque"})
       CHECK(std::abs(table_of("released").last(column) - table_of("plane").last(column)) < 10 * tilt + 1e-7);
+    for (const char* command : {"assemble turned.json", "kinematics turned.json --record driven.csv"}) {
+      const Called called = call(command);
+      INFO(called.text);
+      CHECK(called.exit == 0);
+      CHECK(contains(called.text, "because it would lock the drives"));
+    }
+    CHECK(std::abs(table_of("driven").last("rocker") - table_of("plane").last("rocker")) < 10 * tilt + 1e-7);
   }
 }
 

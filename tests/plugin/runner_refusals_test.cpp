@@ -127,7 +127,7 @@ TEST_CASE("problems that end a run, a sweep or a plugin's template are named", "
   write("none.csv.sweep", "nonsense");
   write("list.json", "[1, 2]");
   write("includes.json", R"({"lockstep": 1, "include": [{"scene": "list.json"}]})");
-  for (int k = 0; k <= 17; ++k)
+  for (int k = 0; k <= 65; ++k)
     write("deep_" + std::to_string(k) + ".json",
           "{\"lockstep\": 1, \"include\": [{\"scene\": \"deep_" + std::to_string(k + 1) + ".json\"}]}");
   write("below.json", R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1, "position": [0, 0, -1]}], "links": [
@@ -166,7 +166,7 @@ TEST_CASE("problems that end a run, a sweep or a plugin's template are named", "
       {"modes ends.json --at 0.5", 3, {"the run ended at t = 0.2 s, by 'end'", "give a time --at before it"}},
       {"check damped.json", 3, {"run.integrator.rho_infinity: it is 2", "between 0 (full damping) and 1 (none)"}},
       {"check includes.json", 3, {"include[0].scene: \"list.json\" is not an object"}},
-      {"check deep_0.json", 3, {"scenes include one another more than 16 deep"}},
+      {"check deep_0.json", 3, {"scenes include one another more than 64 deep"}},
       {"run below.json",
        5,
        {"the start lies 1 m beyond the stop 'S': the coordinate is -1 m, its limit is 0 m",

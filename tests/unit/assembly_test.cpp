@@ -348,7 +348,7 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
     State state = own.start();
     const AssemblyReport report = assemble(one, state);
     REQUIRE(report.findings.size() == 1);
-    CHECK(says(report.findings.front().text(), {"the given poses violate joint 'A' by 1.5 m", "\"at_p\""}));
+    CHECK(says(report.findings.front().text(), {"the given poses violate joint 'A' by 1.5 m", "attached"}));
   }
   SECTION("drawn in its zero position, and taken by a law to where it begins") {
     System own;

@@ -188,8 +188,8 @@ void Builder::set_gravity(const Params& root) {
 void Builder::doubt_centers() const {
   std::map<const Body*, std::vector<Vec3>> joints;  // of a body, in its frame
   for (const auto& link : system_.links())
-    if (const auto& [p, s] = link->pairs().front(); link->jointed() != nullptr)
-      for (const Marker* m : {p, s})
+    if (link->jointed() != nullptr)
+      for (const Marker* m : {link->pairs().front().first, link->pairs().front().second})
         if (!m->body->fixed) joints[m->body].push_back(m->local.x);
   for (const auto& [body, points] : joints) {
     double span = 0, nearest = std::numeric_limits<double>::infinity();

@@ -20,8 +20,6 @@
 namespace lockstep {
 namespace {
 
-constexpr std::size_t kMostFiles = 16;  // within one another
-
 /// Puts a prefix before the names of an included scene wherever its objects name one another.
 class Renaming {
  public:
@@ -115,8 +113,8 @@ std::string path_of(const Params& p, const SceneReading& reading) {
     p.refuse("scene", "\"" + p.text("scene") + "\" is not a regular file; name a scene file");
   for (const std::string& file : reading.files)
     if (fs::equivalent(path, file, error)) p.refuse("scene", "\"" + p.text("scene") + "\" includes itself; remove it");
-  if (reading.files.size() > kMostFiles)
-    p.refuse("scene", "scenes include one another more than " + std::to_string(kMostFiles) + " deep; flatten them");
+  if (reading.files.size() > kMostDepth)
+    p.refuse("scene", "scenes include one another more than " + std::to_string(kMostDepth) + " deep; flatten them");
   return path.lexically_normal().string();
 }
 

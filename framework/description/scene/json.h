@@ -9,7 +9,7 @@
 
 namespace lockstep {
 
-inline constexpr std::size_t kMostDepth = 64;                 ///< nesting of objects and lists
+inline constexpr std::size_t kMostDepth = 64;                 ///< nesting of objects and lists, and of scenes
 inline constexpr std::size_t kMostBytes = 64u * 1024 * 1024;  ///< size of a text
 
 /// The value of `text` (JSON, UTF-8, with comments // and /* */); `file_name` appears in messages and in every Where.

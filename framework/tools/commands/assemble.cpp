@@ -12,6 +12,7 @@
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/commands/pose_columns.h"
 #include "framework/tools/commands/tool_commands.h"
+#include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -109,6 +110,9 @@ Result show_assembled(const Arguments& args) {
   const Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
+  NearRows near;
+  decided_start(dynamics, m, &near);
+  note_near(near.all, m.run.nearly_redundant);
   State state = m.system.start();
   const State given = state;
   const AssemblyReport r = assemble_scene(dynamics, m, state);

@@ -37,10 +37,11 @@ Subject subject_of(const Scene& scene, const Registry& registry, std::optional<S
   owner->audit = std::make_unique<EnergyAudit>(system_of(m), m.run.limits);
   subject.audit = owner->audit.get();
   if (!subject.events.empty()) subject.observers.push_back(owner->recorder.get());
-  if (!assembled) {
-    Dynamics dynamics(system_of(m), make_solver(m.run, registry), {Formulation::omega, m.run.stabilization});
+  Dynamics dynamics(system_of(m), make_solver(m.run, registry), {Formulation::omega, m.run.stabilization});
+  if (!assembled)
     assembled = assembled_start(dynamics, m);
-  }
+  else
+    decided_start(dynamics, m);  // the rows of this mechanism
   subject.start = *assembled;
   return subject;
 }

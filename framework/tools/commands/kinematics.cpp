@@ -14,9 +14,11 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/tree.h"
 #include "framework/dynamics/simulate/contacts.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/commands/tool_commands.h"
+#include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
@@ -140,7 +142,7 @@ std::vector<Peak> peaks_of(const Table& table) {
   for (const Column& column : table.columns()) {
     Peak& peak = all.emplace_back(Peak{column});
     for (std::size_t i = 0; i < column.values.size(); ++i)
-      if (std::abs(column.values[i]) > std::abs(peak.value))
+      if (std::abs(column.values[i]) > (1 + kNegligible) * std::abs(peak.value))  // of equal ones the first
         peak.value = column.values[i], peak.t = table.columns().front().values[i];
   }
   return all;
@@ -215,7 +217,9 @@ Result follow(const Arguments& args, bool inverse) {
   GrowingFile file(csv);
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
-  State start = decided_start(dynamics, m);
+  NearRows near;
+  State start = decided_start(dynamics, m, &near);
+  note_near(near.all, m.run.nearly_redundant);
   const AssemblyReport assembled = assemble_scene(dynamics, m, start);
   for (const EventRequest& e : m.events)
     tell(fmt::format("warning: event '{}' has no effect without a simulation\n", e.event.name));

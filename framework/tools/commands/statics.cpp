@@ -133,7 +133,7 @@ AtRest found_of(Resting& r, bool tells = true) {
   }
   if (!tells) return found;
   CommandFindings::add(r.report.notes);
-  for (const NearDependency& d : r.near.all) CommandFindings::add(finding_of(d, r.m.run.nearly_redundant));
+  note_near(r.near.all, r.m.run.nearly_redundant);
   note_not_unique(unique);
   return found;
 }

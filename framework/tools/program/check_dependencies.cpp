@@ -35,14 +35,16 @@ std::string decision(const NearDependency& d, NearlyRedundant choice) {
 
 }  // namespace
 
-Finding finding_of(const NearDependency& d, NearlyRedundant choice) {
-  Finding f{&finding::nearly_redundant, by_joint(d.rows)};
-  f.message =
-      fmt::format("{} of the constraints {} {} nearly redundant (relative singular value {:.2g}, 0 is redundant). ",
-                  d.nearly, by_joint(d.rows), d.nearly == 1 ? "is" : "are", d.singular_value) +
-      decided_words(d, choice);
-  f.value = d.singular_value;
-  return f;
+void note_near(const std::vector<NearDependency>& near, NearlyRedundant choice) {
+  for (const NearDependency& d : near) {
+    Finding f{&finding::nearly_redundant, by_joint(d.rows)};
+    f.message =
+        fmt::format("{} of the constraints {} {} nearly redundant (relative singular value {:.2g}, 0 is redundant). ",
+                    d.nearly, by_joint(d.rows), d.nearly == 1 ? "is" : "are", d.singular_value) +
+        decided_words(d, choice);
+    f.value = d.singular_value;
+    CommandFindings::add(f);
+  }
 }
 
 std::vector<DecidedNear> decided(const std::vector<NearDependency>& near, NearlyRedundant choice) {

@@ -12,8 +12,8 @@
 
 namespace lockstep {
 
-/// Constraints that nearly depend on one another, and what was decided.
-Finding finding_of(const NearDependency&, NearlyRedundant);
+/// Adds a finding for constraints that nearly depend on one another, with what was decided.
+void note_near(const std::vector<NearDependency>&, NearlyRedundant);
 /// The same as a result.
 using DecidedNear = std::pair<NearDependency, NearlyRedundant>;
 std::vector<DecidedNear> decided(const std::vector<NearDependency>&, NearlyRedundant);

@@ -77,7 +77,7 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   found.choice = m.run.nearly_redundant;
   if (const Plane plane = m.system.plane()) found.plane = "xyz"[plane.n];
   if (r.redundant > 0 || !found.near.all.empty()) found.reactions = uniqueness(dynamics, counted);
-  for (const NearDependency& d : found.near.all) CommandFindings::add(finding_of(d, m.run.nearly_redundant));
+  note_near(found.near.all, m.run.nearly_redundant);
   if (!found.position.known) found.position = branch_point(dynamics, counted);
   State at = counted;
   dynamics.to_slots(at);

@@ -254,7 +254,7 @@ class ProgramRun {
   }
   void tell_near(const State& start) {
     if (!near_.looked && !args_.has("--quiet")) near_ = {true, nearly_redundant_at(dynamics_, m_, start)};
-    for (const NearDependency& d : near_.all) CommandFindings::add(finding_of(d, m_.run.nearly_redundant));
+    note_near(near_.all, m_.run.nearly_redundant);
   }
 
   Result result() const {

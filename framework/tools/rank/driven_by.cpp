@@ -5,11 +5,11 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <map>
 
 #include <lockstep/analysis.h>
 #include <lockstep/author/lock.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/simulate/start_rows.h"
 #include "framework/foundation/math/decompositions.h"
 #include "framework/foundation/math/limits.h"
@@ -74,18 +74,17 @@ std::string DriveReport::text() const {
 DriveReport driven_by(Dynamics& dynamics, const State& state) {
   const System& system = dynamics.system();
   DriveReport report;
-  const MobilityReport mobile = mobility(dynamics, state);
-  report.freedoms = mobile.freedoms;
+  report.freedoms = mobility(dynamics, state).freedoms;
   const Evaluation& e = dynamics.gather_rows(state);
-  std::map<std::string, std::string> drives;  // by the names of their rows
-  for (int k = 0; k < e.rows().n_rows; ++k)
-    if (const NamedRow row(system, e.rows(), k); !row.drive().empty()) drives[row.name()] = row.drive();
-  for (const Dependency& d : mobile.dependencies) {
-    if (d.too_many == 0) continue;
-    std::vector<std::string> set;
-    for (const std::string& row : d.rows)
-      if (const auto drive = drives.find(row); drive != drives.end()) set.push_back(drive->second);
-    if (!set.empty()) report.too_many.push_back(std::move(set));
+  for (const std::vector<int>& entries : loops_of(system, e.rows())) {
+    const LoopRows loop(system, e.rows(), entries);
+    for (const DependentRows& set : Dependencies(loop.Jt).sets) {
+      std::vector<std::string> drives;
+      for (const int row : set.rows)
+        if (std::string drive = NamedRow(system, e.rows(), loop.numbers[row]).drive(); !drive.empty())
+          drives.push_back(std::move(drive));
+      if (set.too_many > 0 && !drives.empty()) report.too_many.push_back(std::move(drives));
+    }
   }
   if (report.freedoms == 0 || system.n_velocities() > kDenseUnknowns) return report;
 
