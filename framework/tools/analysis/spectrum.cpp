@@ -11,7 +11,7 @@
 
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
-#include "framework/tools/analysis/modal_basis.h"
+#include "framework/tools/analysis/rest_matrices.h"
 
 namespace lockstep {
 namespace {

@@ -18,12 +18,32 @@ class RunRows final : public Observer {
   void go_on() { goes_on_ = true; }
   const RowEnvelope& rows() const { return rows_; }
 
-  void start(const Sample&) override;
-  void output(const Sample&) override;
+  void start(const Sample&) override {
+    n_taken_ = 0;
+    rows_.clear();
+    if (!goes_on_) csv_.begin();
+  }
+  void output(const Sample&) override {
+    csv_.take();
+    const Table& table = recorder_.table();
+    for (; n_taken_ < table.n_rows(); ++n_taken_) rows_.add(table, n_taken_);
+    if (keeps_) return;
+    recorder_.drop_rows();
+    csv_.table_emptied(), n_taken_ = 0;
+  }
   void finish(const Sample& s) override { output(s); }
   /// All rows must have been written (GrowingFile::sync).
-  void save(Snapshot&) const override;
-  void load(SnapshotReader&) override;
+  void save(Snapshot& out) const override {
+    out.put(static_cast<double>(file_.length()));
+    out.put_bits(file_.hash());
+    rows_.save(out);
+  }
+  void load(SnapshotReader& in) override {
+    const long length = in.get_count();
+    const std::uint64_t hash = in.get_bits();
+    rows_.load(in);
+    file_.go_on(length, hash);
+  }
 
  private:
   GrowingFile& file_;
