@@ -19,8 +19,6 @@
 namespace lockstep {
 namespace {
 
-constexpr double kSame = 1e-12;  // rounding, and between repeated steps: an iteration may begin elsewhere
-
 bool equal(const State& a, const State& b) {
   return a.t == b.t && a.q == b.q && a.v == b.v && a.s == b.s && a.z == b.z && a.modes == b.modes &&
          a.watched == b.watched;
@@ -70,13 +68,13 @@ class StepCheck {
       const State before = state;
       const StepReport report = run.step(h);
       const std::string here = fmt::format("(requested: {} s at t = {:.6g} s, {})", h, before.t, motion.name);
-      expect(report.h > 0 && report.h <= h * (1 + kSame), "length",
+      expect(report.h > 0 && report.h <= h * (1 + kRoundOff), "length",
              fmt::format("makes a step of {} s {}", report.h, here),
              "the h of step(): one step of at most h, its length in StepReport::h");
-      expect(info_.adaptive || std::abs(report.h - h) <= kSame * h, "length",
+      expect(info_.adaptive || std::abs(report.h - h) <= kRoundOff * h, "length",
              fmt::format("makes a step of {} s although it is not adaptive {}", report.h, here),
              "step(), or adaptive in info()");
-      expect(std::abs(state.t - before.t - report.h) <= kSame * std::max(1.0, std::abs(state.t)), "time",
+      expect(std::abs(state.t - before.t - report.h) <= kRoundOff * std::max(1.0, std::abs(state.t)), "time",
              fmt::format("the time advances by {:.9g} s, but the report gives {:.9g} s {}", state.t - before.t,
                          report.h, here),
              "state.t and StepReport::h in step()");
@@ -88,7 +86,7 @@ class StepCheck {
       if (!finite) return;
       for (int k = 0; k < motion.system->n_slots(); ++k) {
         const double n = state.q.segment<4>(7 * k + 3).norm();
-        expect(std::abs(n - 1) <= kSame, "unit",
+        expect(std::abs(n - 1) <= kRoundOff, "unit",
                fmt::format("a quaternion has length {:.12g} after a step {}", n, here),
                "the end of step(): Dynamics::project, or Dynamics::normalize if nothing is projected");
       }
@@ -128,7 +126,7 @@ class StepCheck {
       by.state = kept;
       const double apart = distance(end, by.go(4));
       expect(
-          apart <= kSame, key, fmt::format("{} {:.3g} apart ({})", what, apart, motion.name),
+          apart <= kRoundOff, key, fmt::format("{} {:.3g} apart ({})", what, apart, motion.name),
           "save() and restore(): all that the next step reads in addition to the state: history and step-size control");
     };
     again(run, "restore", "after restore(), the same steps end");

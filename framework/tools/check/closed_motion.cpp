@@ -15,17 +15,16 @@ double ClosedMotion::error(const State& s) const {
 }
 
 ClosedMotion free_top() {
-  constexpr double kJ1 = 0.4, kJ3 = 0.7;
-  const Vec3 x0(0.1, 0.2, 0.3), v0(1, -2, 3), w0(1.1, 0.4, 2.5), g(0.3, 0, -9.81);
+  const Vec3 J(0.4, 0.4, 0.7), x0(0.1, 0.2, 0.3), v0(1, -2, 3), w0(1.1, 0.4, 2.5), g(0.3, 0, -9.81);
   const Quat q0 = exponential(Vec3(0.3, -0.5, 0.2));
   ClosedMotion m{"free top", 2.0, std::make_unique<System>(System::Options{g}), {}};
   MassProperties mass;
-  mass.mass = 2, mass.J = Vec3(kJ1, kJ1, kJ3).asDiagonal();
+  mass.mass = 2, mass.J = J.asDiagonal();
   m.system->add_body("top", mass, {x0, q0}).start = {v0, w0};
   m.system->setup();
-  const Vec3 L = rotation(q0) * Vec3(kJ1 * w0[0], kJ1 * w0[1], kJ3 * w0[2]);
+  const Vec3 L = rotation(q0) * J.cwiseProduct(w0);
   m.pose = [=](double t) {
-    const Quat q = exponential(Vec3(t / kJ1 * L)) * q0 * exponential(Vec3(0, 0, t * (1 - kJ3 / kJ1) * w0[2]));
+    const Quat q = exponential(Vec3(t / J[0] * L)) * q0 * exponential(Vec3(0, 0, t * (1 - J[2] / J[0]) * w0[2]));
     return Pose{x0 + t * v0 + 0.5 * t * t * g, q};
   };
   return m;
@@ -53,14 +52,14 @@ class StepCounter final : public Force, public Remembering {
 }  // namespace
 
 ClosedMotion hinged_pendulum() {
-  constexpr double kAngle = 1.2, kLength = 0.8, kG = 9.81, kMass = 1.5, kRadius = kLength / 50;
+  constexpr double kAngle = 1.2, kLength = 0.8, kG = 9.81, kMass = 1.5;
   ClosedMotion m{"pendulum", 1.5, std::make_unique<System>(System::Options{{0, 0, -kG}}), {}};
   const auto end = [](double a) { return Vec3(kLength * std::sin(a), 0, -kLength * std::cos(a)); };
-  Body& body = m.system->add_body("rod", shapes::rod(kMass, Vec3::Zero(), end(kAngle), kRadius));
+  Body& body = m.system->add_body("rod", shapes::rod(kMass, Vec3::Zero(), end(kAngle)));
   auto& hinge = m.system->add<Revolute>("hinge", body, m.system->ground(), pose_at(Vec3::Zero(), Vec3(0, 1, 0)));
   m.system->add(std::make_unique<StepCounter>(*hinge.pairs().front().first));
   m.system->setup();
-  const double J = kMass * (kLength * kLength / 3 + kRadius * kRadius / 4);  // about the hinge
+  const double J = body.mass.J(1, 1) + kMass * kLength * kLength / 4;  // about the hinge
   const double rate = std::sqrt(kMass * kG * 0.5 * kLength / J), k = std::sin(0.5 * kAngle);
   const Quat q0 = body.home.q;
   m.pose = [=](double t) {
