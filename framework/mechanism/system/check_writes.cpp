@@ -39,7 +39,7 @@ class Fenced {
 };
 
 template <class T>
-[[noreturn]] void refuse(const T& thing, const std::string& did) {
+[[noreturn]] void reject_writes(const T& thing, const std::string& did) {
   const Thing whose = thing_of(thing);
   throw UserCodeError(whose.label() + " " + did, {.thing = whose, .problem = did});
 }
@@ -82,20 +82,21 @@ void check_links(Group links, const RowShape& shape, const Inputs& in, bool in_p
       }))
     return;
   if (!rows.fence_intact())
-    refuse(*links.front(), "writes outside of its rows; it has rows 0 to " + std::to_string(shape.m - 1) +
-                               " on its bodies 0 to " + std::to_string(shape.n - 1) +
-                               ": check the indices that its gather() passes to the block");
+    reject_writes(*links.front(), "writes outside of its rows; it has rows 0 to " + std::to_string(shape.m - 1) +
+                                      " on its bodies 0 to " + std::to_string(shape.n - 1) +
+                                      ": check the indices that its gather() passes to the block");
   const std::vector<bool> needed = wanted(shape);
   for (std::size_t l = 0; l < links.size(); ++l)
     for (std::size_t k = 0; k < stride; ++k) {
       const double x = rows.data()[l * stride + k];
       if (needed[k] && marked(x))
-        refuse(*links[l], "leaves " + place_in(shape, *links[l], k) +
-                              " unwritten; its gather() has to write every number, zeros too, for each joint of the "
-                              "group");
+        reject_writes(*links[l],
+                      "leaves " + place_in(shape, *links[l], k) +
+                          " unwritten; its gather() has to write every number, zeros too, for each joint of the "
+                          "group");
       if (!needed[k] && !marked(x) && x != 0)
-        refuse(*links[l], "writes outside of its rows, beyond row " + std::to_string(shape.m - 1) +
-                              "; check the indices that its gather() passes to the block");
+        reject_writes(*links[l], "writes outside of its rows, beyond row " + std::to_string(shape.m - 1) +
+                                     "; check the indices that its gather() passes to the block");
     }
 }
 
@@ -106,8 +107,8 @@ void check_numbers(const T& thing, const char* what, int n, bool all,
   if (!all) std::fill(numbers.span().begin(), numbers.span().end(), 0.0);
   if (!succeeds([&] { act(numbers.span()); })) return;
   const std::string its = "its " + std::to_string(n) + " numbers";
-  if (!numbers.fence_intact()) refuse(thing, "writes outside of " + its + " in " + what);
-  if (all && !numbers.written()) refuse(thing, "leaves some of " + its + " unwritten in " + what);
+  if (!numbers.fence_intact()) reject_writes(thing, "writes outside of " + its + " in " + what);
+  if (all && !numbers.written()) reject_writes(thing, "leaves some of " + its + " unwritten in " + what);
 }
 
 // These must come first: System::start() hands them the state itself.
@@ -139,18 +140,18 @@ void check_force(const Force& force, const Inputs& in, int n_slots) {
   WrenchSum sum(at.motions, f);
   if (!succeeds([&] { force.apply(at, sum); })) return;
   if (!f.tail(6 * kBeyond).isZero(0))
-    refuse(force, "acts on a slot that does not exist; take it from a marker (marker.body->slot), after setup");
+    reject_writes(force, "acts on a slot that does not exist; take it from a marker (marker.body->slot), after setup");
 }
 
 void check_slots(const Lock& link, int n_slots) {
   const SlotList& on = link.slots();
   if (on.n < 1 || on.n > kMaxSlots)
-    refuse(link, "connects " + std::to_string(on.n) + " moving bodies; a joint connects 1 to " +
-                     std::to_string(kMaxSlots) + ": add their slots in setup()");
+    reject_writes(link, "connects " + std::to_string(on.n) + " moving bodies; a joint connects 1 to " +
+                            std::to_string(kMaxSlots) + ": add their slots in setup()");
   for (int i = 0; i < on.n; ++i)
     if (on[i] < 0 || on[i] >= n_slots)
-      refuse(link, "uses slot " + std::to_string(on[i]) + " of " + std::to_string(n_slots) +
-                       "; take it from a marker (marker.body->slot), in setup()");
+      reject_writes(link, "uses slot " + std::to_string(on[i]) + " of " + std::to_string(n_slots) +
+                              "; take it from a marker (marker.body->slot), in setup()");
 }
 
 }  // namespace
