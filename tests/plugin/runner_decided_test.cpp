@@ -92,7 +92,7 @@ TEST_CASE("runner: a run names nearly dependent constraints, their singular valu
                      "1 of the constraints low and high y e1 is nearly redundant (relative singular value 6.9e-08, "));
       CHECK(contains(called.text, told ? "Solvers may differ" : "It is kept, so it may lock the mechanism"));
       CHECK(contains(called.text, told ? "\"nearly_redundant\": \"held\" or \"free\""
-                                       : "slightly misaligned: --nearly-redundant free"));
+                                       : "slightly misaligned, release it: --nearly-redundant free"));
       if (!told) CHECK(called.exit == 0);
     }
 }

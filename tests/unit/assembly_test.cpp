@@ -83,7 +83,8 @@ TEST_CASE("an impossible assembly names the violated constraints, and the state 
   State state = sys.start();
   const State before = state;
   const std::string message = message_of<AssemblyError>([&] { assemble(dynamics, state); });
-  CHECK(says(message, {"assembly stopped", "worst: constraint x of joint", "check the start poses"}));
+  CHECK(says(message,
+             {"assembly stopped", "worst: constraint x of joint", "check the positions and axes of these joints"}));
   CHECK(state.q == before.q);
 }
 
@@ -337,8 +338,8 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
     state.q.segment<3>(7 * sys.body("bar").slot) += Vec3(0.6, 0, 0);
     const AssemblyReport report = assemble(dynamics, state);
     REQUIRE(report.findings.size() == 1);
-    CHECK(says(report.findings.front().text(),
-               {"the given poses do not fit the joints: assembly moved '", "give poses that fit the joints"}));
+    CHECK(says(report.findings.front().text(), {"the given poses do not fit the joints: assembly moved '",
+                                                "give the poses that lockstep assemble prints"}));
   }
   SECTION("a joint that alone is drawn open") {
     System own;

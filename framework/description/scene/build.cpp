@@ -191,23 +191,24 @@ void Builder::doubt_centers() const {
     if (link->jointed() != nullptr)
       for (const Marker* m : {link->pairs().front().first, link->pairs().front().second})
         if (!m->body->fixed) joints[m->body].push_back(m->local.x);
-  for (const auto& [body, points] : joints) {
+  for (const Body& body : system_.bodies()) {
+    const std::vector<Vec3>& points = joints[&body];
     double span = 0, nearest = std::numeric_limits<double>::infinity();
     for (const Vec3& x : points) {
-      nearest = std::min(nearest, (x - body->mass.center).norm());
+      nearest = std::min(nearest, (x - body.mass.center).norm());
       for (const Vec3& y : points) span = std::max(span, (x - y).norm());
     }
     if (span > kSlight * nearest && nearest > kFarCenter * span)
       report_finding({.kind = &finding::implausible,
-                      .thing = owner_of("body", body->name),
+                      .thing = owner_of("body", body.name),
                       .message = fmt::format("body '{}': its centre of mass is {:.4g} m from its joints, which are "
                                              "{:.4g} m apart",
-                                             body->name, nearest, span),
+                                             body.name, nearest, span),
                       .advice = "check the units: numbers without a unit are in m",
                       .value = nearest,
                       .limit = kFarCenter * span,
                       .unit = "m",
-                      .place = taken_[0].at(body->name).second.text()});
+                      .place = taken_[0].at(body.name).second.text()});
   }
 }
 

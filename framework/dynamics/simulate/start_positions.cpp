@@ -226,7 +226,7 @@ class StartSearch {
     return "assembly stopped after " + std::to_string(at.rounds) + " iterations: constraint errors of up to " +
            text::brief(at.off) +
            " m remain, worst: " + worst_rows(links_.evaluation(), row_sizes(links_.evaluation(), links_.residuals())) +
-           "; check the start poses of their bodies, their markers and masks";
+           "; check the positions and axes of these joints, and the poses of their bodies";
   }
 
   /// Without weights and coordinates. The rows first, unless they count revolutions.

@@ -67,8 +67,7 @@ struct MobilityReport {
   std::vector<std::string> redundant_links;  ///< names of joints with constraints in such a group
   int driven = 0;                            ///< further degrees of freedom, which drives prescribe
   std::vector<std::string> drives;           ///< their names: "A.rz"
-  /// Whether drives are to move a mechanism whose joints leave it no degree of freedom.
-  bool locked() const { return freedoms + driven == 0 && !drives.empty(); }
+  std::vector<std::string> locked;           ///< those of them on loops that joints leave no degree of freedom
 };
 
 /// Counts degrees of freedom by the rank of the constraints, loop by loop. Constraints have unit norm, with rotations
@@ -84,7 +83,8 @@ struct NearDependency {
   /// Whether they nearly depend only near a singular configuration: then nothing is decided, and they hold.
   bool in_passing = false;
   bool decided = false;  ///< whether the requested decision, free or held, was possible
-  bool free = false;     ///< whether these are left out: on request, or because they would lock a driven mechanism
+  bool free = false;     ///< whether these are left out, on request or because they would lock a driven mechanism
+  std::string needed;    ///< why they cannot be left out: "the joints open by 0.1 m"; "" if they can
   /// Why it was not: "one of them is driven"; "" if it was. Solvers may then treat them differently.
   std::string undecided;
   double violation = 0;  ///< of constraints that would be left out, m, after a rotation of 0.3 rad

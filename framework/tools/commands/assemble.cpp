@@ -111,11 +111,10 @@ Result show_assembled(const Arguments& args) {
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   NearRows near;
-  decided_start(dynamics, m, &near);
+  State state = decided_start(dynamics, m, &near);
   note_near(near.all, m.run.nearly_redundant);
-  State state = m.system.start();
-  const State given = state;
-  const AssemblyReport r = assemble_scene(dynamics, m, state);
+  const State given = m.system.start();
+  const AssemblyReport last = assemble_scene(dynamics, m, state), r = near.assembled.value_or(last);
   StepLoop run(dynamics, make_integrator(m.run, *m.methods), loop_options(m.run));
   run.set_state(state), run.run_until(state.t);  // as a run begins: it reports a start beyond a stop
   Result result(loaded, assemble_fields(), Assembled{r, moved_bodies(m.system, loaded.scene.root, given, state)});

@@ -263,11 +263,12 @@ Command atlas_command() {
       R"(NAME is any number of the scene, as in `lockstep sweep --help`: run.step, run.tolerance, run.stabilization.alpha,
 forces.spring.stiffness, a parameter. NAME=a:b:n are n values evenly, NAME=a:b:n:log evenly in the logarithm. The first
 --vary is the x axis. Each method has a map. A run is accurate, inaccurate, wrong, or failed. An accurate run has an error
-of at most --error, and `lockstep run` does not report it as WRONG. A wrong run is flagged if its energy balance, its
+of at most --error, and `lockstep run` does not report it as WRONG. A wrong run has an error above half of the largest
+displacement. Other runs that reach the end are inaccurate. A wrong run is flagged if its energy balance, its
 constraint violation, a rotation of more than 1 rad in a step, or a singular configuration passed without projected
-stages indicates it. Runs are compared with a reference solution of the same mechanism. Outputs of the scene cut no steps. A black line is the largest
-stable step of a method with fixed steps, by linear theory at the start. The CSV file has a row for every run, with the
-reason if it failed or was reported as WRONG.
+stages indicates it. Runs are compared with a reference solution of the same mechanism. Steps are not shortened to meet
+output times. A black line is the largest stable step of a method with fixed steps, by linear theory at the start. The
+CSV file has a row for every run, with the reason if it failed or was reported as WRONG.
 
 Example:
   lockstep atlas samples/scenes/mass_spring_damper.json --vary run.step=1e-3:3:30:log --vary forces.spring_a.stiffness=1:1e4:20:log --integrators rk4,semi_implicit_euler,radau5)",

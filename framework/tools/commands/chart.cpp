@@ -140,7 +140,7 @@ const Fields<Charted>& chart_fields() {
       Fields<Charted>{
           {"cheapest", kRecommended, [](const Charted& c) { return cheapest_of(c.result); }, kCheapest},
           {"best", kBest, [](const Charted& c) { return winners_of(c.result, c.benchmark.base.formulation); }, kWinner},
-          {"length", "s", "duration", [](const Charted& c) { return c.benchmark.trajectory.length; }},
+          {"length", "s", "simulated time", [](const Charted& c) { return c.benchmark.trajectory.length; }},
           {"imposed", "", "", [](const Charted& c) { return c.benchmark.imposed; }}}
           .with([](const Charted& c) -> const WorkPrecision& { return c.result; }, measurement_fields())
           .with({{"remarks", "", "left out", [](const Charted& c) { return c.benchmark.remarks; }},

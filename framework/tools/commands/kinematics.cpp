@@ -217,12 +217,14 @@ Result follow(const Arguments& args, bool inverse) {
   GrowingFile file(csv);
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
+  for (const EventRequest& e : m.events)
+    tell(fmt::format("warning: event '{}' has no effect without a simulation\n", e.event.name));
+  m.events.clear();
   NearRows near;
   State start = decided_start(dynamics, m, &near);
   note_near(near.all, m.run.nearly_redundant);
-  const AssemblyReport assembled = assemble_scene(dynamics, m, start);
-  for (const EventRequest& e : m.events)
-    tell(fmt::format("warning: event '{}' has no effect without a simulation\n", e.event.name));
+  const AssemblyReport last = assemble_scene(dynamics, m, start), assembled = near.assembled.value_or(last);
+  refuse_driven_lock(dynamics, start);
 
   const auto begun = std::chrono::steady_clock::now();
   DrivenMotion motion(dynamics, std::move(start));

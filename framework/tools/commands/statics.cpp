@@ -183,10 +183,8 @@ const Fields<EquilibriumReport>& report_fields() {
       {"singular", "", "near a singular configuration", &Report::singular},
       {"iterations", "", "", &Report::iterations},
       {"relaxation_steps", "", "", &Report::relaxation_steps},
-      {"unbalanced", "", "unbalanced force", &Report::unbalanced,
-       [](const Json& share) {
-         return share < kRoundOff ? std::string("0") : fmt::format("{} of the largest", number_text(share));
-       }},
+      {"unbalanced", "", "unbalanced force, relative", &Report::unbalanced,
+       [](const Json& share) { return share < kRoundOff ? std::string("0") : number_text(share); }},
       {"largest_force", "N", "largest force on a body", &Report::largest_force},
       {"largest_move", "m", "largest move", &Report::largest_move},
       {"moved_most", "", "  of", &Report::moved_most},

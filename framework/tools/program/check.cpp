@@ -343,8 +343,10 @@ std::string joint_words(const System& system) {
   return words;
 }
 
-std::string freedom_words(const MobilityReport& r) {
+std::string freedom_words(const MobilityFindings& f) {
+  const MobilityReport& r = f.mobility;
   std::string words = fmt::format("{}", r.freedoms + r.driven);
+  if (!f.laws.empty()) words += ", moved by the laws of " + first_of(f.laws);
   if (r.driven > 0)
     words += fmt::format(", {}driven by {}", r.freedoms > 0 ? fmt::format("{} ", r.driven) : "", first_of(r.drives));
   return words;
@@ -379,16 +381,17 @@ std::string head_text(const System& system, const Findings& f) {
                                               counted(r.freedoms + r.driven, "instantaneous degree") + " of freedom"
                                     : r.freedoms > 0 ? "OK: the mechanism assembles; " + counted(r.freedoms, "degree") +
                                                            " of freedom " + (r.freedoms == 1 ? "is free" : "are free")
-                                    : r.driven > 0 ? "OK: the mechanism assembles; its motion is fully prescribed"
-                                                   : "The mechanism assembles, but it cannot move");
+                                    : r.driven > 0 || !f.moves.laws.empty()
+                                        ? "OK: the mechanism assembles; its motion is fully prescribed"
+                                        : "The mechanism assembles, but it cannot move");
   return text + fact_line("bodies", body_words(system)) + fact_line("joints", joint_words(system));
 }
 
 // The other facts that matter before a run; `all`: tables follow.
 std::string brief_text(const Findings& f, bool all) {
   if (!f.moves.error.empty()) return fact_line("degrees of freedom", "not computed");
-  return fact_line("degrees of freedom", freedom_words(f.moves.mobility)) +
-         fact_line("redundant", redundant_words(f, all)) + fact_line("solved as", f.formulation);
+  return fact_line("degrees of freedom", freedom_words(f.moves)) + fact_line("redundant", redundant_words(f, all)) +
+         fact_line("solved as", f.formulation);
 }
 
 // The exit code of a run of it, as far as its start: the findings precede the error of the start.

@@ -21,7 +21,9 @@ std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
   const bool automatic = choice == NearlyRedundant::automatic;
   if (!d.free)
     return "It is kept, so it may lock the mechanism" + left_out +
-           (automatic ? ". To release it, as of joints that are slightly misaligned: --nearly-redundant free" : "");
+           (automatic && d.needed.empty()
+                ? ". If the joints are only slightly misaligned, release it: --nearly-redundant free"
+                : "");
   return fmt::format(
       "It is released{}{}. Violation after a motion of 0.3 rad: {:.1g} m. To hold it: --nearly-redundant held",
       automatic ? ", because it would lock the drives" : "", left_out, d.violation);
@@ -61,6 +63,7 @@ const Fields<DecidedNear>& near_fields() {
                                     {"in_passing", "", "", [](const Near& n) { return n.first.in_passing; }},
                                     {"decided", "", "", [](const Near& n) { return decision(n.first, n.second); }},
                                     {"undecided", "", "", [](const Near& n) { return n.first.undecided; }},
+                                    {"needed", "", "", [](const Near& n) { return n.first.needed; }},
                                     {"violation", "m", "", [](const Near& n) { return n.first.violation; }},
                                     {"left_out", "", "", [](const Near& n) { return n.first.left_out; }}};
   return kFields;

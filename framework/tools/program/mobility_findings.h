@@ -24,6 +24,7 @@ struct MobilityFindings {
   NearlyRedundant choice = NearlyRedundant::automatic;  ///< as the run requests
   std::vector<std::string> columns_not_unique;          ///< recorded columns of reactions that are not unique
   DriveReport moves;
+  std::vector<std::string> laws;  ///< joints whose laws move a mechanism without degrees of freedom and drives
   std::string plane;        ///< "z": its normal; "" in space
   std::string error;        ///< why a run would not start; "" if it would,
   int exit_code = kExitOk;  ///< and that of the run

@@ -115,7 +115,7 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
       for (int own = 0; own < e.rows().entries[entry].m; ++own, ++k) {
         const NamedRow row(system, e.rows(), rows.numbers[k]);
         if (row.moves()) drives.push_back(row.drive());
-        if (W.row(k).norm() > kSlight) add_name(row.link->name(), joints);
+        if (W.cols() > 0 && W.row(k).norm() > kSlight) add_name(row.link->name(), joints);
       }
     if (joints.empty() || drives.empty()) continue;
     out.drives.insert(out.drives.end(), drives.begin(), drives.end());

@@ -291,15 +291,14 @@ std::pair<const Lock*, double> odd_axis(Dynamics& dynamics, const State& state) 
 
 Cause locked(Dynamics& dynamics, const State& state) {
   const MobilityReport mobile = mobility(dynamics, state);
-  if (!mobile.locked()) return {};
+  if (mobile.locked.empty()) return {};
   Cause cause;
-  cause.fact = fmt::format("the mechanism is locked: its joints leave no degree of freedom, so drive {} cannot move it",
-                           text::join(mobile.drives));
+  cause.fact = fmt::format("{} is locked: its joints leave no degree of freedom, so drive {} cannot move it",
+                           mobile.freedoms > 0 ? "a loop" : "the mechanism", text::join(mobile.locked));
   cause.kind = Error::Kind::assembly;
   if (const auto [joint, angle] = odd_axis(dynamics, state); joint != nullptr)
-    cause.hint =
-        fmt::format("correct the axis of joint {}: it is {:.3g} deg off the axes of all other joints{}", joint->name(),
-                    degrees(angle), angle < 2 * kNearlyDependent ? ", or release it (--nearly-redundant free)" : "");
+    cause.hint = fmt::format("correct the axis of joint {}: it is {:.3g} deg off the axes of all other joints",
+                             joint->name(), degrees(angle));
   else if (cause.hint = to_plane(dynamics, state); !cause.hint.empty())
     return cause;
   else if (!mobile.redundant_links.empty())
@@ -387,7 +386,7 @@ Cause contradicting(Dynamics& dynamics, const State& at) {
         fact + (is_open ? "the positions that they prescribe do not agree, " + text::join(who->positions, " and ")
                 : who->rates.empty() ? "they prescribe accelerations that do not agree"
                                      : who->rates + " is required of it by " + text::join(who->drives, " and ")),
-        first + "remove one of them, or let their motions agree"};
+        first + "remove one of them, or make their motions agree"};
   }
   if (Cause cause = locked(dynamics, still); cause.found()) return cause;
   return Cause{fmt::format("drive {} has reached a limit position (dead centre) {}: {} allows no further motion",

@@ -93,27 +93,32 @@ void take_back(System& system) {
   system.setup();
 }
 
-double violation_without(System& system, Dynamics& dynamics, const State& start, const std::vector<NamedRow>& rows,
-                         const std::vector<NamedRow>& all_left_out) {
+std::optional<Violation> violation_without(System& system, Dynamics& dynamics, const State& start,
+                                           const std::vector<NamedRow>& rows,
+                                           const std::vector<NamedRow>& all_left_out) {
   leave_out(system, all_left_out), release_drives(system);
   const AtEnd back([&] { take_back(system); });  // it was set up before with all rows: that does not throw
-  double most = 0;
+  std::optional<Violation> found;
   for (const NamedRow& row : rows) {
     FreeWay way(dynamics, start);
     VecX u = way.nearest(one_row(row, way.inputs(), way.unknowns()).J);
+    if (!u.isZero(0) && !found) found.emplace();
     for (int k = 0; k < kSteps && !u.isZero(0); ++k) {
       try {
         way.go(u, kStep * system.length());
-        for (const NamedRow& r : all_left_out)
-          most = std::max(most, std::abs(one_row(r, way.inputs(), way.unknowns()).C));
+        for (const NamedRow& r : rows) {
+          const double C = std::abs(one_row(r, way.inputs(), way.unknowns()).C);
+          found->most = std::max(found->most, C);
+          if (r.link->row_kind(r.own) == RowKind::translation) found->gap = std::max(found->gap, C);
+        }
         u = way.nearest(u);
       } catch (const Error&) {
-        if (k <= 1) return HUGE_VAL;
+        if (k <= 1) return Violation{HUGE_VAL, HUGE_VAL};
         break;  // it comes to an end of its way
       }
     }
   }
-  return most;
+  return found;
 }
 
 }  // namespace lockstep

@@ -2,6 +2,7 @@
 // Rows that are left out, and whether they hold when the mechanism has moved on without them.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <lockstep/dynamics.h>
@@ -20,10 +21,14 @@ void release_drives(System&);
 /// Puts all rows that were left out back, and revokes the decision to keep nearly dependent rows.
 void take_back(System&);
 
-/// The largest violation of `rows`, m, on assembled poses without them: along what each of them held the mechanism
-/// moves on by 0.3 rad without its drives, or the same part of System::length(). HUGE_VAL if it cannot. They are left out as long as it
-/// looks.
-double violation_without(System&, Dynamics&, const State&, const std::vector<NamedRow>& rows,
-                         const std::vector<NamedRow>& all_left_out);
+/// Of rows that are left out, on poses without them, m; HUGE_VAL if the mechanism stops on its way there.
+struct Violation {
+  double most = 0,  ///< the largest, rotations times System::length()
+      gap = 0;      ///< the largest of a translation
+};
+/// That of `rows`: along what each of them held, the mechanism moves on without its drives by 0.3 rad, or the same part
+/// of System::length(). None if other rows hold what they hold. They are left out as long as it looks.
+std::optional<Violation> violation_without(System&, Dynamics&, const State&, const std::vector<NamedRow>& rows,
+                                           const std::vector<NamedRow>& all_left_out);
 
 }  // namespace lockstep

@@ -37,6 +37,6 @@ struct LOCKSTEP_API NamedRow {
 };
 
 /// Adds a name that is not there.
-void add_name(const std::string& name, std::vector<std::string>& names);
+LOCKSTEP_API void add_name(const std::string& name, std::vector<std::string>& names);
 
 }  // namespace lockstep

@@ -9,20 +9,25 @@
 namespace lockstep {
 namespace {
 
-// The part of the rank that is due to drives, and the names of these drives, "A.rz".
-int rank_of_drives(const System& system, const RowTable& table, const LoopRows& rows, int rank,
-                   std::vector<std::string>& names) {
+// Adds the part of the rank that is due to drives, and the names of these drives, "A.rz".
+void add_drives(const System& system, const RowTable& table, const LoopRows& rows, int rank, MobilityReport& report) {
   std::vector<int> others;
+  std::vector<std::string> names;
   for (int k = 0; k < rows.n(); ++k) {
     if (const std::string drive = NamedRow(system, table, rows.numbers[k]).drive(); !drive.empty())
       add_name(drive, names);
     else
       others.push_back(k);
   }
-  if (static_cast<int>(others.size()) == rows.n()) return 0;
+  if (names.empty()) return;
   SparseMat Jt(rows.Jt.rows(), static_cast<Eigen::Index>(others.size()));
   for (std::size_t k = 0; k < others.size(); ++k) Jt.col(static_cast<Eigen::Index>(k)) = rows.Jt.col(others[k]);
-  return rank - Dependencies(Jt).rank;
+  const int driven = rank - Dependencies(Jt).rank;
+  report.driven += driven;
+  for (const std::string& name : names) {
+    add_name(name, report.drives);
+    if (driven == 0 && rank == rows.at.n()) add_name(name, report.locked);
+  }
 }
 
 }  // namespace
@@ -44,7 +49,7 @@ MobilityReport mobility(Dynamics& dynamics, const State& state) {
       const Dependencies dependencies(rows.Jt);
       if (table == tables.front()) {
         report.rank += dependencies.rank;
-        report.driven += rank_of_drives(system, *table, rows, dependencies.rank, report.drives);
+        add_drives(system, *table, rows, dependencies.rank, report);
       }
       if (table != tables.back()) continue;
       for (const DependentRows& set : dependencies.sets) {

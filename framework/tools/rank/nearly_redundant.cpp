@@ -3,14 +3,20 @@
 #include <algorithm>
 #include <deque>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
+
+#include <spdlog/fmt/fmt.h>
+#include <Eigen/Geometry>
 
 #include <lockstep/analysis.h>
 #include <lockstep/detail/kernel.h>
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/foundation/math/limits.h"
+#include "framework/foundation/support/at_end.h"
 #include "framework/tools/rank/left_out_rows.h"
 #include "framework/tools/rank/loop_rows.h"
 
@@ -79,6 +85,14 @@ class LoopChoice {
     }
     return out;
   }
+  /// Of its joints: the diagonal of a box around them, m; the length of the system if they are in one place.
+  double span(const Inputs& in, double length) const {
+    Eigen::AlignedBox3d box;
+    for (const NamedRow& row : rows)
+      for (const auto& [p, s] : row.link->pairs()) box.extend(in_world(MarkerFrame(*p), in).x);
+    const double diagonal = box.isEmpty() ? 0 : box.diagonal().norm();
+    return diagonal > kSlight * length ? diagonal : length;
+  }
   void add_links(std::vector<std::string>& names) const {
     for (std::size_t k = 0; k < rows.size(); ++k) add_name(ordered(k).link->name(), names);
   }
@@ -96,9 +110,10 @@ class LoopChoice {
 struct NearSet {
   NearDependency told;
   std::vector<NamedRow> gone;
+  double span = 0;  // of the joints, m
 };
 
-std::vector<NearSet> nearly_dependent(const std::deque<LoopChoice>& loops) {
+std::vector<NearSet> nearly_dependent(const std::deque<LoopChoice>& loops, const Inputs& in, double length) {
   std::vector<NearSet> all;
   for (const LoopChoice& loop : loops) {
     NearSet one;
@@ -116,6 +131,7 @@ std::vector<NearSet> nearly_dependent(const std::deque<LoopChoice>& loops) {
     one.gone = std::move(choice.gone);
     if (one.told.undecided.empty()) one.told.undecided = choice.kept;
     loop.add_links(one.told.links);
+    one.span = loop.span(in, length);
     all.push_back(std::move(one));
   }
   return all;
@@ -134,8 +150,13 @@ void try_out(System& system, Dynamics& dynamics, const State& state, std::vector
     if (f.told.undecided.empty()) gone.insert(gone.end(), f.gone.begin(), f.gone.end());
   for (NearSet& f : all) {
     if (!f.told.undecided.empty()) continue;
-    f.told.violation = violation_without(system, dynamics, state, f.gone, gone);
+    const std::optional<Violation> found = violation_without(system, dynamics, state, f.gone, gone);
+    f.told.violation = found.value_or(Violation{}).most;
     f.told.in_passing = !(f.told.violation < kPersists * system.length());
+    if (!found)
+      f.told.needed = "other constraints hold what they hold";
+    else if (!(found->gap < kPersists * f.span))
+      f.told.needed = fmt::format("without them joints open by {:.2g} m", found->gap);
   }
 }
 
@@ -174,25 +195,24 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
   take_back(system);
   std::vector<NearDependency> told;
   if (!has_loops(system, state.modes)) return told;
-  release_drives(system);  // they hold what is free, so nothing would be nearly dependent with them
   std::deque<LoopChoice> loops;
   {
+    const AtEnd back([&] { take_back(system); });
+    release_drives(system);  // they hold what is free, so nothing would be nearly dependent with them
     const RowTable& table = dynamics.gather_rows(state).rows();
     for (const std::vector<int>& entries : loops_of(system, table))
       if (const LoopRows rows(system, table, entries); rows.n() <= kDenseRows) loops.emplace_back(system, table, rows);
   }
-  std::vector<NearSet> all = nearly_dependent(loops);
-  if (all.empty()) {
-    take_back(system);
-    return told;
-  }
+  std::vector<NearSet> all = nearly_dependent(loops, dynamics.inputs(state), system.length());
+  if (all.empty()) return told;
   const NearlyRedundant choice = asked != NearlyRedundant::automatic ? asked
                                  : are_few_rows(system, state.modes) ? NearlyRedundant::held
                                                                      : NearlyRedundant::reported;
   try_out(system, dynamics, state, all);
-  take_back(system);
   std::vector<NamedRow> gone;
   for (NearSet& f : all) {
+    if (choice == NearlyRedundant::free && f.told.undecided.empty() && !f.told.in_passing)
+      f.told.undecided = f.told.needed;
     f.told.decided = choice != NearlyRedundant::reported && f.told.undecided.empty() && !f.told.in_passing;
     if (f.told.decided && choice == NearlyRedundant::free) {
       gone.insert(gone.end(), f.gone.begin(), f.gone.end());
@@ -203,10 +223,12 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
   leave_out(system, gone);
   if (choice == NearlyRedundant::held) hold(system, loops, told);
   system.setup();
-  if (asked == NearlyRedundant::automatic && std::ranges::any_of(told, &NearDependency::decided) &&
-      mobility(dynamics, state).locked())
-    return decide_nearly_redundant(system, dynamics, given, NearlyRedundant::free);
-  return told;
+  if (asked != NearlyRedundant::automatic || std::ranges::none_of(told, &NearDependency::decided) ||
+      mobility(dynamics, state).locked.empty())
+    return told;
+  std::vector<NearDependency> released = decide_nearly_redundant(system, dynamics, given, NearlyRedundant::free);
+  if (mobility(dynamics, state).locked.empty()) return released;
+  return decide_nearly_redundant(system, dynamics, given, NearlyRedundant::held);
 }
 
 }  // namespace lockstep

@@ -5,9 +5,11 @@
 
 #include <lockstep/error.h>
 #include <lockstep/solvers.h>
+#include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/simulate/decided_rows.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/tools/rank/branch_point.h"
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/left_out_rows.h"
@@ -87,6 +89,35 @@ bool decide(Dynamics& dynamics, Mechanism& m, const State& start, const State& p
   return false;
 }
 
+/// Brings a pose onto the constraints. False: nearly redundant ones keep it off by a little. Throws what assembly throws.
+bool closes(Dynamics& dynamics, const Mechanism& m, State& pose) {
+  AssemblyReport unheard;
+  const State given = pose;
+  try {
+    find_positions(dynamics, pose, m.assembly, unheard);
+  } catch (const AssemblyError&) {
+    pose = given;
+    approach_links(dynamics, pose, kRoundOff * m.system.length());
+    if (!(dynamics.violation(pose) < kNearlyDependent * m.system.length())) throw;
+    return false;
+  }
+  return true;
+}
+
+/// What assembly does to a start. Of its warnings those of positions; the assembly of the run gives the others.
+std::optional<AssemblyReport> assembled(Dynamics& dynamics, const Mechanism& m, State start) {
+  std::optional<AssemblyReport> report;
+  try {
+    const FindingScope unheard;
+    report = assemble(dynamics, start, m.start_speeds, m.assembly);
+  } catch (const Error&) {  // the run reports the error
+    return {};
+  }
+  for (const Finding& f : report->findings)
+    if (f.code() == finding::start_moved.code) report_finding(f);
+  return report;
+}
+
 }  // namespace
 
 State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
@@ -94,26 +125,22 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
   if (!is_asked_for(m, start)) return start;
   State pose = start;
   NearRows near;
-  AssemblyReport unheard;
   try {
     const bool off = dynamics.violation(pose) > kOn * m.system.length();
     if (off && !m.run.assemble) return start;
-    if (off) find_positions(dynamics, pose, m.assembly, unheard);
-    near.looked = true;
+    const bool met = !off || closes(dynamics, m, pose);
     if (may_depend(system_of(m), pose)) {
-      dynamics.project(pose);
+      if (met) dynamics.project(pose);
       near.all = decide_nearly_redundant(system_of(m), dynamics, pose, NearlyRedundant::reported);
     }
-    if (off && !near.all.empty()) {  // once more, with its words
-      pose = start;
-      assemble(dynamics, pose, m.start_speeds, m.assembly);
-    }
+    near.looked = met || !near.all.empty();
     dynamics.to_slots(pose);
   } catch (const Error&) {  // the run reports the error
     return start;
   }
   if (!near.all.empty() && decide(dynamics, m, start, pose, near)) {
     start = m.system.start();
+    if (dynamics.violation(start) > kOn * m.system.length()) near.assembled = assembled(dynamics, m, start);
     start.q = pose.q;
   }
   if (out != nullptr) *out = std::move(near);

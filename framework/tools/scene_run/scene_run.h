@@ -2,6 +2,7 @@
 // What every run of a scene begins with.
 #pragma once
 
+#include <optional>
 #include <set>
 
 #include <lockstep/analysis.h>
@@ -41,6 +42,7 @@ LOCKSTEP_API Mechanism build_observed(const Scene&, const Registry&);
 struct NearRows {
   bool looked = false;  ///< whether they were looked for
   std::vector<NearDependency> all;
+  std::optional<AssemblyReport> assembled{};  ///< what led from the given poses to a start at which it was decided
 };
 
 /// The start of the system, to be assembled, when it is decided what rows hold that nearly depend on others, where the run
@@ -65,10 +67,11 @@ LOCKSTEP_API AssemblyReport assemble_scene(Dynamics&, const Mechanism&, State&);
 /// The same start, assembled unless the scene forbids it; counted angles begin with the drives. `report`, if given,
 /// takes what assembly changed. Throws what assemble() and refuse_locked() throw.
 inline State assembled_start(Dynamics& dynamics, Mechanism& m, AssemblyReport* report = nullptr) {
-  State start = decided_start(dynamics, m);
+  NearRows near;
+  State start = decided_start(dynamics, m, &near);
   if (m.run.assemble) {
     const AssemblyReport assembled = assemble_scene(dynamics, m, start);
-    if (report != nullptr) *report = assembled;
+    if (report != nullptr) *report = near.assembled.value_or(assembled);
   } else {
     begin_turns(dynamics, start);
   }

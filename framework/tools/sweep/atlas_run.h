@@ -33,7 +33,7 @@ struct AtlasCell {
   long passed = 0;   ///< singular configurations passed with unprojected stages: the motion may have switched branch
   long steps = 0, rejected = 0;
   double cpu = 0;      ///< s
-  std::string reason;  ///< of a run that stopped
+  std::string reason;  ///< why it failed, was WRONG, or has no reference
 };
 
 /// Errors relative to the largest displacement: up to `works` a run is accurate if its energy balance and constraints are
