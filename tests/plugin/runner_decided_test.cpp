@@ -76,7 +76,7 @@ TEST_CASE("runner: nearly dependent constraints hold as written, and are free or
     }
   }
   CHECK(contains(call("run " + door + " --no-picture --record door_free.csv --nearly-redundant free").text,
-                 "It is released. Dropped, because others imply them: high x y"));
+                 "It is released. Left out, with the redundant ones: high x y"));
   CHECK(contains(call("check " + door + " --nearly-redundant held").text, "It is kept, so it may lock the mechanism"));
 }
 

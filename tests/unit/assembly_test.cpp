@@ -338,8 +338,8 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
     state.q.segment<3>(7 * sys.body("bar").slot) += Vec3(0.6, 0, 0);
     const AssemblyReport report = assemble(dynamics, state);
     REQUIRE(report.findings.size() == 1);
-    CHECK(says(report.findings.front().text(), {"the given poses do not fit the joints: assembly moved '",
-                                                "give the poses that lockstep assemble prints"}));
+    CHECK(says(report.findings.front().text(),
+               {"the given poses do not fit the joints: assembly moved '", "give the poses that"}));
   }
   SECTION("a joint that alone is drawn open") {
     System own;
@@ -349,7 +349,8 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
     State state = own.start();
     const AssemblyReport report = assemble(one, state);
     REQUIRE(report.findings.size() == 1);
-    CHECK(says(report.findings.front().text(), {"the given poses violate joint 'A' by 1.5 m", "attached"}));
+    CHECK(says(report.findings.front().text(),
+               {"the given poses violate joint 'A' by 1.5 m", "attached to its two bodies"}));
   }
   SECTION("drawn in its zero position, and taken by a law to where it begins") {
     System own;

@@ -159,8 +159,8 @@ void add_warnings(const System& system, const State& given, const State& assembl
                      one ? fmt::format("violate joint '{}' by {:.3g} m", report.open[0].joint, report.open[0].gap)
                          : "do not fit the joints",
                      text::join(changes)),
-         one ? "check where the joint is attached to its two bodies, or their poses"
-             : "give the poses that lockstep assemble prints",
+         one ? "check where the joint is attached to its two bodies, in world axes, or their poses"
+             : "check where the joints are attached, in world axes, or give the poses that lockstep assemble prints",
          moved ? report.largest_move : report.largest_turn, kMuch * (moved ? system.length() : kTwoPi),
          moved ? "m" : "rad"});
   }

@@ -87,11 +87,14 @@ std::optional<Vec3> hinge_in_plane(Mask held, const MarkerFrame& S, const Vec3& 
   const Free space = free_in_space(held, S);
   if (space.turn == TreeTurn::none) return {};
   const bool alone = count_rows(held & Mask::e123) == 1;
-  if (space.turn == TreeTurn::hinge && !alone)
-    return are_parallel(Vec3(S.A0 * space.hinge), normal) ? std::optional(space.hinge) : std::nullopt;
+  const Vec3 in_S = S.A0.transpose() * normal;
+  if (space.turn == TreeTurn::hinge && !alone) {
+    if (!are_parallel(in_S, space.hinge, kNegligible)) return {};
+    return Vec3(in_S.dot(space.hinge) > 0 ? in_S : -in_S);
+  }
   for (int k = 0; k < 3; ++k)
     if (includes(held, row_bit(3 + k)) && !are_perpendicular(S.A0.col(k), normal, kNegligible)) return {};
-  return Vec3(S.A0.transpose() * normal);
+  return in_S;
 }
 
 // Of these, those in the plane, in which slot axes are the world's where no slot is turned. Of the axes of S each lies
@@ -108,7 +111,7 @@ Free free_in_plane(Mask held, const MarkerFrame& S, Plane plane) {
       held_in = S.A0.col(k), ++n_held;
   for (int k = 0; k < space.n_slides; ++k)
     if (const Vec3& along = space.slide[k]; are_perpendicular(along, normal, kNegligible))
-      f.slide[f.n_slides++] = along;
+      f.slide[f.n_slides++] = (along - along.dot(normal) * normal).normalized();
   if (f.n_slides == 2 - n_held) return f;
   f.n_slides = 2 - n_held;
   f.slide[0] = n_held == 1 ? Vec3(cross(normal, held_in)) : Vec3(Vec3::Unit(plane.i()));

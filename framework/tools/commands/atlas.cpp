@@ -64,6 +64,9 @@ class Atlas {
 
   const AtlasPlan& plan() const { return plan_; }
   long n_runs() const { return n_ * static_cast<long>(plan_.panels.size()); }
+  bool any_valid() const {
+    return std::ranges::any_of(references_, [](const auto& each) { return !each.second.reference.invalid; });
+  }
   bool out_of_time() const { return spent_ > plan_.budget; }
   long n_left() const {  // by the budget
     long n = 0;
@@ -218,6 +221,7 @@ Result draw_atlas(const Arguments& args) {
     atlas.go(progress);
     progress.finish();
   }
+  if (!interrupt.asked() && !atlas.any_valid()) throw ModelError(atlas.missing());
   Result result(plan.loaded, drawn_fields(), atlas);
   result.even_if_quiet = true;
   result.write(base + ".csv", atlas_csv(plan));

@@ -150,6 +150,8 @@ std::string frequency_text(const Json& stiffness) {
   return omega > 0 ? fmt::format("{:.4g} Hz ({:.4g} rad/s), without damping", omega / kTwoPi, omega) : "";
 }
 
+std::string stability_word(const Stability& s) { return s.freedoms == 0 ? "no free motion" : to_string(s.kind); }
+
 double growth_time(double stiffness) { return stiffness < 0 ? 1 / std::sqrt(-stiffness) : NAN; }
 std::string growth_text(const Json& time) {
   return time.is_number() ? fmt::format("time constant {:.3g} s", time.get<double>()) : "";
@@ -168,7 +170,7 @@ const Fields<EquilibriumReport>& report_fields() {
                                         {"most", "", "limit", &GripReport::most},
                                         {"unit", "", "unit", &GripReport::unit}};
   static const Fields<Stability> kStability{
-      {"stability", "", "stability", [](const Stability& s) { return to_string(s.kind); }},
+      {"stability", "", "stability", stability_word},
       {"freedoms", "", "remaining degrees of freedom", &Stability::freedoms},
       {"lowest_eigenvalue", "1/s^2", "lowest natural frequency", &Stability::softest, frequency_text},
       {"growth_time", "s", "fastest growth", [](const Stability& s) { return growth_time(s.softest); }, growth_text},
@@ -267,7 +269,7 @@ std::string overview_of(const AllAtRest& found) {
     }
   const Fields<AtRest> line{
       {"number", "", "nr", &AtRest::number},
-      {"stability", "", "stability", [](const AtRest& r) { return to_string(r.report.stability.kind); }},
+      {"stability", "", "stability", [](const AtRest& r) { return stability_word(r.report.stability); }},
       {"frequency", "Hz", "lowest frequency [Hz]",
        [](const AtRest& r) { return std::sqrt(r.report.stability.softest) / kTwoPi; }, unless_zero},
       {"growth_time", "s", "growth time constant",

@@ -17,7 +17,10 @@ std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
   if (choice == NearlyRedundant::reported || !d.decided)
     return "Solvers may differ; choose \"nearly_redundant\": \"held\" or \"free\" (--nearly-redundant)";
   const std::string left_out =
-      d.left_out.empty() ? "" : fmt::format(". Dropped, because others imply them: {}", by_joint(d.left_out));
+      d.left_out.empty()
+          ? ""
+          : fmt::format(". {}: {}", d.free ? "Left out, with the redundant ones" : "Dropped, because others imply them",
+                        by_joint(d.left_out));
   const bool automatic = choice == NearlyRedundant::automatic;
   if (!d.free)
     return "It is kept, so it may lock the mechanism" + left_out +

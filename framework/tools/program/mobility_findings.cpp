@@ -147,7 +147,7 @@ const Fields<MobilityFindings>& mobility_fields() {
       Fields<Found>{{"plane", "", "plane", &Found::plane, plane_text}}
           .with(&Found::mobility, kReport)
           .with({{"free_motions", "", "free motions", [](const Found& f) { return f.moves.free; }},
-                 {"moved_by_laws", "", "  moved by laws of", &Found::laws},
+                 {"moved_by_laws", "", "moved by laws of", &Found::laws},
                  {"singular_position", "singular configuration", position, kPosition, position_text},
                  {"nearly_redundant", "", near, near_fields()},
                  {"reactions_unique", "", "reactions", all_unique, unique_text},

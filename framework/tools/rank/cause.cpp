@@ -151,15 +151,21 @@ Cause cause_of_loop(const std::vector<Span>& loop) {
   const double length = longest->length(), open = length - rest;
   if (!(open > kDependent * length)) return {};
   const std::string from = longest->from->link->name(), to = longest->to->link->name();
-  const std::string at_start = drives.empty() ? "" : "with drive " + text::join(drives) + " at its start, ";
-  const std::string elsewhere = drives.empty() ? "" : ", or let drive " + text::join(drives) + " begin elsewhere";
+  const bool one = drives.size() == 1;
+  const std::string at_start = drives.empty() ? ""
+                               : one          ? "with drive " + drives[0] + " at its start, "
+                                              : "with drives " + text::join(drives) + " at their starts, ";
+  const std::string elsewhere = drives.empty() ? ""
+                                : one          ? ", or let drive " + drives[0] + " begin elsewhere"
+                                               : ", or remove one of the drives " + text::join(drives);
+  const int digits = fmt::format("{:.3g}", length) == fmt::format("{:.3g}", rest) ? 9 : 3;
   Cause cause;
   cause.fact = fmt::format(
-      "the mechanism cannot be assembled: {}a loop is open by {:.3g} m. {} {} {:.3g} m from joint {} to joint {}, but "
-      "{} "
-      "reach {:.3g} m together",
-      at_start, open, longest->bodies, longest->slides() ? "spans at least" : "spans", length, from, to,
-      text::join(others), rest);
+      "the mechanism cannot be assembled: {}a loop is open by {:.3g} m. {} {} {:.{}g} m from joint {} to joint {}, but "
+      "{} {:.{}g} m{}",
+      at_start, open, longest->bodies, longest->slides() ? "spans at least" : "spans", length, digits, from, to,
+      text::join(others) + (others.size() > 1 ? " reach" : " reaches"), rest, digits,
+      others.size() > 1 ? " together" : "");
   const bool apart = longest->slot == kGround || !longest->drives.empty() || longest->slides();
   if (length > 100 * rest)  // a unit is wrong
     cause.hint = fmt::format("check the unit of {}: \"200 mm\" is 0.2",
