@@ -125,20 +125,20 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
   if (!is_asked_for(m, start)) return start;
   State pose = start;
   NearRows near;
+  bool met = false, depends = false;
   try {
     const bool off = dynamics.violation(pose) > kOn * m.system.length();
     if (off && !m.run.assemble) return start;
-    const bool met = !off || closes(dynamics, m, pose);
-    if (may_depend(system_of(m), pose)) {
-      if (met) dynamics.project(pose);
-      near.all = decide_nearly_redundant(system_of(m), dynamics, pose, NearlyRedundant::reported);
-    }
-    near.looked = met || !near.all.empty();
+    met = !off || closes(dynamics, m, pose);
+    depends = may_depend(system_of(m), pose);
+    if (depends && met) dynamics.project(pose);
     dynamics.to_slots(pose);
   } catch (const Error&) {  // the run reports the error
     return start;
   }
-  if (!near.all.empty() && decide(dynamics, m, start, pose, near)) {
+  const bool decided = depends && decide(dynamics, m, start, pose, near);
+  near.looked = met || !near.all.empty();
+  if (decided) {
     start = m.system.start();
     if (dynamics.violation(start) > kOn * m.system.length()) near.assembled = assembled(dynamics, m, start);
     start.q = pose.q;
