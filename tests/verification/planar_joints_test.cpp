@@ -351,9 +351,10 @@ TEST_CASE("a tree with one joint, or one law, that leaves the plane is no planar
   CHECK(is_planar(
       [&](System& s, Body& a, Body& b) { s.add<Prismatic>("second", b, a, pose_at(Vec3(0.5, 0, 0), Vec3(1, 2, 0))); }));
   CHECK_FALSE(is_planar([](System&, Body&, Body&) {}));  // b is free
-  CHECK_FALSE(is_planar([&](System& s, Body& a, Body& b) {
-    s.add<Revolute>("second", b, a, pose_at(Vec3(0.5, 0, 0), Vec3(0, 1e-9, 1)));
-  }));
+  for (const double tilt : {1e-10, 2e-9})
+    CHECK(is_planar([&](System& s, Body& a, Body& b) {
+            s.add<Revolute>("second", b, a, pose_at(Vec3(0.5, 0, 0), Vec3(0, tilt, 1)));
+          }) == (tilt < kParallel));
   CHECK_FALSE(is_planar([&](System& s, Body& a, Body& b) { s.add<Cylindrical>("second", b, a, there); }));
   CHECK_FALSE(is_planar([&](System& s, Body& a, Body& b) { s.add<Spherical>("second", b, a, there); }));
   CHECK_FALSE(is_planar([&](System& s, Body& a, Body& b) {

@@ -279,7 +279,7 @@ std::shared_ptr<const JointTree> Builder::tree() const {
 const VelocityTarget* Builder::start_out_of(Plane plane) const {
   for (const VelocityTarget& start : out_.start_speeds) {
     const Vec3 normal = MarkerFrame(*system_.link(start.link).pairs().front().second).A0.row(plane.n);
-    if (start.value != 0 && !axis_stays_in_plane(start.axis, normal, 1e-10)) return &start;
+    if (start.value != 0 && !axis_stays_in_plane(start.axis, normal)) return &start;
   }
   return nullptr;
 }

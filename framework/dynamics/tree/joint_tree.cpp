@@ -89,11 +89,11 @@ std::optional<Vec3> hinge_in_plane(Mask held, const MarkerFrame& S, const Vec3& 
   const bool alone = count_rows(held & Mask::e123) == 1;
   const Vec3 in_S = S.A0.transpose() * normal;
   if (space.turn == TreeTurn::hinge && !alone) {
-    if (!are_parallel(in_S, space.hinge, kNegligible)) return {};
+    if (!are_parallel(in_S, space.hinge)) return {};
     return Vec3(in_S.dot(space.hinge) > 0 ? in_S : -in_S);
   }
   for (int k = 0; k < 3; ++k)
-    if (includes(held, row_bit(3 + k)) && !are_perpendicular(S.A0.col(k), normal, kNegligible)) return {};
+    if (includes(held, row_bit(3 + k)) && !are_perpendicular(S.A0.col(k), normal)) return {};
   return in_S;
 }
 
@@ -107,10 +107,9 @@ Free free_in_plane(Mask held, const MarkerFrame& S, Plane plane) {
   Vec3 held_in = Vec3::Zero();  // a direction in the plane that is held
   int n_held = 0;
   for (int k = 0; k < 3; ++k)
-    if (includes(held, row_bit(k)) && are_perpendicular(S.A0.col(k), normal, kNegligible))
-      held_in = S.A0.col(k), ++n_held;
+    if (includes(held, row_bit(k)) && are_perpendicular(S.A0.col(k), normal)) held_in = S.A0.col(k), ++n_held;
   for (int k = 0; k < space.n_slides; ++k)
-    if (const Vec3& along = space.slide[k]; are_perpendicular(along, normal, kNegligible))
+    if (const Vec3& along = space.slide[k]; are_perpendicular(along, normal))
       f.slide[f.n_slides++] = (along - along.dot(normal) * normal).normalized();
   if (f.n_slides == 2 - n_held) return f;
   f.n_slides = 2 - n_held;
@@ -132,7 +131,7 @@ bool is_tilted(const Lock& link, Plane plane) {
   if (!overlaps(link.jointed()->rows(), Mask::e123)) return false;
   const auto [p, s] = link.pairs().front();
   const Quat turn = MarkerFrame(*s).q0 * conjugate(MarkerFrame(*p).q0);
-  return std::hypot(turn.vec()[plane.i()], turn.vec()[plane.j()]) > kNegligible;
+  return std::hypot(turn.vec()[plane.i()], turn.vec()[plane.j()]) > kParallel;
 }
 
 // Why a link is no tree joint; "" for one that is.

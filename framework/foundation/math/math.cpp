@@ -3,8 +3,8 @@
 
 namespace lockstep {
 
-bool are_parallel(const Vec3& a, const Vec3& b, double tolerance) { return cross(a, b).norm() <= tolerance; }
-bool are_perpendicular(const Vec3& a, const Vec3& b, double tolerance) { return std::abs(a.dot(b)) <= tolerance; }
+bool are_parallel(const Vec3& a, const Vec3& b) { return cross(a, b).norm() <= kParallel; }
+bool are_perpendicular(const Vec3& a, const Vec3& b) { return std::abs(a.dot(b)) <= kParallel; }
 
 // (1.12)
 Quat exponential(const Vec3& th) {

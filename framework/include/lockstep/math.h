@@ -36,7 +36,7 @@ using MatX = Eigen::MatrixXd;              ///< matrix of any size
 
 inline constexpr double kPi = std::numbers::pi;           ///< half a revolution, rad
 inline constexpr double kTwoPi = 2.0 * std::numbers::pi;  ///< a full revolution, rad
-inline constexpr double kParallel = 1e-12;  ///< sine of the angle up to which two directions count as parallel
+inline constexpr double kParallel = 1e-9;  ///< sine of the angle up to which two directions count as parallel
 
 /// a x b. Eigen's own cross would include its geometry module in every file.
 template <class A, class B>
@@ -44,9 +44,9 @@ inline Vec3T<typename A::Scalar> cross(const Eigen::MatrixBase<A>& a, const Eige
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 /// Whether two directions are parallel or opposed; both of length 1, or one of them shorter.
-LOCKSTEP_API bool are_parallel(const Vec3& a, const Vec3& b, double tolerance = kParallel);
+LOCKSTEP_API bool are_parallel(const Vec3& a, const Vec3& b);
 /// Whether two directions are perpendicular; lengths as above.
-LOCKSTEP_API bool are_perpendicular(const Vec3& a, const Vec3& b, double tolerance = kParallel);
+LOCKSTEP_API bool are_perpendicular(const Vec3& a, const Vec3& b);
 
 /// a~, the matrix of the cross product: a~ b = a x b.
 template <class A>

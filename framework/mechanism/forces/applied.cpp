@@ -34,8 +34,8 @@ bool Applied::stays_in_plane(Plane plane) const {
                  : vector_.axes == AppliedAxes::body ? Vec3(body_axes_.row(plane.n))
                                                      : Vec3(P_.A0.row(plane.n));
   const auto fits = [&](const Vec3& direction) {
-    const double tolerance = kParallel * direction.norm();
-    return force ? are_perpendicular(direction, n, tolerance) : are_parallel(direction, n, tolerance);
+    const Vec3 along = direction.normalized();
+    return force ? are_perpendicular(along, n) : are_parallel(along, n);
   };
   if (!fits(vector_.value) || (vector_.law && !fits(vector_.direction))) return false;
   for (int k = 0; k < 3; ++k)

@@ -45,9 +45,7 @@ void Bushing::setup() {
 // Each matrix takes the normal to a multiple of it, and P turns about it.
 bool Bushing::stays_in_plane(Plane plane) const {
   const Vec3 P = P_.A0.row(plane.n), S = S_.A0.row(plane.n);
-  const auto fits = [&](const Vec3& diagonal) {
-    return are_parallel(Vec3(diagonal.cwiseProduct(S)), S, kParallel * diagonal.norm());
-  };
+  const auto fits = [&](const Vec3& diagonal) { return are_parallel(diagonal.normalized().cwiseProduct(S), S); };
   return markers_stay_in(plane) && fits(options_.stiffness) && fits(options_.damping) &&
          fits(options_.torsion_damping) && fits(options_.torsion_stiffness) &&
          (options_.torsion_stiffness.isZero(0) || (P - S).norm() <= kParallel);

@@ -6,6 +6,7 @@
 #include <lockstep/author/params.h>
 #include <lockstep/body.h>
 #include <lockstep/text.h>
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 
@@ -23,7 +24,7 @@ struct Height {
 Height height_of(const Marker& m, const MarkerFrame& frame, Plane plane) {
   const Vec3 x = (m.body->home * m.local).x;
   const double center = x[plane.n] - frame.u0[plane.n];
-  return {center + frame.at(0).u[plane.n], center, kParallel * x.norm() + 1e-15};
+  return {center + frame.at(0).u[plane.n], center, kRoundOff * x.norm() + 1e-15};
 }
 }  // namespace
 

@@ -90,9 +90,9 @@ void difference_tangent(const Lock& link, const Inputs& in, std::span<const doub
   });
 }
 
-bool axis_stays_in_plane(Axis axis, const Vec3& normal, double tolerance) {
+bool axis_stays_in_plane(Axis axis, const Vec3& normal) {
   const Vec3 along = Vec3::Unit(axis_index(axis) % 3);
-  return is_rotation(axis) ? are_parallel(along, normal, tolerance) : are_perpendicular(along, normal, tolerance);
+  return is_rotation(axis) ? are_parallel(along, normal) : are_perpendicular(along, normal);
 }
 
 }  // namespace lockstep

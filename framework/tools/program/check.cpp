@@ -64,7 +64,7 @@ std::vector<std::string> free_axes(const TreeNode& n, Plane plane) {
   const Mat3 S = rotation(n.reversed ? n.far_q : n.near_q);
   const auto axis_of = [](const Mat3& axes, const Vec3& along) -> std::string {
     for (int k = 0; k < 3; ++k)
-      if (are_parallel(axes.col(k), along, 1e-9)) return std::string(1, "xyz"[k]);
+      if (are_parallel(axes.col(k), along)) return std::string(1, "xyz"[k]);
     return "";
   };
   for (int k = 0; k < n.n_slides; ++k) {

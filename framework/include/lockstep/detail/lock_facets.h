@@ -59,7 +59,7 @@ struct Drive {
 };
 
 /// Whether a motion along or about this axis stays in the plane with this normal, of length 1; both in S axes.
-LOCKSTEP_API bool axis_stays_in_plane(Axis axis, const Vec3& normal, double tolerance = kParallel);
+LOCKSTEP_API bool axis_stays_in_plane(Axis axis, const Vec3& normal);
 
 /// The laws of a lock: the pose of P imposed on the rows of the mask, and its drives.
 struct LOCKSTEP_API ImposedMotion {
