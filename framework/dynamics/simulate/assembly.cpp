@@ -123,21 +123,6 @@ std::string not_given(const System& system, const State& given, const State& ass
   return words;
 }
 
-// None of a mechanism drawn in its zero position, which its drives take to where they begin.
-std::vector<OpenJoint> drawn_open(Dynamics& dynamics, const State& given) {
-  const Evaluation& e = dynamics.gather_rows(given);
-  const VecX all = Residuals(e).C;
-  std::vector<OpenJoint> open;
-  for (const RowEntry& entry : e.rows().entries) {
-    const Lock& link = *dynamics.system().links()[entry.link];
-    VecX C = VecX::Zero(all.size());
-    for (int k = 0; k < entry.m; ++k)
-      if (link.row(entry.own[k]).drive < 0) C[entry.first_row + k] = all[entry.first_row + k];
-    if (const double by = e.norm(C); !(by < start_limit())) open.push_back({link.name(), by});
-  }
-  return open;
-}
-
 // Changes by assembly that are too large to be meant.
 void add_warnings(const System& system, const State& given, const State& assembled, const AssemblyOptions& options,
                   AssemblyReport& report) {
@@ -227,18 +212,38 @@ LOCKSTEP_API std::string AssemblyReport::text() const {
   return text.substr(2);
 }
 
+// No joint is open of a mechanism drawn in its zero position, which its drives take to where they begin.
+DrawnStart drawn_start(Dynamics& dynamics, const State& given) {
+  dynamics.system().check_size(given);
+  const Evaluation& e = dynamics.gather_rows(given);
+  const VecX all = Residuals(e).C;
+  DrawnStart drawn{given, start_distance(e, all), {}};
+  for (const RowEntry& entry : e.rows().entries) {
+    const Lock& link = *dynamics.system().links()[entry.link];
+    VecX C = VecX::Zero(all.size());
+    for (int k = 0; k < entry.m; ++k)
+      if (link.row(entry.own[k]).drive < 0) C[entry.first_row + k] = all[entry.first_row + k];
+    if (const double by = e.norm(C); !(by < start_limit())) drawn.open.push_back({link.name(), by});
+  }
+  return drawn;
+}
+
 AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& targets,
                         const AssemblyOptions& options) {
+  return assemble_drawn(dynamics, state, targets, options, drawn_start(dynamics, state));
+}
+
+AssemblyReport assemble_drawn(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& targets,
+                              const AssemblyOptions& options, DrawnStart drawn) {
   AssemblyReport report;
-  dynamics.system().check_size(state);
   State work = state;
-  report.open = drawn_open(dynamics, state);
+  report.before = drawn.before, report.open = std::move(drawn.open);
   find_positions(dynamics, work, options, report);
   report.kinetic_before = kinetic_energy(dynamics, work);
   assemble_velocities(dynamics, work, targets, report);
   report.kinetic_after = kinetic_energy(dynamics, work);
-  measure_move(dynamics.system(), state, work, report);
-  add_warnings(dynamics.system(), state, work, options, report);
+  measure_move(dynamics.system(), drawn.state, work, report);
+  add_warnings(dynamics.system(), drawn.state, work, options, report);
   add_missed(dynamics, work, options, report);
   state = work;
   if (report.is_notable()) log_info(report.text());

@@ -141,7 +141,6 @@ class StartSearch {
   }
 
   void positions() {
-    report_.before = distance();
     if (options_.coordinates.empty() && options_.poses.empty()) {
       alone();
     } else {

@@ -1,11 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The positions of a start: targets move from the poses given to what is asked. Internal to assembly.
 #pragma once
+#include <string>
+#include <vector>
 
 #include <lockstep/assembly.h>
 #include <lockstep/dynamics.h>
 
 namespace lockstep {
+
+/// A start as it is given, measured with all rows: what assembly changes is reported against it.
+struct DrawnStart {
+  State state;
+  double before;                ///< AssemblyReport::before
+  std::vector<OpenJoint> open;  ///< AssemblyReport::open
+};
+LOCKSTEP_API DrawnStart drawn_start(Dynamics&, const State& given);
+
+/// assemble() of a state that may have been moved, or lost rows, since it was given.
+LOCKSTEP_API AssemblyReport assemble_drawn(Dynamics&, State&, const std::vector<VelocityTarget>&,
+                                           const AssemblyOptions&, DrawnStart);
 
 /// Moves the positions of a state onto the links, and to what is asked (AssemblyOptions, drives):
 ///
@@ -14,7 +28,7 @@ namespace lockstep {
 ///
 /// One Gauss-Newton with one line search. Without weights and coordinates it is the least mass-weighted move onto all
 /// rows, and drives are led only if that fails or if rows count revolutions. Counted angles follow the way. `report`:
-/// takes iterations, how far off the start was and is, and warnings. Throws AssemblyError with the rows or targets that
+/// takes iterations, how far off it is, and warnings. Throws AssemblyError with the rows or targets that
 /// are not met, ModelError for a target without a meaning.
 LOCKSTEP_API void find_positions(Dynamics&, State&, const AssemblyOptions&, AssemblyReport& report);
 

@@ -114,7 +114,7 @@ Result show_assembled(const Arguments& args) {
   State state = decided_start(dynamics, m, &near);
   note_near(near.all, m.run.nearly_redundant);
   const State given = m.system.start();
-  const AssemblyReport last = assemble_scene(dynamics, m, state), r = near.assembled.value_or(last);
+  const AssemblyReport r = assemble_scene(dynamics, m, state, near);
   StepLoop run(dynamics, make_integrator(m.run, *m.methods), loop_options(m.run));
   run.set_state(state), run.run_until(state.t);  // as a run begins: it reports a start beyond a stop
   Result result(loaded, assemble_fields(), Assembled{r, moved_bodies(m.system, loaded.scene.root, given, state)});

@@ -223,7 +223,7 @@ Result follow(const Arguments& args, bool inverse) {
   NearRows near;
   State start = decided_start(dynamics, m, &near);
   note_near(near.all, m.run.nearly_redundant);
-  const AssemblyReport last = assemble_scene(dynamics, m, start), assembled = near.assembled.value_or(last);
+  const AssemblyReport assembled = assemble_scene(dynamics, m, start, near);
   refuse_driven_lock(dynamics, start);
 
   const auto begun = std::chrono::steady_clock::now();

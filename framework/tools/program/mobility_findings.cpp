@@ -36,7 +36,7 @@ State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, Mobili
   State start = decided_start(dynamics, m, &near);
   try {
     if (m.run.assemble)
-      assemble_scene(dynamics, m, start);
+      assemble_scene(dynamics, m, start, near);
     else
       check_start(dynamics, start, StepLoopOptions().start_limit);
     refuse_locked(dynamics, start);

@@ -222,7 +222,7 @@ class ProgramRun {
     State start = decided_start(dynamics_, m_, &near_);
     if (from_ != nullptr) return start;
     if (m_.run.assemble) {
-      const AssemblyReport last = assemble_told(start), assembled = near_.assembled.value_or(last);
+      const AssemblyReport assembled = assemble_told(start);
       if (assembled.is_notable()) end_.assembled = assembled.text(), end_.moved = assembled.is_moved();
     } else {
       begin_turns(dynamics_, start);
@@ -246,7 +246,7 @@ class ProgramRun {
   AssemblyReport assemble_told(State& start) {
     const State typed = start;
     try {
-      return assemble_scene(dynamics_, m_, start);
+      return assemble_scene(dynamics_, m_, start, near_);
     } catch (const Error&) {
       tell_near(typed);
       throw;

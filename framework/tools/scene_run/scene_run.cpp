@@ -9,7 +9,6 @@
 #include "framework/dynamics/simulate/decided_rows.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/foundation/math/limits.h"
-#include "framework/foundation/support/finding_kinds.h"
 #include "framework/tools/rank/branch_point.h"
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/left_out_rows.h"
@@ -104,20 +103,6 @@ bool closes(Dynamics& dynamics, const Mechanism& m, State& pose) {
   return true;
 }
 
-/// What assembly does to a start. Of its warnings those of positions; the assembly of the run gives the others.
-std::optional<AssemblyReport> assembled(Dynamics& dynamics, const Mechanism& m, State start) {
-  std::optional<AssemblyReport> report;
-  try {
-    const FindingScope unheard;
-    report = assemble(dynamics, start, m.start_speeds, m.assembly);
-  } catch (const Error&) {  // the run reports the error
-    return {};
-  }
-  for (const Finding& f : report->findings)
-    if (f.code() == finding::start_moved.code) report_finding(f);
-  return report;
-}
-
 }  // namespace
 
 State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
@@ -127,6 +112,7 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
   NearRows near;
   bool met = false, depends = false;
   try {
+    near.drawn = drawn_start(dynamics, start);
     const bool off = dynamics.violation(pose) > kOn * m.system.length();
     if (off && !m.run.assemble) return start;
     met = !off || closes(dynamics, m, pose);
@@ -138,11 +124,7 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
   }
   const bool decided = depends && decide(dynamics, m, start, pose, near);
   near.looked = met || !near.all.empty();
-  if (decided) {
-    start = m.system.start();
-    if (dynamics.violation(start) > kOn * m.system.length()) near.assembled = assembled(dynamics, m, start);
-    start.q = pose.q;
-  }
+  if (decided) start = m.system.start(), start.q = pose.q;
   if (out != nullptr) *out = std::move(near);
   return start;
 }
@@ -152,9 +134,10 @@ void refuse_driven_lock(Dynamics& dynamics, const State& start) {
     throw AssemblyError({.problem = lock.fact, .advice = lock.hint});
 }
 
-AssemblyReport assemble_scene(Dynamics& dynamics, const Mechanism& m, State& start) {
+AssemblyReport assemble_scene(Dynamics& dynamics, const Mechanism& m, State& start, const NearRows& near) {
   try {
-    return assemble(dynamics, start, m.start_speeds, m.assembly);
+    return assemble_drawn(dynamics, start, m.start_speeds, m.assembly,
+                          near.drawn ? *near.drawn : drawn_start(dynamics, start));
   } catch (const AssemblyError& error) {
     rethrow_with(cause_of_start(dynamics, start), error);
   }

@@ -42,7 +42,7 @@ LOCKSTEP_API Mechanism build_observed(const Scene&, const Registry&);
 struct NearRows {
   bool looked = false;  ///< whether they were looked for
   std::vector<NearDependency> all;
-  std::optional<AssemblyReport> assembled{};  ///< what led from the given poses to a start at which it was decided
+  std::optional<DrawnStart> drawn{};  ///< the start before rows were decided, if they were looked for
 };
 
 /// The start of the system, to be assembled, when it is decided what rows hold that nearly depend on others, where the run
@@ -62,7 +62,8 @@ LOCKSTEP_API void refuse_locked(Dynamics&, const State& start);
 LOCKSTEP_API void refuse_driven_lock(Dynamics&, const State& start);
 
 /// assemble() with the settings of the scene; the cause of a start that cannot be assembled precedes the error.
-LOCKSTEP_API AssemblyReport assemble_scene(Dynamics&, const Mechanism&, State&);
+/// `near`: of decided_start(), which gave the state.
+LOCKSTEP_API AssemblyReport assemble_scene(Dynamics&, const Mechanism&, State&, const NearRows& near);
 
 /// The same start, assembled unless the scene forbids it; counted angles begin with the drives. `report`, if given,
 /// takes what assembly changed. Throws what assemble() and refuse_locked() throw.
@@ -70,8 +71,8 @@ inline State assembled_start(Dynamics& dynamics, Mechanism& m, AssemblyReport* r
   NearRows near;
   State start = decided_start(dynamics, m, &near);
   if (m.run.assemble) {
-    const AssemblyReport assembled = assemble_scene(dynamics, m, start);
-    if (report != nullptr) *report = near.assembled.value_or(assembled);
+    AssemblyReport assembled = assemble_scene(dynamics, m, start, near);
+    if (report != nullptr) *report = std::move(assembled);
   } else {
     begin_turns(dynamics, start);
   }
