@@ -145,8 +145,7 @@ class Atlas {
     AtlasCell& cell = panel.cells[run - 1];
     const AtlasReference& reference = references_.at(plan_.reference_key(run)).reference;
     if (reference.method.empty()) {
-      cell.outcome = reference.invalid ? AtlasOutcome::stopped : AtlasOutcome::untried, cell.error = HUGE_VAL;
-      cell.reason = (reference.invalid ? "" : "no reference: ") + reference.reason;
+      cell.reason = (reference.invalid ? "invalid scene: " : "no reference: ") + reference.reason;
       return;
     }
     try {
