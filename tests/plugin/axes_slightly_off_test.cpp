@@ -42,7 +42,7 @@ TEST_CASE("a slightly wrong axis is released in a loop drawn roughly too, and ne
       CAPTURE(more, tilt);
       const auto [angle, text] = last(scene(std::string("[") + tilt + ", 0, 1]", more));
       CHECK(std::abs(angle - exact) < 10 * std::stod(tilt) + 1e-6);
-      CHECK(contains(text, "It is released, because it would lock the drives"));
+      CHECK(contains(text, "It is released"));
       CHECK(contains(text, "the given poses do not fit the joints"));
     }
 }
@@ -66,6 +66,28 @@ TEST_CASE("a joint whose axis is tilted by a rounding rotates as without it", "[
   }
 }
 
+// Whatever solves it: below the limit of what depends exactly, above it, and at it.
+TEST_CASE("a four-bar of which one axis is slightly wrong swings like a four-bar in its plane", "[runner]") {
+  nlohmann::json scene = nlohmann::json::parse(std::ifstream(std::string(paths::kScenes) + "/four_bar.json"));
+  scene["joints"][0].erase("drive");
+  scene["gravity"] = {0, -9.81, 0}, scene["planar"] = "off";
+  scene["run"] = {{"until", 0.5}, {"tolerance", 1e-9}, {"record", {"rocker.angle_z"}}};
+  const auto last = [&](double tilt, const std::string& options) {
+    scene["joints"][2]["axis"] = {tilt, 0, 1};
+    std::ofstream(kRunnerFolder + "/swings.json") << scene;
+    const Called called = call("run swings.json --no-picture --record swings.csv " + options);
+    INFO(called.text);
+    REQUIRE(called.exit == 0);
+    return table_of("swings").last("rocker.angle_z");
+  };
+  const double exact = last(0, "--planar z");
+  for (const char* options : {"", "--solver dense", "--formulation omega"})
+    for (double tilt = 1e-12; tilt < 2e-3; tilt *= 10) {
+      CAPTURE(options, tilt);
+      CHECK(std::abs(last(tilt, options) - exact) < tilt + 1e-8);
+    }
+}
+
 // A centre of mass far off makes positions nearly dependent that hold the joints together.
 TEST_CASE("constraints without which joints open are not released", "[runner]") {
   nlohmann::json far = nlohmann::json::parse(std::ifstream(std::string(paths::kScenes) + "/four_bar.json"));
@@ -76,7 +98,7 @@ TEST_CASE("constraints without which joints open are not released", "[runner]") 
   INFO(held.text);
   CHECK(contains(held.text, "centre of mass is 149.7 m from its joints"));
   CHECK(std::abs(table_of("far").last("coupler") - table_of("plane").last("coupler")) < 1e-6);
-  CHECK_FALSE(contains(held.text, "release it"));
+  CHECK(contains(held.text, "It is kept: without them joints open by 0.1"));
   CHECK(contains(call("check far.json --nearly-redundant free").text, "without them joints open by 0.1"));
 }
 

@@ -49,13 +49,13 @@ TEST_CASE("the channels that help texts name exist, and the usual names lead to 
                 {R"(did you mean "force_on_p_world_x")", R"(did you mean "drive.torque_on_p_link_z")"});
 }
 
-TEST_CASE("nearly redundant constraints hold by default, as pages and help state", "[facts]") {
-  CHECK(contains(call("describe run").text, "auto: kept if possible"));
+TEST_CASE("nearly redundant constraints are released by default, as pages and help state", "[facts]") {
+  CHECK(contains(call("describe run").text, "auto: removed, but kept if joints would open"));
   const Called checked = call("check '" + std::string(paths::kSource) + "/tests/stability/scenes/door.json'");
   INFO(checked.text);
-  CHECK(contains(checked.text, "It is kept"));
-  CHECK(value_of(checked.text, "degrees of freedom") == "0");
-  CHECK(contains(page("docs/faq.md"), "By default the constraints hold"));
+  CHECK(contains(checked.text, "It is released"));
+  CHECK(value_of(checked.text, "degrees of freedom") == "1");
+  CHECK(contains(page("docs/faq.md"), "By default these constraints are released"));
 }
 
 TEST_CASE("the laws that the message of a jump names are registered", "[facts]") {

@@ -115,7 +115,7 @@ TEST_CASE("a door at rest is solved in space by check, run and statics, not in a
     "run": {"until": 0.1, "record": ["low.force_on_p_world_z"]})") +
                            "'";
   for (const std::string command : {"check ", "run --no-picture --record near_door.csv ", "statics "}) {
-    const Called free = call(command + door + " --nearly-redundant free");
+    const Called free = call(command + door);
     CAPTURE(command, free.text);
     CHECK(free.exit == 0);
     CHECK(contains(free.text, "It is released"));

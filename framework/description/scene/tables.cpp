@@ -213,7 +213,7 @@ max_steps | integer | | limit of the number of steps; the run then ends with an 
 formulation | choice; omega; quaternion; joint; auto | "auto" | unknowns: joint coordinates, 6 velocities per body (omega), or 7 coordinates per body (quaternion); auto: joint coordinates if they cost less and no solver is named, else omega
 stabilization | choice, or object; stabilization; project; baumgarte; none | | correction of the constraint violation (drift); default "project"
 solver | name or object; solvers | | a name of `lockstep list solvers`, or {"type": name, and its keys}; default "schur", with formulation quaternion "sparse"
-nearly_redundant | choice; auto; report; free; held | "auto" | treatment of nearly dependent constraints (relative singular value below 1e-3), such as two nearly coaxial hinges: kept (held), removed (free), or only reported (report); auto: kept if possible, else reported; removed if they lock a driven mechanism
+nearly_redundant | choice; auto; report; free; held | "auto" | treatment of nearly dependent constraints (relative singular value below 1e-3), such as two nearly coaxial hinges: kept (held), removed (free), or only reported (report); auto: removed, but kept if joints would open; reported beyond 300 constraints
 assemble | boolean | true | true: a start that violates the constraints is corrected
 record | list of channel names: see `lockstep check SCENE --channels` | | recorded channels, by name or as {"own name": "channel"}
 draw | list of lists of texts | | panels of the picture from top to bottom, each a list of recorded names; default: by unit

@@ -11,8 +11,8 @@
 
 namespace lockstep {
 
-/// Pivots up to this, of rows of length 1, are zero: round-off of a loop of some hundred rows, with four digits to spare.
-inline constexpr double kDependent = 1e-9;
+/// Pivots up to this, of rows of length 1, are zero: round-off of a loop of some hundred rows, with two digits to spare.
+inline constexpr double kDependent = 1e-11;
 /// Rows of pivots from kDependent to this nearly depend on others: too much for round-off, too little for a mechanism.
 /// Of S they leave pivots below kSmallPivot, its square, which solvers take for those of redundant rows.
 inline constexpr double kNearlyDependent = 1e-3;

@@ -83,8 +83,8 @@ struct NearDependency {
   /// Whether they nearly depend only near a singular configuration: then nothing is decided, and they hold.
   bool in_passing = false;
   bool decided = false;  ///< whether the requested decision, free or held, was possible
-  bool free = false;     ///< whether these are left out, on request or because they would lock a driven mechanism
-  std::string needed;    ///< why they cannot be left out: "the joints open by 0.1 m"; "" if they can
+  bool free = false;     ///< whether these are left out
+  std::string needed;    ///< why they cannot be left out: "without them joints open by 0.1 m"; "" if they can
   /// Why it was not: "one of them is driven"; "" if it was. Solvers may then treat them differently.
   std::string undecided;
   double violation = 0;  ///< of constraints that would be left out, m, after a rotation of 0.3 rad
@@ -93,12 +93,15 @@ struct NearDependency {
   std::vector<std::string> left_out;
   /// Joints on these loops. The decision is valid as long as none of them is released, and no other replaces it.
   std::vector<std::string> links;
+  std::string advice;  ///< which axis to correct, if one is not parallel to all others
+
+  bool held() const { return decided && !free; }  ///< whether these are kept
 };
 
 /// Finds constraints that nearly depend on others at an assembled start: those of pivots, as in mobility(), between
 /// 1e-9 and 1e-3. Then decides about them: reported, the default here, changes nothing; automatic, the default of scenes,
-/// keeps them, unless this locks a driven mechanism. Constraints that a law drives, of one-sided joints and of couplings are never left out, and groups with
-/// them are not decided. Of others, those of a large share are kept first, then those of the earlier joint. They are
+/// leaves them out, and keeps those without which joints open or nothing more can move. Constraints that a law drives,
+/// of one-sided joints and of couplings are never left out, and groups with them are not decided. Of others, those of a large share are kept first, then those of the earlier joint. They are
 /// left out only if they nearly depend everywhere: without them, a motion by 0.3 rad must violate them by less than a
 /// thousandth of System::length(). Leaves out constraints of `system` (System::leave_out), which must be that of the
 /// dynamics, in place of those left out before. If any were, assemble the start again from these positions. Groups of

@@ -102,8 +102,8 @@ enum class NearlyRedundant {
   told [[deprecated("NearlyRedundant::reported")]] = reported,
   free,  ///< redundant and nearly redundant constraints are left out
   held,  ///< they hold; exactly redundant constraints are left out, so that nothing contradicts
-  /// Held if that can be decided and the mechanism has no more than 300 rows, else reported; free if held, they lock a
-  /// driven mechanism.
+  /// Free, unless joints would open or nothing more could move: those are held. Reported if the mechanism has more than
+  /// 300 rows.
   automatic
 };
 

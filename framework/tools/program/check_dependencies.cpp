@@ -21,15 +21,11 @@ std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
           ? ""
           : fmt::format(". {}: {}", d.free ? "Left out, with the redundant ones" : "Dropped, because others imply them",
                         by_joint(d.left_out));
-  const bool automatic = choice == NearlyRedundant::automatic;
-  if (!d.free)
-    return "It is kept, so it may lock the mechanism" + left_out +
-           (automatic && d.needed.empty()
-                ? ". If the joints are only slightly misaligned, release it: --nearly-redundant free"
-                : "");
+  if (d.held())
+    return "It is kept" + (d.needed.empty() ? ", so it may lock the mechanism" : ": " + d.needed) + left_out;
   return fmt::format(
-      "It is released{}{}. Violation after a motion of 0.3 rad: {:.1g} m. To hold it: --nearly-redundant held",
-      automatic ? ", because it would lock the drives" : "", left_out, d.violation);
+      "It is released{}. Violation after a motion of 0.3 rad: {:.1g} m. To hold it: --nearly-redundant held", left_out,
+      d.violation);
 }
 
 std::string decision(const NearDependency& d, NearlyRedundant choice) {
@@ -47,6 +43,7 @@ void note_near(const std::vector<NearDependency>& near, NearlyRedundant choice) 
         fmt::format("{} of the constraints {} {} nearly redundant (relative singular value {:.2g}, 0 is redundant). ",
                     d.nearly, by_joint(d.rows), d.nearly == 1 ? "is" : "are", d.singular_value) +
         decided_words(d, choice);
+    f.advice = d.advice;
     f.value = d.singular_value;
     CommandFindings::add(f);
   }

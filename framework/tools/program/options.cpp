@@ -50,7 +50,7 @@ const Options& scene_options() {
        Option{
            "--nearly-redundant", "CHOICE",
            "nearly dependent constraints: held keeps them, free drops them, report only reports them, auto (default) "
-           "keeps them unless they lock a drive"}
+           "drops them unless joints would open"}
            .among("auto,report,free,held")});
   return kOptions;
 }

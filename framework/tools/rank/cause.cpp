@@ -280,8 +280,9 @@ std::string to_plane(Dynamics& dynamics, const State& state) {
   return {};
 }
 
-/// The joint whose axis is not parallel to those of all others, which are; null if there is none. The angle, rad.
-std::pair<const Lock*, double> odd_axis(Dynamics& dynamics, const State& state) {
+}  // namespace
+
+std::string odd_axis(Dynamics& dynamics, const State& state) {
   const auto axes = axes_of(dynamics, state, Mask::e1 | Mask::e2, Mask::e123);
   if (axes.size() < 3) return {};
   for (const auto& [of, shared] : axes) {
@@ -290,10 +291,14 @@ std::pair<const Lock*, double> odd_axis(Dynamics& dynamics, const State& state) 
       const double angle = angle_between(shared, axis);
       if (angle > kNegligible) odd.emplace_back(link, angle);
     }
-    if (odd.size() == 1) return odd.front();
+    if (odd.size() == 1)
+      return fmt::format("correct the axis of joint {}: it is {:.3g} deg off the axes of all other joints",
+                         odd.front().first->name(), degrees(odd.front().second));
   }
   return {};
 }
+
+namespace {
 
 Cause locked(Dynamics& dynamics, const State& state) {
   const MobilityReport mobile = mobility(dynamics, state);
@@ -302,9 +307,8 @@ Cause locked(Dynamics& dynamics, const State& state) {
   cause.fact = fmt::format("{} is locked: its joints leave no degree of freedom, so drive {} cannot move it",
                            mobile.freedoms > 0 ? "a loop" : "the mechanism", text::join(mobile.locked));
   cause.kind = Error::Kind::assembly;
-  if (const auto [joint, angle] = odd_axis(dynamics, state); joint != nullptr)
-    cause.hint = fmt::format("correct the axis of joint {}: it is {:.3g} deg off the axes of all other joints",
-                             joint->name(), degrees(angle));
+  if (const std::string odd = odd_axis(dynamics, state); !odd.empty())
+    cause.hint = odd;
   else if (cause.hint = to_plane(dynamics, state); !cause.hint.empty())
     return cause;
   else if (!mobile.redundant_links.empty())

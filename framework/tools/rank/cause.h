@@ -24,6 +24,8 @@ struct Cause {
 LOCKSTEP_API Cause cause_of_start(Dynamics&, const State& given);
 /// Why no motion continues from a state on its constraints.
 LOCKSTEP_API Cause cause_of_stop(Dynamics&, const State& at);
+/// Advice if one axis of a hinge is not parallel to those of all others, which are; else "".
+std::string odd_axis(Dynamics&, const State&);
 /// That its joints leave a driven mechanism no degree of freedom.
 LOCKSTEP_API Cause cause_of_lock(Dynamics&, const State& at);
 

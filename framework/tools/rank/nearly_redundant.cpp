@@ -4,6 +4,7 @@
 #include <deque>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/at_end.h"
+#include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/left_out_rows.h"
 #include "framework/tools/rank/loop_rows.h"
 
@@ -110,6 +112,7 @@ class LoopChoice {
 struct NearSet {
   NearDependency told;
   std::vector<NamedRow> gone;
+  const LoopChoice* of = nullptr;
   double span = 0;  // of the joints, m
 };
 
@@ -131,7 +134,7 @@ std::vector<NearSet> nearly_dependent(const std::deque<LoopChoice>& loops, const
     one.gone = std::move(choice.gone);
     if (one.told.undecided.empty()) one.told.undecided = choice.kept;
     loop.add_links(one.told.links);
-    one.span = loop.span(in, length);
+    one.of = &loop, one.span = loop.span(in, length);
     all.push_back(std::move(one));
   }
   return all;
@@ -154,22 +157,24 @@ void try_out(System& system, Dynamics& dynamics, const State& state, std::vector
     f.told.violation = found.value_or(Violation{}).most;
     f.told.in_passing = !(f.told.violation < kPersists * system.length());
     if (!found)
-      f.told.needed = "other constraints hold what they hold";
+      f.told.needed = "without them nothing more can move";
     else if (!(found->gap < kPersists * f.span))
       f.told.needed = fmt::format("without them joints open by {:.2g} m", found->gap);
   }
 }
 
-// Rows that depend exactly go, of the whole mechanism, and the rest is held.
-void hold(System& system, const std::deque<LoopChoice>& loops, std::vector<NearDependency>& told) {
-  const auto first = std::ranges::find(told, true, &NearDependency::decided);
+// Rows that depend exactly go, of the whole mechanism, and the rest is held. `released`: loops of which those that nearly
+// depend go too.
+void hold(System& system, const std::deque<LoopChoice>& loops, const std::set<const LoopChoice*>& released,
+          std::vector<NearDependency>& told) {
+  const auto first = std::ranges::find_if(told, &NearDependency::held);
   if (first == told.end()) return;
   std::vector<NamedRow> all;
   std::vector<std::string> links;
   std::string kept;
   double smallest = 1;  // of the pivots of those that stay
   for (const LoopChoice& loop : loops) {
-    const LoopChoice::Choice one = loop.above(kDependent);
+    const LoopChoice::Choice one = loop.above(released.contains(&loop) ? kNearlyDependent : kDependent);
     smallest = std::min(smallest, one.smallest);
     all.insert(all.end(), one.gone.begin(), one.gone.end());
     if (!one.gone.empty()) loop.add_links(links);
@@ -177,7 +182,7 @@ void hold(System& system, const std::deque<LoopChoice>& loops, std::vector<NearD
   }
   if (!kept.empty()) {
     for (NearDependency& d : told)
-      if (d.decided) d.decided = false, d.undecided = "among exactly redundant constraints, " + kept;
+      if (d.held()) d.decided = false, d.undecided = "among exactly redundant constraints, " + kept;
     return;
   }
   leave_out(system, all);
@@ -205,30 +210,28 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
   }
   std::vector<NearSet> all = nearly_dependent(loops, dynamics.inputs(state), system.length());
   if (all.empty()) return told;
-  const NearlyRedundant choice = asked != NearlyRedundant::automatic ? asked
-                                 : are_few_rows(system, state.modes) ? NearlyRedundant::held
-                                                                     : NearlyRedundant::reported;
+  const bool decides =
+      asked != NearlyRedundant::reported && (asked != NearlyRedundant::automatic || are_few_rows(system, state.modes));
   try_out(system, dynamics, state, all);
+  const std::string advice = odd_axis(dynamics, state);
   std::vector<NamedRow> gone;
+  std::set<const LoopChoice*> released;
   for (NearSet& f : all) {
-    if (choice == NearlyRedundant::free && f.told.undecided.empty() && !f.told.in_passing)
-      f.told.undecided = f.told.needed;
-    f.told.decided = choice != NearlyRedundant::reported && f.told.undecided.empty() && !f.told.in_passing;
-    if (f.told.decided && choice == NearlyRedundant::free) {
+    const bool persists = f.told.undecided.empty() && !f.told.in_passing, frees = persists && f.told.needed.empty();
+    if (asked == NearlyRedundant::free && persists) f.told.undecided = f.told.needed;
+    f.told.decided = decides && persists && f.told.undecided.empty();
+    f.told.free = f.told.decided && frees && asked != NearlyRedundant::held;
+    if (f.told.free) {
       gone.insert(gone.end(), f.gone.begin(), f.gone.end());
-      f.told.left_out = names_of(f.gone), f.told.free = true;
+      f.told.left_out = names_of(f.gone), released.insert(f.of);
     }
+    f.told.advice = advice;
     told.push_back(f.told);
   }
   leave_out(system, gone);
-  if (choice == NearlyRedundant::held) hold(system, loops, told);
+  hold(system, loops, released, told);
   system.setup();
-  if (asked != NearlyRedundant::automatic || std::ranges::none_of(told, &NearDependency::decided) ||
-      mobility(dynamics, state).locked.empty())
-    return told;
-  std::vector<NearDependency> released = decide_nearly_redundant(system, dynamics, given, NearlyRedundant::free);
-  if (mobility(dynamics, state).locked.empty()) return released;
-  return decide_nearly_redundant(system, dynamics, given, NearlyRedundant::held);
+  return told;
 }
 
 }  // namespace lockstep
