@@ -47,5 +47,7 @@ LOCKSTEP_API void rename_old_keys(std::string& path);
 
 /// The settings of a scene, with defaults for what it leaves out (or null). Throws SceneError.
 LOCKSTEP_API RunSettings read_run(const Value&);
+/// By its name in scenes: project, baumgarte or none.
+LOCKSTEP_API Stabilization::Kind stabilization_from(const std::string& word);
 
 }  // namespace lockstep

@@ -23,21 +23,16 @@ MethodSpec read_typed(const Params& run, const std::string& key, const MethodSpe
   return {*type->text(), v.without({"type"}), type->where};
 }
 
-Stabilization::Kind kind_from(const std::string& word) {
-  if (word == "baumgarte") return Stabilization::Kind::baumgarte;
-  return word == "none" ? Stabilization::Kind::none : Stabilization::Kind::project;
-}
-
 void read_stabilization(const Params& run, Stabilization& s, Refusals& wrong) {
   const Value& v = run.value("stabilization");
   if (!run.has("stabilization")) return;
   const Keys& keys = scene_table("stabilization").info.keys;
   if (v.object() == nullptr) {
-    s.kind = kind_from(read_choice(v, keys.front().choices, "run.stabilization"));
+    s.kind = stabilization_from(read_choice(v, keys.front().choices, "run.stabilization"));
     return;
   }
   const Params p = params_under(run, "stabilization", "stabilization");
-  s.kind = kind_from(p.text("kind"));
+  s.kind = stabilization_from(p.text("kind"));
   s.alpha = p.number("alpha"), s.beta = p.number("beta");
   for (const char* rate : {"alpha", "beta"})
     wrong.attempt([&] {
@@ -230,6 +225,11 @@ RunSettings read_run(const Value& v) {
   }
   wrong.raise();
   return run;
+}
+
+Stabilization::Kind stabilization_from(const std::string& word) {
+  if (word == "baumgarte") return Stabilization::Kind::baumgarte;
+  return word == "none" ? Stabilization::Kind::none : Stabilization::Kind::project;
 }
 
 NearlyRedundant nearly_redundant_from(std::string_view word) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include <lockstep/error.h>
+#include "framework/description/scene/reading.h"
 #include "framework/tools/commands/benchmark.h"
 
 namespace lockstep {
@@ -56,7 +57,7 @@ AtlasPlan make_atlas_plan(const Arguments& args) {
     for (const TypeInfo& type : types) methods.push_back({type.name, Value(Value::Object{}), {}});
   for (const std::string& name : args.all("--integrators")) methods.push_back(read_spec("--integrators", name, types));
   std::vector<Stabilization::Kind> kinds;
-  for (const std::string& word : args.all("--stabilizations")) kinds.push_back(read_stabilization(word));
+  for (const std::string& word : args.all("--stabilizations")) kinds.push_back(stabilization_from(word));
   if (kinds.empty())
     kinds.push_back(gains ? Stabilization::Kind::baumgarte : plan.VariedScene::scene(1).run.stabilization.kind);
   for (const MethodSpec& method : methods)

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include <lockstep/analysis.h>
+#include "framework/description/scene/reading.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
@@ -262,7 +263,7 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args) {
                                    dynamics, first.start);
   o.loops = has_loops(along_joints, first.start);
   o.stabilizations = values_of(args.all("--stabilizations"), run.stabilization.kind,
-                               {Kind::project, Kind::baumgarte, Kind::none}, read_stabilization);
+                               {Kind::project, Kind::baumgarte, Kind::none}, stabilization_from);
   o.separately = args.has("--separately");
   o.gains = run.stabilization;
   RunSettings own = run;

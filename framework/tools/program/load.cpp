@@ -68,7 +68,7 @@ void put_settings(RunSettings& run, const Arguments& args, const Registry& regis
     run.solver.type = "sparse";  // the default needs six velocities per body
   run.at_jumps = run.at_jumps || args.has("--at-jumps");
   if (!args["--nearly-redundant"].empty()) run.nearly_redundant = nearly_redundant_from(args["--nearly-redundant"]);
-  if (!args["--stabilization"].empty()) run.stabilization.kind = read_stabilization(args["--stabilization"]);
+  if (!args["--stabilization"].empty()) run.stabilization.kind = stabilization_from(args["--stabilization"]);
 }
 
 // The values of --set, all together: one alone may not fit the others' old ones.

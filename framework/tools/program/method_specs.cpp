@@ -111,9 +111,4 @@ int jobs_of(const Arguments& args, int usual) {
   return args.has("--jobs") ? whole_number("--jobs", args["--jobs"], kMost) : usual;
 }
 
-Stabilization::Kind read_stabilization(const std::string& word) {
-  if (word == "baumgarte") return Stabilization::Kind::baumgarte;
-  return word == "none" ? Stabilization::Kind::none : Stabilization::Kind::project;
-}
-
 }  // namespace lockstep

@@ -36,6 +36,4 @@ int whole_number(const std::string& option, const std::string& text, int most, c
 /// --jobs; `usual` without it. Throws UsageError.
 int jobs_of(const Arguments&, int usual);
 
-Stabilization::Kind read_stabilization(const std::string&);
-
 }  // namespace lockstep
