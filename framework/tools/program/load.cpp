@@ -46,31 +46,6 @@ void put_integrator(RunSettings& run, const Arguments& args, const Registry& reg
   if (was_fixed && !takes_fixed_steps(run, registry)) run.step = 0;
 }
 
-void put_settings(RunSettings& run, const Arguments& args, const Registry& registry) {
-  put_integrator(run, args, registry);
-  if (!args["--solver"].empty()) run.solver = read_spec("--solver", args["--solver"], types_of(registry.solvers));
-  if (!args["--step"].empty()) run.step = positive_number("--step", args["--step"], Unit::time);
-  if (!args["--until"].empty()) run.until = instant("--until", args["--until"]);
-  if (!args["--output"].empty())
-    run.output = positive_number("--output", args["--output"], Unit::time), run.times.clear();
-  if (!args["--tolerance"].empty()) {
-    const double relative = positive_number("--tolerance", args["--tolerance"], Unit::none);
-    run.tolerance = as_usage("--tolerance", [&] { return tolerance_of(relative); });
-  }
-  if (!args["--formulation"].empty())
-    run.formulation = formulation_from(args["--formulation"]);
-  else if ((args.has("--full") || !args["--solver"].empty()) && run.formulation == Formulation::automatic)
-    run.formulation = Formulation::omega;
-  if (run.formulation == Formulation::joint && !args["--solver"].empty())
-    throw UsageError("--solver: joint coordinates need no linear solver; leave out \"" + args["--solver"] +
-                     "\", or give --formulation omega");
-  if (args["--formulation"] == "quaternion" && args["--solver"].empty() && run.solver.type == "schur")
-    run.solver.type = "sparse";  // the default needs six velocities per body
-  run.at_jumps = run.at_jumps || args.has("--at-jumps");
-  if (!args["--nearly-redundant"].empty()) run.nearly_redundant = nearly_redundant_from(args["--nearly-redundant"]);
-  if (!args["--stabilization"].empty()) run.stabilization.kind = stabilization_from(args["--stabilization"]);
-}
-
 // The values of --set, all together: one alone may not fit the others' old ones.
 Scene with_values(const Scene& scene, const std::vector<std::string>& texts, const Registry& registry) {
   try {
@@ -136,7 +111,28 @@ Loaded read_with_plugins(const Arguments& args) {
 }
 
 void override_settings(RunSettings& run, const Arguments& args, const Registry& registry) {
-  put_settings(run, args, registry);
+  put_integrator(run, args, registry);
+  if (!args["--solver"].empty()) run.solver = read_spec("--solver", args["--solver"], types_of(registry.solvers));
+  if (!args["--step"].empty()) run.step = positive_number("--step", args["--step"], Unit::time);
+  if (!args["--until"].empty()) run.until = instant("--until", args["--until"]);
+  if (!args["--output"].empty())
+    run.output = positive_number("--output", args["--output"], Unit::time), run.times.clear();
+  if (!args["--tolerance"].empty()) {
+    const double relative = positive_number("--tolerance", args["--tolerance"], Unit::none);
+    run.tolerance = as_usage("--tolerance", [&] { return tolerance_of(relative); });
+  }
+  if (!args["--formulation"].empty())
+    run.formulation = formulation_from(args["--formulation"]);
+  else if ((args.has("--full") || !args["--solver"].empty()) && run.formulation == Formulation::automatic)
+    run.formulation = Formulation::omega;
+  if (run.formulation == Formulation::joint && !args["--solver"].empty())
+    throw UsageError("--solver: joint coordinates need no linear solver; leave out \"" + args["--solver"] +
+                     "\", or give --formulation omega");
+  if (args["--formulation"] == "quaternion" && args["--solver"].empty() && run.solver.type == "schur")
+    run.solver.type = "sparse";  // the default needs six velocities per body
+  run.at_jumps = run.at_jumps || args.has("--at-jumps");
+  if (!args["--nearly-redundant"].empty()) run.nearly_redundant = nearly_redundant_from(args["--nearly-redundant"]);
+  if (!args["--stabilization"].empty()) run.stabilization.kind = stabilization_from(args["--stabilization"]);
   refuse_missing_step(run, args, registry);
   refuse_rows(run, args);
 }
