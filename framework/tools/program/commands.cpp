@@ -19,7 +19,6 @@
 #include "framework/description/scene/json.h"
 #include "framework/foundation/support/lines.h"
 #include "framework/foundation/support/thrown.h"
-#include "framework/tools/program/complete.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/manual.h"

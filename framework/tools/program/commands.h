@@ -113,6 +113,9 @@ struct Program {
   bool calls_tools = false;
 };
 
+/// Called by shells: `lockstep complete WORDS`, the words after the program's name, the last of them perhaps empty. Prints
+/// a line per completion, first ":files" if file names fit too. A scene that cannot be read has no names.
+int print_completions(const Program&, int argc, const char* const* argv);
 /// Reads the command line, runs a command, prints errors on standard error. Returns an Exit.
 int run_program(std::vector<Command> (*commands)(), bool calls_tools, int argc, const char* const* argv);
 

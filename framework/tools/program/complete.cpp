@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/program/complete.h"
-
+// Completions of a typed line: from the commands and options themselves, the registry, and the scene at hand.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -19,6 +18,12 @@ namespace lockstep {
 namespace {
 
 using Words = std::vector<std::string>;
+
+/// The completions of the last word of a line.
+struct Completion {
+  Words words{};
+  bool files = false;  ///< file names too
+};
 
 /// The names that the scene of the line has, read once they are asked for.
 class SceneAtHand {
@@ -248,17 +253,6 @@ if [[ "$funcstack[1]" == _lockstep ]]; then _lockstep "$@"; else compdef _lockst
 
 }  // namespace
 
-Completion completion(const Program& program, const std::vector<std::string>& words) {
-  const Line line = read_line(program, words);
-  SceneAtHand scene(line.positionals.empty() ? "" : line.positionals.front(), line.plugins);
-  Completion found = all_of(line, scene);
-  std::erase_if(found.words, [&](const std::string& word) { return !word.starts_with(line.last); });
-  std::sort(found.words.begin(), found.words.end());
-  found.words.erase(std::unique(found.words.begin(), found.words.end()), found.words.end());
-  for (std::string& word : found.words) word = line.before + word;
-  return found;
-}
-
 Command completion_command() {
   return {"completion",
           {Option{"shell", "SHELL", "the shell"}.among("bash,zsh").needed()},
@@ -270,9 +264,14 @@ Command completion_command() {
 }
 
 int print_completions(const Program& program, int argc, const char* const* argv) {
-  const Completion found = completion(program, std::vector<std::string>(argv, argv + argc));
+  const Line line = read_line(program, Words(argv, argv + argc));
+  SceneAtHand scene(line.positionals.empty() ? "" : line.positionals.front(), line.plugins);
+  Completion found = all_of(line, scene);
+  std::erase_if(found.words, [&](const std::string& word) { return !word.starts_with(line.last); });
+  std::sort(found.words.begin(), found.words.end());
+  found.words.erase(std::unique(found.words.begin(), found.words.end()), found.words.end());
   if (found.files) fmt::print(":files\n");
-  for (const std::string& word : found.words) fmt::print("{}\n", word);
+  for (const std::string& word : found.words) fmt::print("{}{}\n", line.before, word);
   return kExitOk;
 }
 
