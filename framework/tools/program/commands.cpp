@@ -21,7 +21,6 @@
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
-#include "framework/tools/program/manual.h"
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/program/tools.h"

@@ -35,6 +35,22 @@ enum Exit {
   kExitInterrupted = 130
 };
 
+/// The exit codes, for `lockstep --help` and the manual.
+inline constexpr const char* kExitCodes =
+    "    0  done\n"
+    "    1  any other failure\n"
+    "    2  invalid command line\n"
+    "    3  invalid scene\n"
+    "    4  a plugin, or its code\n"
+    "    5  the start, or a jump of a law, does not fit the constraints\n"
+    "    6  a step or solution cannot be computed\n"
+    "    7  a number is not finite\n"
+    "    8  a file that cannot be read or written\n"
+    "    9  complete; energy error or constraint violation beyond its limit (energy_limit, violation_limit)\n"
+    "   10  out of memory\n"
+    "   11  complete; doubtful result (--strict, --certify), or start far from the one given (assemble)\n"
+    "  130  interrupted";
+
 /// An invalid command line.
 class UsageError : public Error {
  public:
@@ -116,6 +132,8 @@ struct Program {
 /// Called by shells: `lockstep complete WORDS`, the words after the program's name, the last of them perhaps empty. Prints
 /// a line per completion, first ":files" if file names fit too. A scene that cannot be read has no names.
 int print_completions(const Program&, int argc, const char* const* argv);
+/// The part of the manual page on the commands of a program, without one that replaces a command of lockstep.
+std::string commands_page(const Program&);
 /// Reads the command line, runs a command, prints errors on standard error. Returns an Exit.
 int run_program(std::vector<Command> (*commands)(), bool calls_tools, int argc, const char* const* argv);
 

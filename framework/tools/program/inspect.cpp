@@ -12,7 +12,6 @@
 #include "framework/foundation/support/lines.h"
 #include "framework/tools/program/describe_scene.h"
 #include "framework/tools/program/findings.h"
-#include "framework/tools/program/manual.h"
 #include "framework/tools/program/options.h"
 
 namespace lockstep {

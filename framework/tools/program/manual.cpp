@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/program/manual.h"
-
+// The manual page of the program, written from its commands and options.
 #include <spdlog/fmt/fmt.h>
 
 #include <sstream>
 
 #include <lockstep/version.h>
 #include "framework/foundation/support/lines.h"
+#include "framework/tools/program/options.h"
 #include "framework/tools/program/tools.h"
 
 namespace lockstep {
