@@ -55,7 +55,7 @@ set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${demo_file})
 file(READ ${demo_file} demo_text)
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/framework/tools/program/demo_scene.cpp @ONLY CONTENT
 "// Written by the configuration from samples/scenes/four_bar.json.
-#include \"framework/tools/program/demo.h\"
+#include \"framework/tools/program/options.h\"
 
 namespace lockstep {
 

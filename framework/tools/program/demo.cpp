@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The command demo: a mechanism that moves, from nothing but the program.
-#include "framework/tools/program/demo.h"
 
 #include <spdlog/fmt/fmt.h>
 

@@ -70,6 +70,7 @@ Command run_command();
 Command resume_command();
 Command report_command();
 Command demo_command();
+std::string_view demo_scene();  ///< text of the scene that it shows; the program holds it
 Command check_command();
 Command list_command();
 Command describe_command();
