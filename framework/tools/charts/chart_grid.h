@@ -32,4 +32,19 @@ struct GridSpec {
 /// Writes `<base>.svg` and `<base>.png` as write_chart does, with the same errors.
 LOCKSTEP_API void write_grid(const std::string& path, const GridSpec&);
 
+/// All maps have the kinds of the first; their curves are drawn black, with one entry in the legend for lines and one for
+/// crosses.
+struct MapGridSpec {
+  std::string title;
+  std::size_t n_columns = 3;
+  std::vector<MapSpec> maps{};
+  std::string curve_label{},           ///< "": no entry
+      mark_label{};                    ///< of crosses; "": no entry
+  std::vector<std::string> remarks{};  ///< lines of text below
+  int width = 1300, map_height = 360;  ///< pixels
+};
+
+/// Writes `<base>.svg` and `<base>.png` as write_map does, with the same errors.
+LOCKSTEP_API void write_map_grid(const std::string& path, const MapGridSpec&);
+
 }  // namespace lockstep

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include <lockstep/error.h>
+#include "framework/tools/charts/chart_grid.h"
 #include "framework/tools/charts/chart_style.h"
 #include "framework/tools/charts/grid_page.h"
-#include "framework/tools/charts/map_grid.h"
 
 namespace lockstep {
 namespace {

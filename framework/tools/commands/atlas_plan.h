@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <lockstep/table.h>
-#include "framework/tools/charts/map_grid.h"
+#include "framework/tools/charts/chart_grid.h"
 #include "framework/tools/commands/sweep_plan.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/result.h"
