@@ -10,7 +10,7 @@
 #include "framework/tools/precision/work_precision_chart.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/run_report.h"
-#include "framework/tools/report/machine.h"
+#include "framework/tools/report/page.h"
 
 namespace lockstep {
 namespace {

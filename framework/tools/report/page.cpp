@@ -10,7 +10,6 @@
 
 #include <lockstep/error.h>
 #include <lockstep/version.h>
-#include "framework/tools/report/machine.h"
 
 namespace lockstep::report {
 namespace {

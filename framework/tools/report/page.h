@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The page of a report; its script and style are in the library.
+// The page of a report, whose script and style are in the library, and the machine on which it is made.
 #pragma once
 
 #include <span>
@@ -23,5 +23,11 @@ nlohmann::ordered_json json_of(const ReportText&);
 
 /// Writes a page; the file appears, or is replaced, when it is whole. Throws FileError.
 LOCKSTEP_API void write_whole(const std::string& file, const std::string& page);
+
+/// "Linux x86_64, Intel(R) Xeon(R) CPU @ 2.80GHz, 8 processors": system, processor as far as it is known, and how many.
+std::string machine_words();
+/// "lockstep 0.2.0, 2026-03-01, Linux x86_64, ...": version, today's date (UTC) and machine, for pictures of what was
+/// measured.
+LOCKSTEP_API std::string measured_words();
 
 }  // namespace lockstep::report
