@@ -14,7 +14,6 @@
 #include "framework/description/scene/system_of.h"
 #include "framework/tools/report/histories.h"
 #include "framework/tools/report/modes_page.h"
-#include "framework/tools/report/points.h"
 #include "framework/tools/sweep/watched_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/report_page.h"

@@ -11,7 +11,6 @@
 #include "framework/foundation/support/lines.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/report/page.h"
-#include "framework/tools/report/points.h"
 
 namespace lockstep {
 

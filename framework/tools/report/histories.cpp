@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "framework/tools/report/outline.h"
+#include "framework/tools/report/page.h"
 #include "framework/tools/report/run_data.h"
 
 namespace lockstep::report {
@@ -76,6 +77,15 @@ nlohmann::ordered_json Histories::json() const {
   for (const std::string* text : outlines) json["mechanisms"].push_back(nlohmann::ordered_json::parse(*text));
   json["meshes"] = meshes_.list();
   return json;
+}
+
+std::string points_page(const Points& points) {
+  nlohmann::ordered_json json{
+      {"kind", "points"}, {"text", json_of(points.text)}, {"csv", points.csv}, {"x", points.x},
+      {"y", points.y},    {"color", points.color},        {"log", points.log}, {"joined", points.joined}};
+  if (points.histories == nullptr) return page_with(json, Numbers());
+  json["histories"] = points.histories->json();
+  return page_with(json, points.histories->numbers());
 }
 
 }  // namespace lockstep::report

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Histories and motion of many runs, for the page that shows each of them as a point.
+// The page of many runs, each of which is a point of a plot, and the histories and motion of these runs.
 #pragma once
 
 #include <mutex>
@@ -59,5 +59,19 @@ class LOCKSTEP_API Histories {
   long n_without_motion_ = 0;  // beyond the limit of outlines
   std::size_t most_rows_left_out_ = 1, most_instants_left_out_ = 1;
 };
+
+/// Many runs, and how they are shown at first; the reader may choose otherwise.
+struct Points {
+  ReportText text{};
+  std::string csv,     ///< their table, one row per run; "failure" and "status" give the reason of a failure
+      x, y,            ///< titles of the columns on the axes; what is no column of numbers: the first ones
+      color{};         ///< title of the column that gives the colour; "": the texts that distinguish the runs
+  bool log = false,    ///< logarithmic axes
+      joined = false;  ///< lines between the points of a group
+  const Histories* histories = nullptr;  ///< of the runs, by the column "run"; null: none are shown
+};
+
+/// The page as text.
+LOCKSTEP_API std::string points_page(const Points&);
 
 }  // namespace lockstep::report
