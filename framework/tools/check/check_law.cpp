@@ -12,7 +12,6 @@
 #include <lockstep/text.h>
 #include "framework/tools/check/compare.h"
 #include "framework/tools/check/draw.h"
-#include "framework/tools/check/jumps.h"
 
 namespace lockstep {
 namespace {

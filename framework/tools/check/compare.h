@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Declared derivatives against differences: the rule that all checks have.
+// The rules that all checks have: declared derivatives against differences, and jumps of a function of time.
 #pragma once
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <lockstep/author/check.h>
 #include "framework/foundation/math/limits.h"
@@ -31,5 +32,18 @@ bool completes(CheckReport&, const std::function<void()>& act, const std::functi
 
 /// Compares each with differences. A finding is a difference beyond their error and rounding; whether there is.
 bool compare(CheckReport&, const Declared&, const Slope&);
+
+/// A function of time whose jumps an object has to report.
+struct TimedNumbers {
+  Curve at;
+  std::function<std::string(int component)> name;
+  std::function<void(double t0, double t1, std::vector<double>& out)> breakpoints;
+  std::string look;  ///< where they are reported
+};
+
+/// The breakpoints() between options.from and options.to, in order; reports errors in them.
+std::vector<double> listed_breakpoints(const TimedNumbers&, const CheckOptions&, CheckReport&);
+/// Reports jumps outside of the breakpoints; of components that are equal modulo `n_keys`, the first that jumps.
+void check_jumps(const TimedNumbers&, const CheckOptions&, CheckReport&, int cells, int n_keys);
 
 }  // namespace lockstep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/check/jumps.h"
+#include "framework/tools/check/compare.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -8,7 +8,6 @@
 #include <map>
 
 #include <lockstep/text.h>
-#include "framework/tools/check/compare.h"
 
 namespace lockstep {
 namespace {

@@ -11,7 +11,6 @@
 #include <lockstep/author/relative.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/tools/check/jumps.h"
 
 namespace lockstep {
 
