@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/commands/linear_inputs.h"
+#include "framework/tools/commands/linear_words.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,6 @@
 #include "framework/description/scene/tables.h"
 #include "framework/description/scene/tree.h"
 #include "framework/mechanism/params/units.h"
-#include "framework/tools/program/commands.h"
 
 namespace lockstep {
 namespace {

@@ -7,7 +7,6 @@
 #include <lockstep/linearization.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/system_of.h"
-#include "framework/tools/commands/linear_inputs.h"
 #include "framework/tools/commands/linear_words.h"
 #include "framework/tools/commands/state_at.h"
 #include "framework/tools/commands/tool_commands.h"
