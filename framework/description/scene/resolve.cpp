@@ -12,7 +12,6 @@
 #include "framework/description/registry/shelves.h"
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/definitions.h"
-#include "framework/description/scene/parts.h"
 #include "framework/description/scene/place.h"
 #include "framework/description/scene/tree.h"
 #include "framework/foundation/support/lines.h"

@@ -7,7 +7,6 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/json.h"
-#include "framework/description/scene/parts.h"
 #include "framework/description/scene/reading.h"
 #include "framework/description/scene/resolve.h"
 #include "framework/mechanism/params/refusals.h"
