@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a scene is read: the files that it may include, and its parts (other scenes, their poses, repeated parts).
+// How a scene is read: the files that it may include, its parts (other scenes, their poses, repeated parts), its run.
 #pragma once
 
 #include <functional>
@@ -49,6 +49,20 @@ LOCKSTEP_API void rename_old_keys(std::string& path);
 LOCKSTEP_API RunSettings read_run(const Value&);
 /// By its name in scenes: project, baumgarte or none.
 LOCKSTEP_API Stabilization::Kind stabilization_from(const std::string& word);
+
+/// A picture of one column against another.
+struct PictureRequest {
+  std::string x, y;  ///< names of columns; "t": the time
+};
+
+/// Keys of "run" that are about its files alone.
+struct RunOutputs {
+  bool units = true;  ///< the header of the CSV names them
+  std::vector<PictureRequest> pictures{};
+};
+
+/// Those of a scene.
+LOCKSTEP_API RunOutputs outputs_of(const Scene&);
 
 /// Replaces "include" of a scene by the contents of the named scenes: their points, bodies, markers, joints, forces and
 /// events come before the scene's own, with a prefix before their names, moved by the given pose. Each is checked as a

@@ -6,7 +6,6 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
-#include "framework/description/scene/run_outputs.h"
 #include "framework/mechanism/params/refusals.h"
 
 namespace lockstep {
@@ -181,8 +180,7 @@ std::string recorded_name(const Params& picture, const char* key, const std::vec
   return name;
 }
 
-}  // namespace
-
+// Of the object "run", which may be null. `record`: what it records.
 RunOutputs read_outputs(const Value& run, const std::vector<ChannelRequest>& record) {
   RunOutputs out;
   const Params p = params_of(run, "run", "run", nullptr);
@@ -199,6 +197,8 @@ RunOutputs read_outputs(const Value& run, const std::vector<ChannelRequest>& rec
   wrong.raise();
   return out;
 }
+
+}  // namespace
 
 RunOutputs outputs_of(const Scene& scene) {
   const Value* run = scene.root.find("run");

@@ -12,7 +12,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/description/scene/run_outputs.h"
+#include "framework/description/scene/reading.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/rank/doubts.h"

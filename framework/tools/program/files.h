@@ -8,7 +8,7 @@
 
 #include <lockstep/recorder.h>
 #include <lockstep/scene.h>
-#include "framework/description/scene/run_outputs.h"
+#include "framework/description/scene/reading.h"
 
 namespace lockstep {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/description/scene/run_outputs.h"
+#include "framework/description/scene/reading.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/detail_rows.h"
 #include "framework/tools/program/row_envelope.h"
