@@ -20,8 +20,6 @@
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/back_to_plane.h"
 #include "framework/tools/analysis/forces_at_rest.h"
-#include "framework/tools/analysis/friction_at_rest.h"
-#include "framework/tools/analysis/rest_matrices.h"
 #include "framework/tools/rank/motion_words.h"
 #include "framework/tools/record/energies.h"
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The forces on a mechanism at rest that nothing balances.
+// The forces on a mechanism at rest that nothing balances, and what friction carries of them.
 #pragma once
 
 #include <array>
 
 #include <lockstep/dynamics.h>
+#include "framework/tools/analysis/rest_matrices.h"
 
 namespace lockstep {
 
@@ -47,5 +48,18 @@ Vec6 load_of(const RowTable& table, const RowEntry& entry, int i, const VecX& la
 /// The largest single load on each slot, N: its weight, each applied force and their sum, the reaction of a link;
 /// moments by the length. Each by itself, since all of them together vanish if nothing else holds a body.
 VecX largest_loads(const Evaluation&, const VecX& lambda);
+
+/// Forces of friction that balance the forces which the rows leave.
+struct FrictionLoad {
+  bool balances = false;          ///< whether there are any, however large; the rest is only then filled in
+  bool holds = false;             ///< whether some are within their limits
+  std::vector<GripReport> grips;  ///< what each carries, and its limit under the reactions there
+  VecX lambda;                    ///< multipliers, 1 per row
+  MatX ungripped;                 ///< free motions that no friction holds, in the unknowns of the matrices
+};
+
+/// The least forces of friction, each by its limit, that balance the forces at this state; where those are beyond a
+/// limit, the ones whose largest share of a limit is least.
+FrictionLoad friction_load(Dynamics&, const ForcesAtRest&, const RestMatrices&);
 
 }  // namespace lockstep

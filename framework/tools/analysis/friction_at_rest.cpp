@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/analysis/friction_at_rest.h"
+#include "framework/tools/analysis/forces_at_rest.h"
 
 #include <algorithm>
 #include <cmath>
