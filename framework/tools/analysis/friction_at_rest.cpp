@@ -40,8 +40,10 @@ class Balance {
   Balance(const RestMatrices& A, const VecX& r, std::vector<GripOf> grips)
       : grips_(std::move(grips)), parts_(grips_.size(), 1.0) {
     const auto in_motions = [&](const VecX& f) { return VecX(A.N.transpose() * A.at.forces_in(f)); };
-    for (std::size_t g = 0; g < grips_.size(); ++g)
+    for (std::size_t g = 0; g < grips_.size(); ++g) {
       for (const VecX& one : grips_[g].grip.along) along_.push_back(&one), of_.push_back(g);
+      grips_[g].grip.most = 1;  // an unbalanced load presses nothing together: a falling clamp has no friction
+    }
     B_.resize(A.N.cols(), static_cast<Eigen::Index>(along_.size()));
     for (std::size_t k = 0; k < along_.size(); ++k) {
       auto column = B_.col(static_cast<Eigen::Index>(k));
@@ -55,7 +57,7 @@ class Balance {
   /// Finds t. False: none balances the forces.
   bool solve() {
     VecX scale(B_.cols());
-    for (Eigen::Index k = 0; k < scale.size(); ++k) scale[k] = grip_of(k).most / std::sqrt(parts_[of_at(k)]);
+    for (Eigen::Index k = 0; k < scale.size(); ++k) scale[k] = grip_of(k).most / std::sqrt(parts_[of_[k]]);
     t_ = scale.asDiagonal() * MatX(B_ * scale.asDiagonal()).completeOrthogonalDecomposition().solve(b_);
     return (B_ * t_ - b_).norm() <= kNegligible * b_.norm();
   }
@@ -77,10 +79,6 @@ class Balance {
     const double most = grips_[g].grip.most, now = carries(g);
     return now == 0 ? 0 : most > 0 ? now / most : std::numeric_limits<double>::infinity();
   }
-  /// One of each unit.
-  void forget_limits() {
-    for (GripOf& g : grips_) g.grip.most = 1;
-  }
   void take_limits(const std::vector<GripOf>& now) {
     for (std::size_t g = 0; g < grips_.size() && g < now.size(); ++g) grips_[g].grip.most = now[g].grip.most;
   }
@@ -99,8 +97,7 @@ class Balance {
   }
 
  private:
-  std::size_t of_at(Eigen::Index k) const { return of_[k]; }
-  const Grip& grip_of(Eigen::Index k) const { return grips_[of_at(k)].grip; }
+  const Grip& grip_of(Eigen::Index k) const { return grips_[of_[k]].grip; }
 
   std::vector<GripOf> grips_;
   std::vector<double> parts_;
@@ -131,8 +128,6 @@ FrictionLoad friction_load(Dynamics& dynamics, const ForcesAtRest& now, const Re
   const VecX none = VecX::Zero(e.rows().n_rows);
   VecX a, added;
   double least = std::numeric_limits<double>::infinity(), before = least;
-  // An unbalanced load presses nothing together: a falling clamp has no friction.
-  balance.forget_limits();
   for (int k = 0; k < kRounds; ++k) {
     if (!balance.solve()) return out;
     factor.solve(e, balance.load(), none, a, added);
