@@ -97,16 +97,12 @@ EquilibriaReport find_equilibria(Dynamics& dynamics, const State& start, const E
       ++report.failed, ++report.unassembled;
       continue;
     }
-    try {
-      // Newton's method alone goes to unstable ones too; every other start goes downhill.
-      next.report =
-          find_equilibrium(dynamics, next.state, {.relaxation_steps = 0, .friction = false, .nearest = k % 2 == 0});
+    // Newton's method alone goes to unstable ones too; every other start goes downhill.
+    const EquilibriumOptions how{.relaxation_steps = 0, .friction = false, .nearest = k % 2 == 0};
+    if (solvable([&] { return next.report = find_equilibrium(dynamics, next.state, how), true; }))
       take(std::move(next));
-    } catch (const SolveError&) {
+    else
       ++report.failed;
-    } catch (const NonFiniteError&) {
-      ++report.failed;
-    }
   }
   std::ranges::stable_sort(report.all, {}, [](const Equilibrium& e) {
     return std::pair(e.report.singular, e.report.stability.unstable.size());

@@ -20,6 +20,7 @@
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/back_to_plane.h"
 #include "framework/tools/analysis/forces_at_rest.h"
+#include "framework/tools/analysis/wild_starts.h"
 #include "framework/tools/rank/motion_words.h"
 #include "framework/tools/record/energies.h"
 
@@ -85,12 +86,7 @@ class EquilibriumSearch {
   // Onto the rows, without velocities. False if that fails: too far off, or outside of where a law or function of a link
   // is defined.
   bool settle(State& state) {
-    bool fits = false;
-    try {
-      fits = dynamics_.project(state, kRoundOff * length_).converged;
-    } catch (const SolveError&) {
-    } catch (const NonFiniteError&) {
-    }
+    const bool fits = solvable([&] { return dynamics_.project(state, kRoundOff * length_).converged; });
     state.v.setZero();
     const Inputs& in = dynamics_.inputs(state);  // angles continue from the previous pose
     for (const auto& angle : system_.counted_angles()) angle->set(in, angle->expected(in.s), state.s);

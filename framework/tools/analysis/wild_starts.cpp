@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include <lockstep/error.h>
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/foundation/math/limits.h"
 
@@ -29,12 +28,8 @@ void scatter(const System& system, double size, Scatter& random, State& state) {
 }
 
 bool fit(Dynamics& dynamics, State& state) {
-  try {
-    return approach_links(dynamics, state, kRoundOff * std::max(1.0, dynamics.system().length()));
-  } catch (const SolveError&) {
-  } catch (const NonFiniteError&) {
-  }
-  return false;
+  const double near = kRoundOff * std::max(1.0, dynamics.system().length());
+  return solvable([&] { return approach_links(dynamics, state, near); });
 }
 
 double apart(const System& system, const State& a, const State& b, std::string* body) {

@@ -7,6 +7,7 @@
 
 #include <lockstep/detail/export.h>
 #include <lockstep/dynamics.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 
@@ -29,6 +30,17 @@ LOCKSTEP_API void scatter(const System&, double size, Scatter&, State&);
 /// Newton's method onto the rows, with halved steps where one does not reduce |C|. False if it ends elsewhere, or where
 /// rows are not finite or contradict one another on the way. The state is in the slots' own coordinates.
 bool fit(Dynamics&, State&);
+
+/// What `act` returns; false where the equations have no solution, or numbers are not finite.
+template <class Act>
+bool solvable(Act&& act) {
+  try {
+    return act();
+  } catch (const SolveError&) {
+  } catch (const NonFiniteError&) {
+  }
+  return false;
+}
 
 /// Largest distance of a centre of mass between two states, or rotation times System::length(), m; `body`: takes its
 /// name.
