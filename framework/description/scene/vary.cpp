@@ -72,13 +72,6 @@ Value& value_at(Value& root, const std::string& place, const Registry& registry)
   return made_under(set, place.substr(kSet.size()), {});
 }
 
-// Whether a path that is unknown in the scene as written may lead to a thing of a part; a name alone does not.
-bool may_be_in_parts(const std::string& path, const Scene& scene) {
-  const Value& written = written_root(scene);
-  const bool has_parts = written.find("include") != nullptr || written.find("repeat") != nullptr;
-  return has_parts && scene.root.find(path.substr(0, path.find('.'))) != nullptr;
-}
-
 // find_place(), but an unknown name may be that of a parameter, or of a thing of an included or repeated part;
 // the place of such a thing holds no value.
 ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, const Registry& registry) {
@@ -88,7 +81,9 @@ ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, co
     return find_place(root, full, registry);
   } catch (const ModelError& error) {
     root = before;  // without the empty keys on the way to nowhere
-    if (path.find('.') != std::string::npos && may_be_in_parts(full, scene)) {
+    const bool is_name = path.find('.') == std::string::npos;
+    const bool has_parts = root.find("include") != nullptr || root.find("repeat") != nullptr;
+    if (!is_name && has_parts && scene.root.find(full.substr(0, full.find('.'))) != nullptr) {
       Value expanded = scene.root;
       ScenePlace place = find_place(expanded, full, registry);  // else the nearest path of the scene with its parts
       place.path = kSet + place.path, place.value = nullptr;
@@ -96,7 +91,6 @@ ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, co
     }
     std::vector<std::string> names;
     for (const SceneParameter& p : scene.parameters) names.push_back(p.name);
-    const bool is_name = path.find('.') == std::string::npos;
     std::string near = is_name ? text::closest_name(path, names) : "";
     if (near == path)
       throw ModelError("\"" + path + "\" is a vector; name a component (" + path +
@@ -214,12 +208,6 @@ std::vector<Value> read_range(Reader& reader, const std::vector<std::string>& pa
   return values;
 }
 
-void refuse_columns(const std::string& path) {
-  for (const char* fixed : {"lockstep", "requires", "run.record", "run.draw"})
-    if (path == fixed || path.rfind(std::string(fixed) + ".", 0) == 0)
-      throw ModelError("\"" + path + "\" cannot vary; plugins and columns are the same in all runs");
-}
-
 // The whole of a vector parameter or point that is asked for by its name alone; nullptr for anything else.
 Value* vector_named(Value& root, const std::string& name, const Scene& scene) {
   if (root.find(name) != nullptr) return nullptr;
@@ -266,7 +254,9 @@ Variable read_variable(const std::string& text, const Scene& scene, const Regist
   v.path = std::string(text::trimmed(text.substr(0, equals)));
   if (equals == std::string::npos || v.path.empty())
     throw ModelError("\"" + text + "\": expected NAME=a:b:n or NAME=v1,v2,..., as in bodies.rod.mass=1:5:9");
-  refuse_columns(v.path);
+  for (const char* fixed : {"lockstep", "requires", "run.record", "run.draw"})
+    if (v.path == fixed || v.path.starts_with(std::string(fixed) + "."))
+      throw ModelError("\"" + v.path + "\" cannot vary; plugins and columns are the same in all runs");
   const bool says_joints = v.path.starts_with("joints.");
   rename_old_keys(v.path);
   Value root = written_root(scene);
