@@ -13,13 +13,6 @@ namespace lockstep {
 namespace {
 using namespace chart_style;
 
-Extent extent_x(const ChartSpec& spec) {
-  Extent x{};
-  for (const Panel& p : spec.panels)
-    for (const Series& s : p.series) x.take(s.x, spec.log_x);
-  return x;
-}
-
 void check(const ChartSpec& spec) {
   if (spec.panels.empty())
     throw ModelError(fmt::format("chart \"{}\" has no panels; give it at least one", spec.title));
@@ -84,13 +77,6 @@ Layout layout_of(const ChartSpec& spec) {
           pitch / spec.height};
 }
 
-void place(Script& out, const Layout& all, const Legend& legend, std::size_t k) {
-  const double top = all.first_top - static_cast<double>(k) * all.pitch;
-  margins(out, all.left, all.right, top, top - all.plot_height);
-  out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left bottom horizontal maxcols {} width {}", all.left,
-                       top, legend.n_columns, legend.width));
-}
-
 // Distance of the tics, 1, 2 or 5 times a power of ten: as many as fit the height, and at least two.
 double tic_step(double low, double high, double height) {
   const double most = std::clamp(std::floor(height / 32), 2.0, 10.0);
@@ -108,9 +94,16 @@ double tic_step(double low, double high, double height) {
 
 void panel(Script& out, const ChartSpec& spec, const Layout& layout, std::size_t k) {
   const Panel& p = spec.panels[k];
-  place(out, layout, legend_of(p, spec.width), k);
+  const Legend legend = legend_of(p, spec.width);
+  const double top = layout.first_top - static_cast<double>(k) * layout.pitch;
+  margins(out, layout.left, layout.right, top, top - layout.plot_height);
+  out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left bottom horizontal maxcols {} width {}",
+                       layout.left, top, legend.n_columns, legend.width));
   const bool last = k + 1 == spec.panels.size();
-  const Extent x = extent_x(spec), y = extent_of(p.series, &Series::y, p.log_y);
+  Extent x{};
+  for (const Panel& each : spec.panels)
+    for (const Series& s : each.series) x.take(s.x, spec.log_x);
+  const Extent y = extent_of(p.series, &Series::y, p.log_y);
   axis(out, 'x', last ? spec.x_label : "", spec.log_x, x.low, x.high);
   axis(out, 'y', p.y_label, p.log_y, y.low, y.high);
   if (!last) out.line("set format x ''");

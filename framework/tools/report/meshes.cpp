@@ -36,12 +36,12 @@ nlohmann::ordered_json json_of(const TriangleMesh& mesh, Numbers& numbers) {
   return json;
 }
 
-bool equal(const TriangleMesh& a, const TriangleMesh& b) { return a.points == b.points && a.triangles == b.triangles; }
-
 }  // namespace
 
 std::size_t Meshes::number(const std::shared_ptr<const TriangleMesh>& mesh) {
-  const auto same = [&](const auto& kept) { return kept == mesh || equal(*kept, *mesh); };
+  const auto same = [&](const auto& kept) {
+    return kept == mesh || (kept->points == mesh->points && kept->triangles == mesh->triangles);
+  };
   const auto found = std::ranges::find_if(kept_, same);
   if (found != kept_.end()) return static_cast<std::size_t>(found - kept_.begin());
   list_.push_back(json_of(*mesh, *numbers_));
