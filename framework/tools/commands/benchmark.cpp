@@ -140,11 +140,6 @@ bool has_loops(Dynamics& along_joints, State start) {
   return start.coordinates && start.coordinates->has_rows();
 }
 
-std::string run_heading() {
-  return fmt::format("  {:<24} {:<10} {:<9} {:<8} {:<16} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8}", "integrator",
-                     "formulation", "stabil.", "solver", "setting", "m", "m/s", "J", "N", "CPU s", "evals");
-}
-
 std::string run_line(const WorkPrecisionRun& r) {
   std::string line = fmt::format(
       "  {:<24} {:<10}  {:<9} {:<8} {:<16} ", r.integrator, to_string(r.formulation), to_string(r.stabilization),
@@ -295,7 +290,9 @@ std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Argument
   benchmark.options.measured = [&](const WorkPrecisionRun& run) {
     if (quiet || run.interrupted) return;
     progress.finish();
-    if (!headed) fmt::print("{}\n", run_heading());
+    if (!headed)
+      fmt::print("  {:<24} {:<10} {:<9} {:<8} {:<16} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8}\n", "integrator",
+                 "formulation", "stabil.", "solver", "setting", "m", "m/s", "J", "N", "CPU s", "evals");
     headed = true;
     fmt::print("{}\n", run_line(run));
     std::fflush(stdout);

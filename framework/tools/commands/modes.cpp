@@ -26,12 +26,6 @@ const char* word(Mode::Kind kind) {
   return kWords[static_cast<std::size_t>(kind)];
 }
 
-int count_of(const Arguments& args) {
-  if (args["--count"].empty()) return 0;
-  return whole_number("--count", args["--count"], std::numeric_limits<int>::max(),
-                      "is not a number of modes; give a whole number from 1, as in --count 10");
-}
-
 // "undamped", "unstable", ...
 std::string stability_of(const Mode& m) {
   if (m.kind == Mode::Kind::rigid) return "no restoring force";
@@ -182,7 +176,9 @@ void write_modes_report(const std::string& file, const Arguments& args, const Lo
 Result analyse_modes(const Arguments& args) {
   const Loaded loaded = load(args);
   ModesOptions options;
-  options.count = count_of(args);
+  if (!args["--count"].empty())
+    options.count = whole_number("--count", args["--count"], std::numeric_limits<int>::max(),
+                                 "is not a number of modes; give a whole number from 1, as in --count 10");
   options.motion = motion_options(args);
   if (!args["--csv"].empty()) check_overwrites(args["--csv"], loaded.scene);
   const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], args["--csv"], loaded.scene);

@@ -73,12 +73,6 @@ const Fields<SweepRow>& row_fields() {
   return kFields;
 }
 
-std::string table_path(const Arguments& args, Shard shard) {
-  const std::string stem = stem_of(args["scene"]);
-  const std::string share = args["--shard"].empty() ? "" : fmt::format("_{}of{}", shard.index, shard.count);
-  return csv_path(args["--record"], stem + "_sweep" + share + ".json");
-}
-
 struct Tally {
   std::vector<SweepRow> runs{};  // with --json
   long asked = 0, done = 0, failed = 0, wrong = 0, kept = 0, histories = 0, in_lanes = 0, unchecked = 0;
@@ -404,7 +398,8 @@ Result sweep_scene(const Arguments& args) {
   if (args["--record"] == "-" && !args["--report"].empty())
     throw UsageError("--report: the table goes to standard output, and the report needs it; give --record a file");
   const SweepPlan plan = make_sweep_plan(args);
-  const std::string csv = table_path(args, plan.shard);
+  const std::string share = args["--shard"].empty() ? "" : fmt::format("_{}of{}", plan.shard.index, plan.shard.count);
+  const std::string csv = csv_path(args["--record"], stem_of(args["scene"]) + "_sweep" + share + ".json");
   check_overwrites(csv, plan.loaded.scene);
   make_folder(args["--histories"], "check --histories");
   const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], csv, plan.loaded.scene);
