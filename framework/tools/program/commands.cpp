@@ -39,13 +39,6 @@ std::string without_folders(std::string word, const Arguments& args) {
   return word;
 }
 
-// "lockstep run four_bar.json --until 3": the same on every machine.
-std::string command_words(int argc, const char* const* argv, const Arguments& args) {
-  std::string line = "lockstep";
-  for (int k = 1; k < argc; ++k) line += " " + in_quotes(without_folders(argv[k], args));
-  return line;
-}
-
 // The help of an option without the notation of the parser: "--set NAME=VALUE ...".
 class HelpFormat final : public CLI::Formatter {
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
@@ -110,7 +103,9 @@ Arguments arguments_of(const CLI::App& sub, const Command& command, int argc, co
     if (option->count() == 0 || (o.flag() && !option->as<bool>())) continue;
     args.set(o.key(), option->results());
   }
-  args.command = command_words(argc, argv, args), args.words.assign(argv + 1, argv + argc);
+  args.words.assign(argv + 1, argv + argc);
+  args.command = "lockstep";  // and its words, the same on every machine: "lockstep run four_bar.json --until 3"
+  for (const std::string& word : args.words) args.command += " " + in_quotes(without_folders(word, args));
   return args;
 }
 

@@ -122,11 +122,6 @@ void for_each_value(const Value& value, const KeysOfValue& keys, const std::stri
     for (const auto& member : *object) for_each_value(member.value, {member.key, keys.own}, file, folder, visit);
 }
 
-// Whether a text under these keys names a file: the mesh of a shape does, that of a gear does not.
-bool names_file(const KeysOfValue& keys) {
-  return keys.own == "file" || (keys.own == "mesh" && keys.of_object == "shapes");
-}
-
 // Calls visit(value, file, its name as written) for every file that a scene is read from: the scenes that it includes,
 // and what "file", and "mesh" of a shape, name.
 template <class Visit>
@@ -137,7 +132,9 @@ void for_each_file(const Scene& scene, Visit&& visit) {
                    const std::string* file = value.where.file.get();
                    if (file != nullptr && file != last && *file != scene.file) visit(value, fs::path(*file), *file);
                    if (file != nullptr) last = file;
-                   if (const std::string* name = value.text(); name != nullptr && names_file(keys))
+                   // the mesh of a shape is a file, that of a gear is not
+                   const bool is_file = keys.own == "file" || (keys.own == "mesh" && keys.of_object == "shapes");
+                   if (const std::string* name = value.text(); name != nullptr && is_file)
                      visit(value, folder / *name, *name);
                  });
 }

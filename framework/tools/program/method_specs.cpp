@@ -17,15 +17,6 @@ std::string one_word(const Value& v) {
   return text;
 }
 
-std::vector<Value> other_values(const Key& key) {
-  std::vector<Value> values;
-  const std::string* fallback = key.default_value() != nullptr ? key.default_value()->text() : nullptr;
-  if (key.form == Form::choice)
-    for (const std::string& choice : key.choices)
-      if (fallback == nullptr || *fallback != choice) values.emplace_back(choice);
-  return values;
-}
-
 double number_of(const std::string& option, const std::string& text, Unit unit, const char* example) {
   if (const std::optional<double> x = number_in<double>(text)) return *x;
   const Measured measured = read_quantity(text, unit);
@@ -69,8 +60,12 @@ std::vector<MethodSpec> all_specs(const MethodSpec& own, const std::vector<TypeI
   };
   for (const TypeInfo& type : types) {
     add({type.name, Value(Value::Object{}), {}});
-    for (const Key& key : type.keys)
-      for (const Value& value : other_values(key)) add({type.name, Value(Value::Object{{key.name, value, {}}}), {}});
+    for (const Key& key : type.keys) {
+      if (key.form != Form::choice) continue;
+      const std::string usual = key.default_value() != nullptr ? plain_text(*key.default_value()) : "";
+      for (const std::string& choice : key.choices)
+        if (choice != usual) add({type.name, Value(Value::Object{{key.name, choice, {}}}), {}});
+    }
   }
   return all;
 }
