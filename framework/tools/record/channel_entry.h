@@ -87,6 +87,8 @@ void add_own(Entries& out, const std::vector<Quantity>& own, const std::string& 
 }
 /// Residuals C of the rows of some entries, in the system's norm, m.
 double violation(const Evaluation&, std::span<const RowEntry>, VecX& scratch);
+/// Of the constraints of an active joint that are left out as nearly redundant: the largest, in m.
+double left_out_violation(const Lock&, const Sample&, RowTable& room);
 
 /// Power that a force gives to the bodies, W, with the load by these reactions if they are given.
 double power_of(const Force&, const Inputs&, const Reactions*, VecX& scratch);

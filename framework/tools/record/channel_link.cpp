@@ -2,9 +2,12 @@
 // Channels of links: coordinates of P relative to S (imposed motion included), rows, a link's own quantities.
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include <lockstep/joints.h>
+#include "framework/dynamics/solvers/scales.h"
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/record/channel_entry.h"
 
@@ -48,38 +51,34 @@ void add_coordinates(const Lock& link, const Frame& p, const Frame& s, Entries& 
   }
 }
 
-// value(entry, i) of the link's own row k, which is row i of its entry; 0 while it is inactive, or out of the plane.
-template <class F>
-Value of_row(const Lock* link, int k, F value) {
-  return [=](const Sample& s) {
-    const RowEntry* e = entry_of(*link, s.values().rows);
-    for (int i = 0; e && i < e->m; ++i)
-      if (e->own[i] == k) return value(s.values(), *e, i);
-    return 0.0;
-  };
+// C of row k, whether or not the link is active.
+double row_value(const Lock& link, int k, const Inputs& in, RowTable& room) {
+  const RowShape shape = link.shape();
+  const Lock* const one = &link;
+  link.gather(Group(&one, 1), in, room.spatial_span(shape));
+  return room.spatial(shape).C(k);
 }
 
 void add_rows(const Lock& link, Entries& out) {
   constexpr const char* kUnits[] = {"N", "N m", ""};  // of multipliers, by RowKind
   const Lock* const l = &link;
+  const auto room = std::make_shared<RowTable>();
   for (int k = 0; k < link.row_count(); ++k) {
     const RowKind kind = link.row_kind(k);
     const std::string& row = link.row_name(k);
     add(out, "C_" + row, kind == RowKind::translation ? "m" : "",
-        "violation of constraint " + row + "; 0 while the joint is inactive",
-        of_row(l, k, [](const Evaluated& v, const RowEntry& e, int i) { return v.rows.block(e).C(i); }));
+        "violation of constraint " + row + "; 0 while the joint is inactive", [l, k, room](const Sample& s) {
+          const bool holds = s.state.modes[l->number()] && !s.dynamics().system().merged(*l);
+          return holds ? row_value(*l, k, s.dynamics().inputs(s.state), *room) : 0.0;
+        });
     add(out, "lambda_" + row, kUnits[static_cast<std::size_t>(kind)],
-        "multiplier of constraint " + row + "; 0 while the joint is inactive",
-        of_row(l, k, [](const Evaluated& v, const RowEntry& e, int i) { return v.lambda[e.first_row + i]; }));
+        "multiplier of constraint " + row + "; 0 while the joint is inactive", [l, k](const Sample& s) {
+          const RowEntry* e = entry_of(*l, s.values().rows);
+          for (int i = 0; e && i < e->m; ++i)
+            if (e->own[i] == k) return s.values().lambda[e->first_row + i];
+          return 0.0;
+        });
   }
-}
-
-// C of the first row, whether or not the link is active.
-double row_value(const Lock& link, const Inputs& in, RowTable& room) {
-  const RowShape shape = link.shape();
-  const Lock* const one = &link;
-  link.gather(Group(&one, 1), in, room.spatial_span(shape));
-  return room.spatial(shape).C(0);
 }
 
 void add_contact(const Lock& link, Entries& out) {
@@ -89,7 +88,7 @@ void add_contact(const Lock& link, Entries& out) {
   const bool slides = link.row_kind(0) == RowKind::translation || (link.type() == "stop" && !turns);
   add(out, "gap", std::string(slides ? "m" : "") + (turns ? "rad" : ""),
       "gap of the one-sided joint; negative is penetration", [l, room](const Sample& s) {
-        return l->unilateral()->sign() * row_value(*l, s.dynamics().inputs(s.state), *room);
+        return l->unilateral()->sign() * row_value(*l, 0, s.dynamics().inputs(s.state), *room);
       });
   add(out, "in_contact", "", "1 in contact, 0 otherwise",
       [l](const Sample& s) { return s.state.modes[l->number()] ? 1.0 : 0.0; });
@@ -102,6 +101,17 @@ void add_contact(const Lock& link, Entries& out) {
 const RowEntry* entry_of(const Lock& link, const RowTable& rows) {
   const int k = rows.entry_of_link[link.number()];
   return k < 0 ? nullptr : &rows.entries[k];
+}
+
+double left_out_violation(const Lock& link, const Sample& s, RowTable& room) {
+  const System& system = s.dynamics().system();
+  const unsigned rows = s.state.modes[link.number()] ? system.left_out(link) : 0;
+  double most = 0;
+  for (int k = 0; k < link.row_count() && rows != 0; ++k)
+    if ((rows >> k & 1U) != 0)
+      most = std::max(most, length_per_unit(link.row_kind(k), system.length()) *
+                                std::abs(row_value(link, k, s.dynamics().inputs(s.state), room)));
+  return most;
 }
 
 double violation(const Evaluation& at, std::span<const RowEntry> entries, VecX& scratch) {
@@ -119,11 +129,12 @@ void of_link(const System& system, const Lock& link, Entries& out) {
                     {pairs.front().second->body, pairs.front().second}, out);
   if (system.ready()) add_rows(link, out);
   const auto scratch = std::make_shared<VecX>();
+  const auto room = std::make_shared<RowTable>();
   add(out, "violation", "m", "largest constraint violation of the joint, rotations as lengths; 0 while it is inactive",
-      [l, scratch](const Sample& s) {
+      [l, scratch, room](const Sample& s) {
         const Evaluation& at = s.values().evaluation;
         const RowEntry* e = entry_of(*l, at.rows());
-        return e ? violation(at, {e, 1}, *scratch) : 0.0;
+        return std::max(e ? violation(at, {e, 1}, *scratch) : 0.0, left_out_violation(*l, s, *room));
       });
   if (link.unilateral()) add_contact(link, out);
   if (const Observable* const own = link.observable())

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Channels of the whole mechanism: energies, momenta; and of the run.
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -82,8 +83,12 @@ void of_run(Entries& out) {
   add(out, "step", "s", "size of the last step", [](const Sample& s) { return s.report.h; });
   out.push_back({"rejected", "", "rejected steps since the start", make_rejected});
   const auto scratch = std::make_shared<VecX>();
-  add(out, "violation", "m", "largest constraint violation, rotations as lengths",
-      [scratch](const Sample& s) { return violation(s.values().evaluation, s.values().rows.entries, *scratch); });
+  const auto room = std::make_shared<RowTable>();
+  add(out, "violation", "m", "largest constraint violation, rotations as lengths", [scratch, room](const Sample& s) {
+    double most = violation(s.values().evaluation, s.values().rows.entries, *scratch);
+    for (const auto& link : s.dynamics().system().links()) most = std::max(most, left_out_violation(*link, s, *room));
+    return most;
+  });
   add(out, "evaluations", "", "evaluations of the equations of motion since the start, including those for recording",
       [](const Sample& s) { return static_cast<double>(s.dynamics().work().evaluations); });
   add(out, "solver.residual", "", "largest relative residual of the constraint equations",
