@@ -280,11 +280,11 @@ TEST_CASE("atlas: near its middle axis a racket tumbles alike at any tolerance",
   }
 }
 
-TEST_CASE("atlas: a scene that cannot be built is not tried, and is reported by its own error", "[runner][atlas]") {
+TEST_CASE("atlas: a scene that cannot be built is an invalid scene, reported by its own error", "[runner][atlas]") {
   const std::string rest = " --vary forces.spring.stiffness=1,2 --integrators rk4,dop853 --step 0.1";
   const Json j = atlas_of(spring(), "--vary bodies.m.particle=-1,1" + rest);
   INFO(j);
-  for (const Json& map : j["maps"]) CHECK(map["counts"]["not tried"] == 2);
+  for (const Json& map : j["maps"]) CHECK(map["counts"]["invalid scene"] == 2);
   CHECK(contains(j["missing"].get<std::string>(), "body 'm'"));
   CHECK_FALSE(contains(j["missing"].get<std::string>(), "dop853"));
   const Called none = call("atlas '" + spring() + "' --vary bodies.m.particle=-2,-1" + rest);

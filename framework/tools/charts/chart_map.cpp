@@ -167,13 +167,13 @@ void write_maps(const std::string& path, const std::string& title, const std::ve
 void write_map_grid(const std::string& path, const MapGridSpec& spec) {
   if (spec.maps.empty()) throw ModelError(fmt::format("\"{}\" has no maps; give it at least one", spec.title));
   for (const MapSpec& map : spec.maps) check(map);
-  constexpr std::size_t kLegendColumns = 2;  // labels are long
+  const std::size_t n_columns = spec.maps.size() > 1 ? 2 : 1;  // labels are long
   const std::vector<std::string> entries = legend_entries(spec);
   const GridPage page(spec.title, spec.remarks, spec.maps.size(), spec.n_columns,
-                      (entries.size() + kLegendColumns - 1) / kLegendColumns, spec.width, spec.map_height,
+                      (entries.size() + n_columns - 1) / n_columns, spec.width, spec.map_height,
                       {.above = 40, .below = 74, .left = 92, .between = 108});
   Script out;
-  page.begin(out, entries, kLegendColumns, 2);
+  page.begin(out, entries, n_columns, 2);
   for (std::size_t k = 0; k < spec.maps.size(); ++k) {
     page.place(out, k);
     MapSpec map = spec.maps[k];

@@ -145,7 +145,8 @@ class Atlas {
     AtlasCell& cell = panel.cells[run - 1];
     const AtlasReference& reference = references_.at(plan_.reference_key(run)).reference;
     if (reference.method.empty()) {
-      cell.reason = (reference.invalid ? "invalid scene: " : "no reference: ") + reference.reason;
+      cell.outcome = reference.invalid ? AtlasOutcome::invalid : AtlasOutcome::no_reference;
+      cell.reason = reference.reason;
       return;
     }
     try {

@@ -12,7 +12,8 @@ namespace {
 
 // Whether the numbers lie rather on a logarithmic axis: decades apart, or evenly in the logarithm.
 bool is_log(const std::vector<double>& x) {
-  if (x.front() <= 0 || x.size() < 3 || x.back() < 3 * x.front()) return false;
+  if (x.front() <= 0 || x.back() < 3 * x.front()) return false;
+  if (x.size() == 2) return true;
   const double middle = x[x.size() / 2];
   return std::abs(std::log(middle / std::sqrt(x.front() * x.back()))) <
          std::abs(std::log(middle / (0.5 * (x.front() + x.back()))));
@@ -21,7 +22,8 @@ bool is_log(const std::vector<double>& x) {
 const std::vector<MapSpec::Kind> kOutcomes{{"accurate", "#6fbfae"},        {"inaccurate", "#f2c14e"},
                                            {"wrong (flagged)", "#e08a4f"}, {"wrong (not flagged)", "#8e2a5b"},
                                            {"failed", "#cf5b50"},          {"too slow", "#8c8c8c"},
-                                           {"not tried", "#d9d9d9"}};
+                                           {"not tried", "#d9d9d9"},       {"no reference", "#c3cbd6"},
+                                           {"invalid scene", "#efe6da"}};
 
 bool on_axis(const std::vector<double>& axis, double v) { return v >= axis.front() && v <= axis.back(); }
 
@@ -51,7 +53,7 @@ Decades decades_of(const std::string& what, const std::string& unit) {
                        : k == 5 ? fmt::format("{} to 1{}", what, unit)
                                 : fmt::format("{} to 1e{}{}", what, -10 + 2 * k, unit),
                        kColors[k]});
-  d.kinds.push_back({"failed, too slow or not tried", "#b5b5b5"});
+  d.kinds.push_back({"failed, too slow or without reference", "#b5b5b5"});
   return d;
 }
 

@@ -19,7 +19,7 @@ std::string atlas_csv(const AtlasPlan& plan) {
     for (std::size_t i = 0; i < panel.cells.size() && panel.unsuited.empty(); ++i) {
       const AtlasCell& c = panel.cells[i];
       const std::vector<std::size_t> at = plan.grid.at(static_cast<long>(i) + 1);
-      const bool ran = c.outcome != AtlasOutcome::untried;
+      const bool ran = c.outcome < AtlasOutcome::untried;
       lines.push_back({to_word(panel.integrator), to_string(panel.stabilization), plain_text(v[0].values[at[0]]),
                        plain_text(v[1].values[at[1]]), words_of(c.outcome),
                        ran && std::isfinite(c.error) ? text::number(c.error) : "", ran ? text::number(c.energy) : "",

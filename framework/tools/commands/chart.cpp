@@ -85,8 +85,9 @@ void draw_all(const std::string& base, const WorkPrecision& result, const SceneB
   const auto write = [&](const std::string& name, GridSpec chart) {
     if (chart.panels.empty()) return;
     if (benchmark.imposed)
-      chart.remarks.insert(chart.remarks.begin(),
-                           "the motion is fully prescribed: nothing is integrated, and all errors are round-off");
+      chart.remarks.insert(
+          chart.remarks.begin(),
+          "the motion is fully prescribed: with stabilisation project nothing is integrated, and errors are round-off");
     if (!caption.empty()) chart.remarks.push_back(caption);
     write_grid(base + name, chart);
     files.insert(files.end(), {base + name + ".png", base + name + ".svg"});

@@ -155,8 +155,8 @@ AtlasCell atlas_run(const Scene& scene, const Registry& registry, const AtlasRef
 }
 
 const char* words_of(AtlasOutcome outcome) {
-  constexpr const char* kWords[] = {"accurate", "inaccurate", "wrong (flagged)", "wrong (not flagged)",
-                                    "failed",   "too slow",   "not tried"};
+  constexpr const char* kWords[] = {"accurate", "inaccurate", "wrong (flagged)", "wrong (not flagged)", "failed",
+                                    "too slow", "not tried",  "no reference",    "invalid scene"};
   return kWords[static_cast<std::size_t>(outcome)];
 }
 

@@ -12,7 +12,17 @@
 namespace lockstep {
 
 /// The outcome of a run.
-enum class AtlasOutcome { works, inaccurate, wrong_told, wrong_untold, stopped, too_slow, untried };
+enum class AtlasOutcome {
+  works,
+  inaccurate,
+  wrong_told,
+  wrong_untold,
+  stopped,
+  too_slow,
+  untried,
+  no_reference,
+  invalid
+};
 
 /// The reference solution, at chosen times.
 struct AtlasReference {
