@@ -24,7 +24,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kMostGravity = 300;  // m/s^2; the Sun's is 274
-constexpr double kFarCenter = 100;    // distances of its joints
+constexpr double kFarCenter = 30;     // distances of its joints
 
 // Whether the value names one of these things, or what such a thing brings with it ("A.friction", "A.x@B").
 bool names_one(const Value& v, const std::set<std::string, std::less<>>& names) {

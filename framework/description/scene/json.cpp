@@ -194,6 +194,8 @@ class TreeBuilder {
     }
     const std::string_view what =
         error.what();  // "[...] parse error at line 1, column 2: ...", of which the place is dropped
+    if (what.find("control character U+000A") != std::string_view::npos)
+      return "a text has no closing quotation mark on its line; add it";
     const std::size_t words = what.find(": ");
     return "invalid JSON: " + std::string(words == std::string_view::npos ? what : what.substr(words + 2));
   }

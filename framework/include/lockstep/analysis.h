@@ -84,7 +84,7 @@ struct NearDependency {
   bool in_passing = false;
   bool decided = false;  ///< whether the requested decision, free or held, was possible
   bool free = false;     ///< whether these are left out
-  std::string needed;    ///< why they cannot be left out: "without them joints open by 0.1 m"; "" if they can
+  std::string needed;    ///< why they cannot be left out: "its release would open joints by 0.1 m"; "" if they can
   /// Why it was not: "one of them is driven"; "" if it was. Solvers may then treat them differently.
   std::string undecided;
   double violation = 0;  ///< of constraints that would be left out, m, after a rotation of 0.3 rad

@@ -14,6 +14,7 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/tree.h"
 #include "framework/dynamics/simulate/along_laws.h"
+#include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/scene_run/scene_run.h"
 
@@ -164,11 +165,13 @@ void warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, i
                             "no degree of freedom is left: constant laws hold " + text::join(mobile.drives),
                             "for a constant speed, give the drive \"speed\" instead of \"law\""});
   const std::vector<std::string> links = holding(system, sim.state());
+  const std::string axis = odd_axis(dynamics, sim.state());
   sim.add_finding(
       {&finding::no_freedom, "",
        fmt::format("no degree of freedom: the constraints of {} hold all {} unknown velocities{}", first_of(links),
                    mobile.unknowns, mobile.redundant > 0 ? fmt::format("; {} redundant", mobile.redundant) : ""),
-       "use a joint that leaves the motion free, or correct the geometry (lockstep check --verbose)"});
+       axis.empty() ? "use a joint that leaves the motion free, or correct the geometry (lockstep check --verbose)"
+                    : axis});
 }
 
 }  // namespace lockstep

@@ -15,6 +15,7 @@
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/simulate/contacts.h"
+#include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/simulate/start_rows.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/scales.h"
@@ -59,7 +60,7 @@ Pose frame_in_slot(const Marker& m) { return (m.body->slot == kGround ? m.body->
 
 /// A part of a loop between two of its joints: a body, or bodies that do not rotate relative to each other.
 struct Span {
-  std::string bodies;
+  Names bodies;
   const LoopJoint *from, *to;
   Pose a, b;  // the frames of its markers, in the slot of its first body
   int slot;
@@ -71,7 +72,7 @@ struct Span {
 
 Span span_of(const LoopJoint& from, const LoopJoint& to, int slot) {
   const auto on = [slot](const LoopJoint& j) { return j.p->body->slot == slot ? *j.p : *j.s; };
-  return {on(from).body->name, &from, &to, frame_in_slot(on(from)), frame_in_slot(on(to)), slot};
+  return {{on(from).body->name}, &from, &to, frame_in_slot(on(from)), frame_in_slot(on(to)), slot};
 }
 
 // The loop that each joint closes with those before it, which are a tree.
@@ -129,7 +130,7 @@ void merge_spans(std::vector<Span>& loop, double t, bool driven) {
     else if (two.slides())
       one.slide = rotation(to_one.q) * two.slide;
     one.b = to_one * two.b;
-    one.bodies += " with " + two.bodies, one.to = two.to;
+    one.bodies.insert(one.bodies.end(), two.bodies.begin(), two.bodies.end()), one.to = two.to;
     if (driven && !laws.empty()) one.drives.push_back(joint.link->name());
     for (const std::string& name : two.drives) one.drives.push_back(name);
     loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(next));
@@ -145,7 +146,7 @@ Cause cause_of_loop(const std::vector<Span>& loop) {
   double rest = 0;
   Names others, drives;
   for (const Span& s : loop) {
-    if (&s != &*longest) rest += s.length(), others.push_back(s.bodies);
+    if (&s != &*longest) rest += s.length(), others.insert(others.end(), s.bodies.begin(), s.bodies.end());
     drives.insert(drives.end(), s.drives.begin(), s.drives.end());
   }
   const double length = longest->length(), open = length - rest;
@@ -157,28 +158,30 @@ Cause cause_of_loop(const std::vector<Span>& loop) {
                                               : "with drives " + text::join(drives) + " at their starts, ";
   const std::string elsewhere = drives.empty() ? ""
                                 : one          ? ", or let drive " + drives[0] + " begin elsewhere"
-                                               : ", or remove one of the drives " + text::join(drives);
+                                               : ", or let one of the drives begin elsewhere";
   const int digits = fmt::format("{:.3g}", length) == fmt::format("{:.3g}", rest) ? 9 : 3;
+  const std::string bodies = text::join(longest->bodies);
   Cause cause;
   cause.fact = fmt::format(
       "the mechanism cannot be assembled: {}a loop is open by {:.3g} m. {} {} {:.{}g} m from joint {} to joint {}, but "
       "{} {:.{}g} m{}",
-      at_start, open, longest->bodies, longest->slides() ? "spans at least" : "spans", length, digits, from, to,
-      text::join(others) + (others.size() > 1 ? " reach" : " reaches"), rest, digits,
+      at_start, open, bodies,
+      (longest->bodies.size() > 1 ? "together span" : "spans") + std::string(longest->slides() ? " at least" : ""),
+      length, digits, from, to, text::join(others) + (others.size() > 1 ? " reach" : " reaches"), rest, digits,
       others.size() > 1 ? " together" : "");
   const bool apart = longest->slot == kGround || !longest->drives.empty() || longest->slides();
   if (length > 100 * rest)  // a unit is wrong
-    cause.hint = fmt::format("check the unit of {}: \"200 mm\" is 0.2",
-                             apart ? "the places of joints " + from + " and " + to + " on " + longest->bodies
-                                   : "a length of " + longest->bodies);
+    cause.hint =
+        fmt::format("check the unit of {}: \"200 mm\" is 0.2",
+                    apart ? "the places of joints " + from + " and " + to + " on " + bodies : "a length of " + bodies);
   else if (apart)
     cause.hint =
         fmt::format("place joints {} and {} at least {:.3g} m nearer to each other, or make the other bodies longer",
                     from, to, open) +
         elsewhere;
   else
-    cause.hint =
-        fmt::format("make {} at least {:.3g} m shorter, or the other bodies longer", longest->bodies, open) + elsewhere;
+    cause.hint = fmt::format("make {} at least {:.3g} m shorter, or the other bodies longer", bodies, open) + elsewhere;
+  if (drives.size() > 1) cause.hint = "remove one of the drives " + text::join(drives) + ", or " + cause.hint;
   return cause;
 }
 
@@ -284,6 +287,19 @@ std::string to_plane(Dynamics& dynamics, const State& state) {
 
 std::string odd_axis(Dynamics& dynamics, const State& state) {
   const auto axes = axes_of(dynamics, state, Mask::e1 | Mask::e2, Mask::e123);
+  const Inputs& in = dynamics.inputs(state);
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      const auto [p, s] = axes[i].first->pairs().front();
+      const auto [p2, s2] = axes[k].first->pairs().front();
+      if (std::minmax(p->body->slot, s->body->slot) != std::minmax(p2->body->slot, s2->body->slot)) continue;
+      if (angle_between(axes[i].second, axes[k].second) > kNearlyDependent) continue;
+      const Vec3 way = in_world(MarkerFrame(*s2), in).x - in_world(MarkerFrame(*s), in).x;
+      if (const double apart = cross(way, axes[i].second).norm(); apart > kNegligible * way.norm())
+        return fmt::format(
+            "correct the place of joint {} or {}: both connect the same bodies, but their axes are {:.3g} m apart",
+            axes[k].first->name(), axes[i].first->name(), apart);
+    }
   if (axes.size() < 3) return {};
   for (const auto& [of, shared] : axes) {
     std::vector<std::pair<const Lock*, double>> odd;
@@ -416,9 +432,21 @@ Cause first_found(std::initializer_list<std::function<Cause()>> finders) {
 
 }  // namespace
 
+// Rates that drives prescribe are compared at the assembled pose, if there is one.
 Cause cause_of_start(Dynamics& dynamics, const State& given) {
+  const auto assembled = [&] {
+    State pose = given;
+    dynamics.to_slots(pose);
+    return approach_links(dynamics, pose, kRoundOff * dynamics.system().length()) ? pose : given;
+  };
+  const auto misplaced = [&] {
+    const std::string advice = odd_axis(dynamics, given);
+    if (advice.empty() || mobility(dynamics, given).freedoms > 0) return Cause{};
+    return Cause{"the mechanism is locked: its joints leave no degree of freedom", advice};
+  };
   return first_found({[&] { return open_loop(dynamics.system(), given); },
-                      [&] { return contradicting(dynamics, given); }, [&] { return locked(dynamics, given); }});
+                      [&] { return contradicting(dynamics, assembled()); }, [&] { return locked(dynamics, given); },
+                      misplaced});
 }
 
 Cause cause_of_lock(Dynamics& dynamics, const State& at) {

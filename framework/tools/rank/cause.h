@@ -24,8 +24,9 @@ struct Cause {
 LOCKSTEP_API Cause cause_of_start(Dynamics&, const State& given);
 /// Why no motion continues from a state on its constraints.
 LOCKSTEP_API Cause cause_of_stop(Dynamics&, const State& at);
-/// Advice if one axis of a hinge is not parallel to those of all others, which are; else "".
-std::string odd_axis(Dynamics&, const State&);
+/// Advice on hinges: two of the same bodies with parallel axes apart, or one whose axis is not parallel to those of all
+/// others, which are; else "".
+LOCKSTEP_API std::string odd_axis(Dynamics&, const State&);
 /// That its joints leave a driven mechanism no degree of freedom.
 LOCKSTEP_API Cause cause_of_lock(Dynamics&, const State& at);
 

@@ -66,9 +66,10 @@ std::string DriveReport::text() const {
     text += to_drive.empty() ? ". Constrain or drive them" : ". Drive " + text::join(to_drive) + ", for example";
   }
   for (const std::vector<std::string>& set : too_many)
-    text += (text.empty() ? "" : ". ") +
-            (set.size() > 1 ? "the drives " + text::join(set) + " prescribe the same motion: remove one of them"
-                            : "the joints already determine what drive " + set.front() + " prescribes: remove it");
+    text +=
+        (text.empty() ? "" : ". ") +
+        (set.size() > 1 ? "the drives " + text::join(set) + " prescribe the same degree of freedom: remove one of them"
+                        : "the joints already determine what drive " + set.front() + " prescribes: remove it");
   return text;
 }
 

@@ -131,6 +131,7 @@ std::vector<NearSet> nearly_dependent(const std::deque<LoopChoice>& loops, const
     }
     if (one.told.nearly == 0) continue;
     LoopChoice::Choice choice = loop.above(kNearlyDependent);
+    if (choice.gone.size() == loop.above(kDependent).gone.size()) continue;  // of those that others may replace, none
     one.gone = std::move(choice.gone);
     if (one.told.undecided.empty()) one.told.undecided = choice.kept;
     loop.add_links(one.told.links);
@@ -157,9 +158,9 @@ void try_out(System& system, Dynamics& dynamics, const State& state, std::vector
     f.told.violation = found.value_or(Violation{}).most;
     f.told.in_passing = !(f.told.violation < kPersists * system.length());
     if (!found)
-      f.told.needed = "without them nothing more can move";
+      f.told.needed = "its release would free no motion";
     else if (!(found->gap < kPersists * f.span))
-      f.told.needed = fmt::format("without them joints open by {:.2g} m", found->gap);
+      f.told.needed = fmt::format("its release would open joints by {:.2g} m", found->gap);
   }
 }
 
