@@ -7,6 +7,7 @@
 
 #include <lockstep/body.h>
 #include "framework/foundation/math/decompositions.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/foundation/math/sparse.h"
 
 namespace lockstep {
@@ -16,8 +17,8 @@ inline constexpr double kDependent = 1e-11;
 /// Rows of pivots from kDependent to this nearly depend on others: too much for round-off, too little for a mechanism.
 /// Of S they leave pivots below kSmallPivot, its square, which solvers take for those of redundant rows.
 inline constexpr double kNearlyDependent = 1e-3;
-/// Of a combination of rows: a row with a smaller share takes no part. Round-off over the smallest pivot that is not zero.
-inline constexpr double kShare = std::numeric_limits<double>::epsilon() / kDependent;
+/// Of a combination of rows: a row with a smaller share takes no part. Round-off over a pivot of 1e-9.
+inline constexpr double kShare = std::numeric_limits<double>::epsilon() / kNegligible;
 /// Loops of more rows are factored sparsely.
 inline constexpr int kDenseRows = 300;
 

@@ -51,7 +51,7 @@ class LOCKSTEP_API Grid {
 struct Dependency {
   std::vector<std::string> rows;  ///< names of the constraints: "A.z"
   int too_many = 0;               ///< number of redundant ones
-  int nearly = 0;                 ///< number of nearly redundant ones: their pivots are between 1e-9 and 1e-3
+  int nearly = 0;                 ///< number of nearly redundant ones: their pivots are between 1e-11 and 1e-3
   double pivot = 0;               ///< the largest of these pivots, for constraints of unit norm
 };
 
@@ -71,7 +71,7 @@ struct MobilityReport {
 };
 
 /// Counts degrees of freedom by the rank of the constraints, loop by loop. Constraints have unit norm, with rotations
-/// as lengths (System::length), and pivots below 1e-9 are zero. For more than 300 constraints on common loops, singular
+/// as lengths (System::length), and pivots below 1e-11 are zero. For more than 300 constraints on common loops, singular
 /// values below 1e-6 are zero, and their dependent constraints are one group. It allocates. Throws NonFiniteError.
 LOCKSTEP_API MobilityReport mobility(Dynamics&, const State&);
 
@@ -93,13 +93,13 @@ struct NearDependency {
   std::vector<std::string> left_out;
   /// Joints on these loops. The decision is valid as long as none of them is released, and no other replaces it.
   std::vector<std::string> links;
-  std::string advice;  ///< which axis to correct, if one is not parallel to all others
+  std::string advice;  ///< which hinge to correct, if one is out of place
 
   bool held() const { return decided && !free; }  ///< whether these are kept
 };
 
 /// Finds constraints that nearly depend on others at an assembled start: those of pivots, as in mobility(), between
-/// 1e-9 and 1e-3. Then decides about them: reported, the default here, changes nothing; automatic, the default of scenes,
+/// 1e-11 and 1e-3. Then decides about them: reported, the default here, changes nothing; automatic, the default of scenes,
 /// leaves them out, and keeps those without which joints open or nothing more can move. Constraints that a law drives,
 /// of one-sided joints and of couplings are never left out, and groups with them are not decided. Of others, those of a large share are kept first, then those of the earlier joint. They are
 /// left out only if they nearly depend everywhere: without them, a motion by 0.3 rad must violate them by less than a

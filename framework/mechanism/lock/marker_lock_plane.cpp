@@ -68,11 +68,12 @@ bool MarkerLock::laws_stay_in_plane(Plane plane) const {
 void MarkerLock::refuse_leaving_plane(const Inputs& in) const {
   if (imposed().hold) return;  // where its bodies stand in the plane
   const int a = flat_->turn_axis;
-  if ((laws_ & with::p) && includes(rows_, row_bit(a)) && imposed_translation(in).p[a] != 0) leaves_plane(*this, in.t);
+  if ((laws_ & with::p) && includes(rows_, row_bit(a)))
+    if (const Vec3 p = imposed_translation(in).p; std::abs(p[a]) > kParallel * p.norm()) leaves_plane(*this, in.t);
   if (!(laws_ & with::qD)) return;
   Vec3 other = imposed_rotation(in).q.vec();
   other[a] = 0;
-  if (other.squaredNorm() > 1e-24) leaves_plane(*this, in.t);
+  if (other.norm() > kParallel) leaves_plane(*this, in.t);
 }
 
 // In world axes; vectors by their components along i, j and the normal.

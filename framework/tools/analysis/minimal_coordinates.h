@@ -13,13 +13,13 @@ namespace lockstep {
 /// dx = N y. Columns of N are orthonormal with rotations as lengths (times MechanismMatrices::length).
 struct MinimalCoordinates {
   MatX N;          ///< unknowns x degrees of freedom
-  int nearly = 0;  ///< rows whose pivots lie between 1e-9 and 1e-3: near a singular configuration
+  int nearly = 0;  ///< rows whose pivots lie between 1e-11 and 1e-3: near a singular configuration
 };
 
 /// Turns as lengths: what a displacement of each unknown by 1 is divided by.
 VecX lengths_of(const MechanismMatrices&);
 
-/// By a rank-revealing decomposition of J^T with rows of length 1: pivots below 1e-9 are zero (9.26). Throws ModelError
+/// By a rank-revealing decomposition of J^T with rows of length 1: pivots below 1e-11 are zero (9.26). Throws ModelError
 /// where rows are dependent in this pose only: their stresses change the stiffness (9.23). A row that is redundant
 /// everywhere does not.
 MinimalCoordinates minimal_coordinates(Dynamics&, const State&, const MechanismMatrices&);

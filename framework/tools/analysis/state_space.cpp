@@ -256,8 +256,8 @@ void add_inputs(const LinearInput& input, const Actuator& acts, const LinearMoti
   const bool moves = !C_u.isZero(0);
   if (moves) {
     const MatX J = m.J;
-    G = -least_norm(J, C_u, kDependent);
-    if ((J * G + C_u).norm() > 10 * kDependent * C_u.norm())
+    G = -least_norm(J, C_u, kNegligible);
+    if ((J * G + C_u).norm() > 10 * kNegligible * C_u.norm())
       throw ModelError("input '" + input.name +
                        "' contradicts other constraints: the joints allow no motion that follows it");
     G -= r.N * VecX(G(r.chosen));

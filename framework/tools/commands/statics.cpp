@@ -63,7 +63,10 @@ struct Resting {
     state.v.setZero();
     if (before == nullptr && !m.run.assemble) return begin_turns(dynamics, state);
     try {
-      assemble(dynamics, state, {}, before == nullptr ? m.assembly : AssemblyOptions());
+      if (before == nullptr && near.drawn)
+        assemble_drawn(dynamics, state, {}, m.assembly, *near.drawn);
+      else
+        assemble(dynamics, state, {}, before == nullptr ? m.assembly : AssemblyOptions());
     } catch (const AssemblyError& error) {
       rethrow_with(cause_of_start(dynamics, state), error);
     }

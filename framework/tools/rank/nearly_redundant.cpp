@@ -177,6 +177,7 @@ void hold(System& system, const std::deque<LoopChoice>& loops, const std::set<co
   for (const LoopChoice& loop : loops) {
     const LoopChoice::Choice one = loop.above(released.contains(&loop) ? kNearlyDependent : kDependent);
     smallest = std::min(smallest, one.smallest);
+    if (released.contains(&loop)) continue;  // left out already
     all.insert(all.end(), one.gone.begin(), one.gone.end());
     if (!one.gone.empty()) loop.add_links(links);
     if (kept.empty()) kept = one.kept;
