@@ -63,10 +63,8 @@ struct Resting {
     state.v.setZero();
     if (before == nullptr && !m.run.assemble) return begin_turns(dynamics, state);
     try {
-      if (before == nullptr && near.drawn)
-        assemble_drawn(dynamics, state, {}, m.assembly, *near.drawn);
-      else
-        assemble(dynamics, state, {}, before == nullptr ? m.assembly : AssemblyOptions());
+      assemble_drawn(dynamics, state, {}, before == nullptr ? m.assembly : AssemblyOptions(),
+                     before == nullptr && near.drawn ? *near.drawn : drawn_start(dynamics, state));
     } catch (const AssemblyError& error) {
       rethrow_with(cause_of_start(dynamics, state), error);
     }

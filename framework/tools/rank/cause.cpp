@@ -150,7 +150,7 @@ Cause cause_of_loop(const std::vector<Span>& loop) {
     drives.insert(drives.end(), s.drives.begin(), s.drives.end());
   }
   const double length = longest->length(), open = length - rest;
-  if (!(open > kDependent * length)) return {};
+  if (!(open > kNegligible * length)) return {};
   const std::string from = longest->from->link->name(), to = longest->to->link->name();
   const bool one = drives.size() == 1;
   const std::string at_start = drives.empty() ? ""

@@ -6,6 +6,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/row_space.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/at_end.h"
 #include "framework/tools/rank/motion_words.h"
 
@@ -47,7 +48,7 @@ class FreeWay {
   VecX nearest(const VecX& u) {
     const RowTable& table = dynamics_.gather_rows(state_).rows();
     const VecX free = RowSpace(at_.rows_in_lengths(table)).free_part(u);
-    return free.norm() > kDependent * u.norm() ? free : VecX(VecX::Zero(u.size()));
+    return free.norm() > kNegligible * u.norm() ? free : VecX(VecX::Zero(u.size()));
   }
   // On along u, so far that the body that moves most moves by this.
   void go(const VecX& u, double length) {
