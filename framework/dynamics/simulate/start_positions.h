@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The positions of a start: targets move from the poses given to what is asked. Internal to assembly.
 #pragma once
+
 #include <string>
 #include <vector>
 
@@ -28,8 +29,8 @@ LOCKSTEP_API AssemblyReport assemble_drawn(Dynamics&, State&, const std::vector<
 ///
 /// One Gauss-Newton with one line search. Without weights and coordinates it is the least mass-weighted move onto all
 /// rows, and drives are led only if that fails or if rows count revolutions. Counted angles follow the way. `report`:
-/// takes iterations, how far off it is, and warnings. Throws AssemblyError with the rows or targets that
-/// are not met, ModelError for a target without a meaning.
+/// takes iterations, how far off it is, and warnings. Throws AssemblyError with the rows or targets that are not met,
+/// ModelError for a target without a meaning.
 LOCKSTEP_API void find_positions(Dynamics&, State&, const AssemblyOptions&, AssemblyReport& report);
 
 /// Newton's method onto all rows, from anywhere, to this many m. Returns whether it got there. Throws SolveError and

@@ -99,13 +99,14 @@ struct NearDependency {
 };
 
 /// Finds constraints that nearly depend on others at an assembled start: those of pivots, as in mobility(), between
-/// 1e-11 and 1e-3. Then decides about them: reported, the default here, changes nothing; automatic, the default of scenes,
-/// leaves them out, and keeps those without which joints open or nothing more can move. Constraints that a law drives,
-/// of one-sided joints and of couplings are never left out, and groups with them are not decided. Of others, those of a large share are kept first, then those of the earlier joint. They are
-/// left out only if they nearly depend everywhere: without them, a motion by 0.3 rad must violate them by less than a
-/// thousandth of System::length(). Leaves out constraints of `system` (System::leave_out), which must be that of the
-/// dynamics, in place of those left out before. If any were, assemble the start again from these positions. Groups of
-/// more than 300 constraints on common loops are not examined. Throws what an evaluation throws.
+/// 1e-11 and 1e-3. Then decides about them: reported, the default here, changes nothing; automatic, the default of
+/// scenes, leaves out what free does, and keeps those without which joints open or nothing more can move. Constraints
+/// that a law drives, of one-sided joints and of couplings are never left out, and groups with them are not decided.
+/// Of others, those of a large share are kept first, then those of the earlier joint. They are left out only if they
+/// nearly depend everywhere: without them, a motion by 0.3 rad must violate them by less than a thousandth of
+/// System::length(). Leaves out constraints of `system` (System::leave_out), which must be that of the dynamics, in
+/// place of those left out before. If any were, assemble the start again from these positions. Groups of more than 300
+/// constraints on common loops are not examined. Throws what an evaluation throws.
 LOCKSTEP_API std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics&, const State&,
                                                                  NearlyRedundant = NearlyRedundant::reported);
 

@@ -4,7 +4,6 @@
 #include <deque>
 #include <numeric>
 #include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -54,6 +53,7 @@ class LoopChoice {
 
   RowSpace space;
   std::vector<NamedRow> rows;
+  bool released = false;  ///< those that nearly depend are left out
 
   struct Choice {
     std::vector<NamedRow> gone;
@@ -112,13 +112,13 @@ class LoopChoice {
 struct NearSet {
   NearDependency told;
   std::vector<NamedRow> gone;
-  const LoopChoice* of = nullptr;
+  LoopChoice* of = nullptr;
   double span = 0;  // of the joints, m
 };
 
-std::vector<NearSet> nearly_dependent(const std::deque<LoopChoice>& loops, const Inputs& in, double length) {
+std::vector<NearSet> nearly_dependent(std::deque<LoopChoice>& loops, const Inputs& in, double length) {
   std::vector<NearSet> all;
-  for (const LoopChoice& loop : loops) {
+  for (LoopChoice& loop : loops) {
     NearSet one;
     for (const DependentRows& set : loop.space.sets()) {
       if (set.nearly == 0) continue;
@@ -164,10 +164,8 @@ void try_out(System& system, Dynamics& dynamics, const State& state, std::vector
   }
 }
 
-// Rows that depend exactly go, of the whole mechanism, and the rest is held. `released`: loops of which those that nearly
-// depend go too.
-void hold(System& system, const std::deque<LoopChoice>& loops, const std::set<const LoopChoice*>& released,
-          std::vector<NearDependency>& told) {
+// Rows that depend exactly go, of the whole mechanism, and the rest is held, but of loops that are released.
+void hold(System& system, const std::deque<LoopChoice>& loops, std::vector<NearDependency>& told) {
   const auto first = std::ranges::find_if(told, &NearDependency::held);
   if (first == told.end()) return;
   std::vector<NamedRow> all;
@@ -175,9 +173,9 @@ void hold(System& system, const std::deque<LoopChoice>& loops, const std::set<co
   std::string kept;
   double smallest = 1;  // of the pivots of those that stay
   for (const LoopChoice& loop : loops) {
-    const LoopChoice::Choice one = loop.above(released.contains(&loop) ? kNearlyDependent : kDependent);
+    const LoopChoice::Choice one = loop.above(loop.released ? kNearlyDependent : kDependent);
     smallest = std::min(smallest, one.smallest);
-    if (released.contains(&loop)) continue;  // left out already
+    if (loop.released) continue;  // left out already
     all.insert(all.end(), one.gone.begin(), one.gone.end());
     if (!one.gone.empty()) loop.add_links(links);
     if (kept.empty()) kept = one.kept;
@@ -217,7 +215,6 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
   try_out(system, dynamics, state, all);
   const std::string advice = odd_axis(dynamics, state);
   std::vector<NamedRow> gone;
-  std::set<const LoopChoice*> released;
   for (NearSet& f : all) {
     const bool persists = f.told.undecided.empty() && !f.told.in_passing, frees = persists && f.told.needed.empty();
     if (asked == NearlyRedundant::free && persists) f.told.undecided = f.told.needed;
@@ -225,13 +222,13 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
     f.told.free = f.told.decided && frees && asked != NearlyRedundant::held;
     if (f.told.free) {
       gone.insert(gone.end(), f.gone.begin(), f.gone.end());
-      f.told.left_out = names_of(f.gone), released.insert(f.of);
+      f.told.left_out = names_of(f.gone), f.of->released = true;
     }
     f.told.advice = advice;
     told.push_back(f.told);
   }
   leave_out(system, gone);
-  hold(system, loops, released, told);
+  hold(system, loops, told);
   system.setup();
   return told;
 }
