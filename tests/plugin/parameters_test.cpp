@@ -32,6 +32,22 @@ TEST_CASE("the option --set gives a parameter another value, and all dependent v
   check_words(call("check " + scene + " --set crank=0").text, {"both ends are at the same point"});
 }
 
+TEST_CASE("the option --set gives vectors and axes another value as a whole", "[runner]") {
+  const std::string run = "run " + scene_path("four_bar") + " --quiet --record whole.csv --set ";
+  const auto torque_with = [&](const std::string& setting) {
+    const Called ran = call(run + setting);
+    INFO(ran.text);
+    REQUIRE(ran.exit == 0);
+    return read_csv(kRunnerFolder + "/whole.csv")["drive_torque"];
+  };
+  const std::vector<double> parts = torque_with("gravity.0=1 --set gravity.1=9.81");
+  CHECK(torque_with("\"gravity=[1, 9.81, 0]\"") == parts);
+  CHECK(torque_with("\"gravity=[1 m/s^2, 9.81 m/s^2, 0]\" --set joints.B.axis=z") == parts);
+  check_refused(call(run + "gravity=5"), 3, {"gravity: expected a list of 3 numbers, got a number (5)"});
+  check_refused(call(run + "gravity=[0,9.81]"), 3, {"gravity", "a list of 2"});
+  check_refused(call(run + "joints.B.axis=w"), 3, {"axis", "\"w\""});
+}
+
 TEST_CASE("check lists parameters and points with their values", "[runner]") {
   const Called text = call("check " + scene_path("four_bar") + " --verbose --set crank=120mm");
   INFO(text.text);

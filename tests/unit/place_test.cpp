@@ -88,6 +88,7 @@ TEST_CASE("a wrong path is rejected with the nearest right one", "[unit][scene]"
   check_words(find.refusal(""), {"the scene has no \"\""});
   check_words(find.refusal("links"), {"\"joints\" has several values", "known: A, L"});
   check_words(find.refusal("gravity"), {"has several values"});
+  CHECK(find_place(find.root, "gravity", find.registry, false, true).value == find.root.find("gravity"));
   check_words(find.refusal("bodies.bob.omega_body"), {"is not in the scene and has several values"});
   check_words(find.refusal("bodies..mass"), {"\"bodies\" has no \"\""});
 }

@@ -252,11 +252,12 @@ std::vector<NumberAt> numbers_in(const Value& root) {
   return numbers;
 }
 
-ScenePlace find_place(Value& root, const std::string& path, const Registry& registry, bool before_plugins) {
+ScenePlace find_place(Value& root, const std::string& path, const Registry& registry, bool before_plugins, bool whole) {
   Walk walk(root, split_at('.', path), registry, before_plugins);
   const std::optional<Miss> miss = walk.go();
-  if (!miss) {
-    ScenePlace place = walk.place();
+  ScenePlace place = walk.place();
+  const bool vector = place.key.form == Form::vector3 || place.key.form == Form::axis;
+  if (!miss || (whole && vector && static_cast<int>(miss->step) > std::ranges::count(path, '.'))) {
     if (place.value->is_null()) place.near = closest_number(root, place.path);
     return place;
   }

@@ -21,9 +21,10 @@ struct ScenePlace {
 
 /// The steps of a path are keys of objects, names or numbers (from 0) of list items, and x, y, z of vectors. A key that
 /// the tables know and the scene leaves out is inserted, empty. Before plugins are loaded an object whose "type" the
-/// registry does not know may have any key, which is inserted at the end of the path. Throws ModelError with the nearest
-/// valid path if there is no such value, or if it is not a plain one.
-LOCKSTEP_API ScenePlace find_place(Value& root, const std::string& path, const Registry&, bool before_plugins = false);
+/// registry does not know may have any key, which is inserted at the end of the path. `whole`: the path may end at a
+/// vector or an axis. Throws ModelError with the nearest valid path if there is no such value, or if it is not plain.
+LOCKSTEP_API ScenePlace find_place(Value& root, const std::string& path, const Registry&, bool before_plugins = false,
+                                   bool whole = false);
 
 /// As users write it: "joints.A" for "links.A".
 LOCKSTEP_API std::string shown_path(const std::string& path);

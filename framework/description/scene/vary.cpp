@@ -66,27 +66,30 @@ const std::string kSet = "set.";
 
 // A place as in Variable::place; one in "set" is created if necessary.
 Value& value_at(Value& root, const std::string& place, const Registry& registry) {
-  if (!place.starts_with(kSet)) return *find_place(root, place, registry).value;
+  if (!place.starts_with(kSet)) return *find_place(root, place, registry, false, true).value;
   Value& set = made_under(root, "set", Value::Object{});
   if (set.object() == nullptr) throw ModelError("\"set\" of the scene is not an object of values by path");
   return made_under(set, place.substr(kSet.size()), {});
 }
 
-// find_place(), but an unknown name may be that of a parameter, or of a thing of an included or repeated part;
-// the place of such a thing holds no value.
-ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, const Registry& registry) {
+// find_place(), but an unknown name may be that of a parameter, or of a thing of an included or repeated part, whose
+// place is in "set", with its present value.
+ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, const Registry& registry,
+                    bool whole = false) {
   const Value before = root;
   const std::string full = full_path(path, scene);
   try {
-    return find_place(root, full, registry);
+    return find_place(root, full, registry, false, whole);
   } catch (const ModelError& error) {
     root = before;  // without the empty keys on the way to nowhere
     const bool is_name = path.find('.') == std::string::npos;
     const bool has_parts = root.find("include") != nullptr || root.find("repeat") != nullptr;
     if (!is_name && has_parts && scene.root.find(full.substr(0, full.find('.'))) != nullptr) {
       Value expanded = scene.root;
-      ScenePlace place = find_place(expanded, full, registry);  // else the nearest path of the scene with its parts
-      place.path = kSet + place.path, place.value = nullptr;
+      ScenePlace place = find_place(expanded, full, registry, false, whole);  // else the nearest with its parts
+      const Value now = *place.value;
+      place.path = kSet + place.path, place.value = &value_at(root, place.path, registry);
+      *place.value = now;
       return place;
     }
     std::vector<std::string> names;
@@ -171,13 +174,6 @@ class Reader {
   std::optional<std::string> symbol_;  // of a parameter; "": without a unit
 };
 
-// The value at a place as in Variable::place.
-Value value_now(const std::string& place, Value& root, const Scene& scene, const Registry& registry) {
-  if (!place.starts_with(kSet)) return *find_place(root, place, registry).value;
-  Value expanded = scene.root;
-  return *find_place(expanded, place.substr(kSet.size()), registry).value;
-}
-
 // a:b:n, or a:b:n:log, without the last digits of rounding. Both ends are met exactly.
 std::vector<Value> read_range(Reader& reader, const std::vector<std::string>& parts, const std::string& path) {
   const bool log = parts.size() == 4 && parts[3] == "log";
@@ -222,21 +218,21 @@ Value* vector_named(Value& root, const std::string& name, const Scene& scene) {
 void set_value(Value& root, const std::string& text, const Scene& scene, const Registry& registry) {
   const std::size_t equals = text.find('=');
   std::string path(text::trimmed(text.substr(0, equals)));
-  const std::string word =
+  std::string word =
       equals == std::string::npos ? "" : std::string(text::trimmed(std::string_view(text).substr(equals + 1)));
   if (path.empty() || word.empty())
     throw ModelError("\"" + text + "\": expected NAME=VALUE, as in crank=\"120 mm\" or bodies.rod.mass=2");
   rename_old_keys(path);
+  if (word.starts_with('[')) word = "=" + word;
   if (word.starts_with('='))
     if (Value* vector = vector_named(root, path, scene)) return replace(*vector, word);
-  const ScenePlace place = place_of(root, path, scene, registry);
+  const ScenePlace place = place_of(root, path, scene, registry, true);
   if (place.path.starts_with("requires")) throw ModelError("\"" + path + "\" cannot be set; give plugins by --plugin");
   const Value* parameter = parameter_at(place.path, scene);
-  Value& old = value_at(root, place.path, registry);
   Value v = place.key.form == Form::text ? Value(word) : read_word(word);
   if (parameter != nullptr && !word.starts_with('='))
-    v = with_unit(Reader(place, old, parameter, path).read(word), symbol_of(*parameter));
-  replace(old, std::move(v));
+    v = with_unit(Reader(place, *place.value, parameter, path).read(word), symbol_of(*parameter));
+  replace(*place.value, std::move(v));
 }
 
 // The scene with other values; meshes that were read stay.
@@ -267,7 +263,7 @@ Variable read_variable(const std::string& text, const Scene& scene, const Regist
     place.key.form = Form::number, place.key.unit = Unit::length;
   const Value* parameter = parameter_at(v.place, scene);
   if (parameter != nullptr) v.given_unit = symbol_of(*parameter);
-  Reader reader(place, value_now(v.place, root, scene, registry), parameter, v.path);
+  Reader reader(place, *place.value, parameter, v.path);
   const std::string values = text.substr(equals + 1);
   const std::vector<std::string> range = words_at(':', values);
   if (range.size() > 1)
