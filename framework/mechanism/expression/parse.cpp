@@ -244,7 +244,8 @@ class ExpressionParser {
     }
     if (take("[")) return vector(at);
     if (c == '\0') fail(at, "it ends where a number, a name or a bracket is expected");
-    fail(at, c == '*' && text_[at - 1] == '*' ? "write a power with \"^\"" : "expected a number, a name or a bracket");
+    fail(at, c == '*' && at > 0 && text_[at - 1] == '*' ? "write a power with \"^\""
+                                                        : "expected a number, a name or a bracket");
   }
 
   int vector(std::size_t at) {

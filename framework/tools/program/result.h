@@ -74,7 +74,8 @@ Json json_of(const V& value) {
     return all;
   } else if constexpr (Numbers<V>) {
     auto rows = Json::array();
-    for (Eigen::Index i = 0; i < value.rows(); ++i) rows.push_back(json_of(VecX(value.row(i))));
+    for (Eigen::Index i = 0; i < value.rows(); ++i)
+      rows.push_back(value.cols() > 0 ? json_of(VecX(value.row(i))) : Json::array());
     return rows;
   } else if constexpr (Listed<V>::value) {
     auto all = Json::array();
