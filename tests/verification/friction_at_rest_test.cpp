@@ -99,6 +99,15 @@ TEST_CASE("friction at rest has the coefficient of rest, the preload and the sha
     REQUIRE(found.notes.size() == 2);
     CHECK(found.notes.front().text().find("friction does not hold the start") != std::string::npos);
   }
+  // Without friction nothing is said of it, nor of friction where nothing is free to move.
+  for (const bool driven : {false, true}) {
+    System system({.gravity = {0, -kG, 0}});
+    Body& body = system.add_body("wheel", block(mass, {0.1, -0.3, 0}));
+    Revolute& hinge = system.add<Revolute>("bearing", body, system.ground(), pose_at({0, 0, 0}));
+    if (driven) hinge.drive(Axis::rz, laws::constant(0));
+    rub(system, hinge, {.mu = driven ? mu : 0, .radius = r});
+    CHECK(rest(system).notes.empty());
+  }
   // Level, under a push that only a preload resists.
   for (const double push : {4.9, 5.1}) {
     System system;

@@ -204,8 +204,8 @@ ForceAccount JointFriction::account(const Inputs& in, const Reactions& reactions
 
 std::vector<Grip> JointFriction::grips(const Inputs& in, const Reactions& reactions) const {
   const Pressing by = pressing(in, reactions);
-  if (!by.in_force) return {};
   const double mu = std::max(options_.mu, options_.mu_static);
+  if (!by.in_force || mu == 0) return {};
   const MarkerInWorld P = in_world(P_, in), S = in_world(S_, in);
   const int p = p_->body->slot, s = s_->body->slot;
   const auto new_load = [&] { return VecX(VecX::Zero(6 * (static_cast<Eigen::Index>(in.motions.size()) - 1))); };

@@ -223,7 +223,7 @@ class EquilibriumSearch {
   bool rests_by_friction() {
     if (!options_.friction || system_.n_velocities() > kDenseUnknowns) return false;
     now_.look(state_);
-    if (now_.e->reacting().empty()) return false;
+    if (!has_friction(now_)) return false;
     RestMatrices A(*now_.e, now_.lambda);
     if (now_.unbalanced <= options_.tolerance && judge_motions(*now_.e, A).kind == Stability::Kind::stable)
       return false;  // without friction too
@@ -384,7 +384,7 @@ class EquilibriumSearch {
     report_.energy = EnergyTerms::potential(Sample(dynamics_, state_, none));
     measure_move(system_, start_, state_, report_);
     if (const std::string words = beyond_friction(); !words.empty()) note("", words);
-    if (options_.friction && !report_.by_friction && !now_.e->reacting().empty())
+    if (options_.friction && !report_.by_friction && report_.stability.freedoms > 0 && has_friction(now_))
       note("", "this equilibrium is without friction; with friction, positions near it are at rest too");
     for (const Marker& marker : system_.markers())
       if (moves_under_force(marker))

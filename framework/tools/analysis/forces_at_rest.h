@@ -58,6 +58,8 @@ struct FrictionLoad {
   MatX ungripped;                 ///< free motions that no friction holds, in the unknowns of the matrices
 };
 
+/// Whether friction acts on any motion.
+bool has_friction(const ForcesAtRest&);
 /// The least forces of friction, each by its limit, that balance the forces at this state; where those are beyond a
 /// limit, the ones whose largest share of a limit is least.
 FrictionLoad friction_load(Dynamics&, const ForcesAtRest&, const RestMatrices&);

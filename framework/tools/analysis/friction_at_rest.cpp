@@ -118,12 +118,15 @@ std::vector<GripReport> report_of(const Balance& balance) {
 
 }  // namespace
 
+bool has_friction(const ForcesAtRest& now) {
+  return !std::ranges::all_of(grips_at(*now.e, now.lambda), [](const GripOf& g) { return g.grip.along.empty(); });
+}
+
 FrictionLoad friction_load(Dynamics& dynamics, const ForcesAtRest& now, const RestMatrices& A) {
   FrictionLoad out;
   const Evaluation& e = *now.e;
-  std::vector<GripOf> grips = grips_at(e, now.lambda);
-  if (std::ranges::all_of(grips, [](const GripOf& g) { return g.grip.along.empty(); }) || A.N.cols() == 0) return out;
-  Balance balance(A, now.r, std::move(grips));
+  if (!has_friction(now) || A.N.cols() == 0) return out;
+  Balance balance(A, now.r, grips_at(e, now.lambda));
   Factor& factor = dynamics.factor(e);
   const VecX none = VecX::Zero(e.rows().n_rows);
   VecX a, added;
