@@ -212,6 +212,7 @@ TEST_CASE("an error gives the column, the problem and the expected text", "[unit
       {"=1e999", {"column 2", "range"}},
       {"=1/0", {"column 3", "division by zero"}},
       {"=sqrt(-1)", {"column 2", "sqrt of -1"}},
+      {"*", {"column 1", "expected a number"}},
       {"=asin(2)", {"asin of 2", "from -1 to 1"}},
       {"=acos(1 + 1e-15)", {"acos of 1.000000000000001"}},
       {"=log(0)", {"log of 0"}},

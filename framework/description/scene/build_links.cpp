@@ -233,8 +233,9 @@ void Builder::drives(const Params& p, Lock& link) {
                                                           ? "\"law\" is given as well; remove one of the two"
                                                           : "the drive has no motion; add \"law\" or \"speed\"");
     const Axis axis = axis_from(drive.text("axis"));
+    const bool held = includes(joint->mask(), row_of(axis));  // which is an error whatever its law
     for (const auto& [key, per_second] : {std::pair{"law", 0}, std::pair{"speed", 1}})
-      if (drive.has(key))
+      if (drive.has(key) && !held)
         check_law_units(drive.value(key), Form::law, {is_rotation(axis) ? Unit::angle : Unit::length, per_second},
                         registry_, part_of(place, key));
     placed(drive.value("axis").where, [&] {

@@ -68,6 +68,14 @@ class Evaluation {
   }
   Amount child(const Node& n, std::size_t k) const { return of(n.children[k]); }
 
+  // ", with a = 0.3 m and b = 0.1 m"
+  std::string inputs() const {
+    std::vector<std::string> words;
+    for (const std::string& name : names_in(e_))
+      if (const Amount* const q = names_(name)) words.push_back(name + " = " + words_of(*q));
+    return words.empty() ? "" : ", with " + text::join(words);
+  }
+
   std::string operands(const Node& n) const {
     std::string words;
     for (const int k : n.children) words += (words.empty() ? "; it is of " : " and ") + words_of(of(k));
@@ -259,9 +267,11 @@ class Evaluation {
     if (f == Function::sqrt && !(x >= 0)) range = "0 or more";
     if (f == Function::log && !(x > 0)) range = "more than 0";
     if (range != nullptr)
-      refuse(n,
-             std::string(signature_of(f).name) + " of " + text::number(x) + "; it must be " + range +
-                 (f == Function::acos ? "; if it is an angle of a triangle, check that its sides can form one" : ""));
+      refuse(n, std::string(signature_of(f).name) + " of " +
+                    (std::abs(x) > 2 || x < 0 ? words_of(a[0]) : text::number(x)) + inputs() + "; it must be " + range +
+                    (f == Function::acos || f == Function::sqrt
+                         ? "; of a triangle, check that its sides can form one, and their units"
+                         : ""));
     if (f == Function::mod && a[1].v[0] == 0) refuse(n, "mod by zero");
   }
 

@@ -270,10 +270,13 @@ double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(cross(a, 
 
 /// Advice for a guide that slides along the axis of hinges, as it does without "axis"; "" if there is none.
 std::string to_plane(Dynamics& dynamics, const State& state) {
-  for (const auto& [guide, along] : axes_of(dynamics, state, Mask::x | Mask::y | Mask::e123, Mask::xyz | Mask::e123)) {
+  const Mask all = Mask::xyz | Mask::e123, cylindrical = Mask::x | Mask::y | Mask::e1 | Mask::e2;
+  auto guides = axes_of(dynamics, state, cylindrical | Mask::e3, all);
+  for (const auto& guide : axes_of(dynamics, state, cylindrical, all)) guides.push_back(guide);
+  for (const auto& [guide, along] : guides) {
     Names hinges;
     for (const auto& [hinge, axis] : axes_of(dynamics, state, Mask::e1 | Mask::e2, Mask::e123))
-      if (angle_between(axis, along) <= kNearlyDependent) hinges.push_back(hinge->name());
+      if (hinge != guide && angle_between(axis, along) <= kNearlyDependent) hinges.push_back(hinge->name());
     if (hinges.size() > 1)
       return fmt::format(
           "joint {} slides along the normal of the plane in which joints {} move; give it an axis in that "
