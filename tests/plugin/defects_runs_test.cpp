@@ -70,8 +70,9 @@ TEST_CASE("nearly redundant constraints are named, released by default, and hold
   const Table table = table_of("near_redundant_trammel");
   const double x = 2 * table.last("bar.x"), y = 2 * table.last("bar.y");
   CHECK(std::abs(x * x + y * y - 0.25) < 1e-6);
-  CHECK(contains(trammel.text,
-                 "1 of the constraints P1 x y e1 e2 e3; P2 x y e1 e3; R1 and R2 x y z e1 e2 is nearly redundant"));
+  CHECK(contains(
+      trammel.text,
+      "1 of the constraints P1 (x y e1 e2 e3); P2 (x y e1 e3); R1 and R2 (each x y z e1 e2) is nearly redundant"));
   check_refused(run_named(defect("near_redundant_trammel"), "held", "--nearly-redundant held"), 5,
                 {"start velocity: P1.z is impossible"});
 }

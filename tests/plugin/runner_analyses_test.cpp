@@ -46,12 +46,13 @@ TEST_CASE("runner: check counts degrees of freedom, redundant constraints and re
   CHECK(value_of(text.text, "reactions") == "all are unique");
   const Called door = call("check '" + std::string(paths::kSource) + "/tests/stability/scenes/door.json' --verbose");
   CHECK(says(door.text, {"reactions not unique",
-                         "1 of the constraints low and high y e1 is nearly redundant (relative singular value "
+                         "1 of the constraints low and high (each y e1) is nearly redundant (relative singular value "
                          "6.9e-08"}));
-  CHECK(row_of(door.text, "low and high y e1") == "low and high y e1 1 1");  // one redundant, one nearly
+  CHECK(row_of(door.text, "low and high (each y e1)") == "low and high (each y e1) 1 1");  // one redundant, one nearly
   CHECK(value_of(door.text, "reactions").empty());
   const Called flat = call("check --verbose " + sample("slider_crank"));
-  CHECK(value_of(flat.text, "plane") == "normal z; out-of-plane constraints are not counted (--full counts them)");
+  CHECK(value_of(flat.text, "plane") ==
+        "normal z; out-of-plane constraints and reactions are left out (--full counts them)");
   const Called old_name = call("mobility " + sample("pendulum"));
   CHECK(contains(old_name.text, text.text));
   CHECK(contains(old_name.text, "warning: `lockstep mobility` is now `lockstep check --verbose`"));

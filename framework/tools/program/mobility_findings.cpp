@@ -77,7 +77,8 @@ bool is_near(const BranchPoint& position) { return position.singular || position
 
 std::string plane_text(const Json& normal) {
   if (normal.get_ref<const std::string&>().empty()) return "";
-  return "normal " + normal.get<std::string>() + "; out-of-plane constraints are not counted (--full counts them)";
+  return "normal " + normal.get<std::string>() +
+         "; out-of-plane constraints and reactions are left out (--full counts them)";
 }
 
 std::string unique_text(const Json& all) { return all.get<bool>() ? "all are unique" : ""; }

@@ -90,12 +90,15 @@ std::string by_joint(const std::vector<std::string>& constraints) {
   nlohmann::ordered_map<std::string, std::string> joints;
   for (const std::string& name : constraints) {
     const std::size_t dot = std::min(name.rfind('.'), name.size());
-    joints[name.substr(0, dot)] += dot < name.size() ? " " + name.substr(dot + 1) : "";
+    std::string& own = joints[name.substr(0, dot)];
+    if (dot < name.size()) own += (own.empty() ? "" : " ") + name.substr(dot + 1);
   }
   nlohmann::ordered_map<std::string, std::vector<std::string>> groups;  // of the same constraints
   for (const auto& [joint, own] : joints) groups[own].push_back(joint);
   std::string words;
-  for (const auto& [own, all] : groups) words += (words.empty() ? "" : "; ") + first_of(all) + own;
+  for (const auto& [own, all] : groups)
+    words += (words.empty() ? "" : "; ") + first_of(all) +
+             (own.empty() ? "" : (all.size() > 1 ? " (each " : " (") + own + ")");
   return words;
 }
 

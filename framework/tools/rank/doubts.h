@@ -45,7 +45,7 @@ LOCKSTEP_API std::string times_of(const std::vector<double>& first, std::size_t 
 /// "A, B and C", or the first of them "and 7 more", if there are more than these.
 LOCKSTEP_API std::string first_of(const std::vector<std::string>& names, std::size_t most = 24);
 
-/// Constraints "A.x", "A.y" and "B.e1", grouped: "A and C x y; B e1".
+/// Constraints "A.x", "A.y" and "B.e1", grouped: "A and C (each x y); B (e1)".
 LOCKSTEP_API std::string by_joint(const std::vector<std::string>& constraints);
 
 /// Whether columns are recorded that depend on reactions.
