@@ -69,6 +69,9 @@ TEST_CASE("modes rejects a state that is no equilibrium, with the next move", "[
   INFO(refused.text);
   CHECK(refused.exit == 3);
   for (const char* word : {"'arm' accelerates at", "m/s^2", "--frozen", "--at"}) CHECK(contains(refused.text, word));
+  const Called driven = call("modes '" + std::string(paths::kScenes) + "/four_bar.json' --equilibrium");
+  CHECK(driven.exit == 0);
+  CHECK(contains(driven.text, "no modes: joints and drives leave no degree of freedom"));
   const Called frozen = call("modes '" + scene + "' --frozen");
   CHECK(frozen.exit == 0);
   CHECK(contains(frozen.text, "frozen coefficients"));

@@ -49,6 +49,12 @@ TEST_CASE("a loose tolerance does not round results to zero", "[runner]") {
   CHECK_FALSE(row_of(r.text, "q1").starts_with("q1 0 "));
 }
 
+TEST_CASE("a channel in place of the name of a CSV file is rejected", "[runner]") {
+  const std::string run = "run " + scene_path("four_bar") + " --quiet --record ";
+  check_refused(call(run + "A.force_x"), 2, {"--record names the CSV file", "\"A.force_x\"", "\"record\" of \"run\""});
+  for (const char* file : {"A.csv", "A.txt", "A_force"}) CHECK(call(run + file).exit == 0);
+}
+
 TEST_CASE("run --json prints its result, and nothing else", "[runner]") {
   const Called r = call("run '" + kFourBar + "' --json --no-picture --record as_json.csv");
   CHECK(r.exit == 0);
