@@ -2,7 +2,6 @@
 // The positions of a start: targets move from the poses given to what is asked. Internal to assembly.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include <lockstep/assembly.h>

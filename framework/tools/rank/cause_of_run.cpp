@@ -12,7 +12,6 @@
 #include <lockstep/solvers.h>
 #include <lockstep/system.h>
 #include "framework/dynamics/evaluate/row_space.h"
-#include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/rank/cause.h"

@@ -8,7 +8,6 @@
 #include <lockstep/analysis.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/dynamics.h>
-#include <lockstep/log.h>
 #include <lockstep/recorder.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/system_of.h"

@@ -7,7 +7,6 @@
 #include <lockstep/batch.h>
 #include <lockstep/error.h>
 #include "framework/dynamics/tree/rows_in_plane.h"
-#include "framework/foundation/support/lines.h"
 #include "framework/tools/precision/work_precision.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/scene_run/scene_run.h"
