@@ -158,7 +158,7 @@ std::string growth_text(const Json& time) {
   return time.is_number() ? fmt::format("time constant {:.3g} s", time.get<double>()) : "";
 }
 
-const Fields<EquilibriumReport>& report_fields() {
+const Fields<AtRest>& rest_fields() {
   using Report = EquilibriumReport;
   static const Fields<FreeMotion> kNeutral{{"motion", "", "moves", &FreeMotion::words},
                                            {"stiffness", "1/s^2", "", &FreeMotion::stiffness},
@@ -179,7 +179,7 @@ const Fields<EquilibriumReport>& report_fields() {
        [](const Json& v) { return v.get<bool>() ? std::string() : "none: damping may decide the stability"; }},
       {"unstable", "unstable motions", &Stability::unstable, kMotion},
       {"not_held", "neutral motions", &Stability::neutral, kNeutral}};
-  static const Fields<Report> kFields = Fields<Report>{
+  static const Fields<Report> kReport = Fields<Report>{
       {"method", "", "found by", &Report::method},
       {"by_friction", "", "held by friction", &Report::by_friction},
       {"relaxed", "", "", &Report::relaxed},
@@ -196,13 +196,9 @@ const Fields<EquilibriumReport>& report_fields() {
       {"pressed", "", "in contact", &Report::pressed},
       {"free", "", "free (one-sided)",
        &Report::free}}.with(&Report::stability, kStability);
-  return kFields;
-}
-
-const Fields<AtRest>& rest_fields() {
   static const Fields<AtRest> kFields =
       Fields<AtRest>{}
-          .with(&AtRest::report, report_fields())
+          .with(&AtRest::report, kReport)
           .with({{"energy", "J", "potential energy", [](const AtRest& r) { return r.report.energy; }},
                  {"found", "", "starts that lead here", &AtRest::found, unless_zero},
                  {"bodies", "bodies", &AtRest::poses, pose_fields()},

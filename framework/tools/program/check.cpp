@@ -103,16 +103,6 @@ TreeReport tree_of(const System& system, const std::vector<bool>& modes) {
   return report;
 }
 
-const Fields<Branch>& branch_fields() {
-  static const Fields<Branch> kFields{{"body", "", "body", &Branch::body},
-                                      {"parent", "", "on", &Branch::parent},
-                                      {"link", "", "by joint", &Branch::link},
-                                      {"coordinates", "", "coordinates", &Branch::coordinates},
-                                      {"held", "", "prescribed", [](const Branch& b) { return b.coordinates.empty(); }},
-                                      {"rows", "", "constraints left", &Branch::rows}};
-  return kFields;
-}
-
 /// Whether the stages of an explicit method are projected onto the constraints, and why; "" of methods without that
 /// choice. `rows`: whether the run has constraints.
 std::string stages_of(const Mechanism& m, const State& start, const Registry& registry, bool rows) {
@@ -299,6 +289,12 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
 }
 
 const Fields<Findings>& check_fields() {
+  static const Fields<Branch> kBranch{{"body", "", "body", &Branch::body},
+                                      {"parent", "", "on", &Branch::parent},
+                                      {"link", "", "by joint", &Branch::link},
+                                      {"coordinates", "", "coordinates", &Branch::coordinates},
+                                      {"held", "", "prescribed", [](const Branch& b) { return b.coordinates.empty(); }},
+                                      {"rows", "", "constraints left", &Branch::rows}};
   using Parameter = SceneParameter;
   static const Fields<Parameter> kParameter{
       {"name", "", "name", &Parameter::name},
@@ -315,7 +311,7 @@ const Fields<Findings>& check_fields() {
                  {"violation_v", "m/s", "", &Findings::violation_v},
                  {"frames_taken", "", "places assumed", &Findings::taken},
                  {"tables", "", "tables", &Findings::tables},
-                 {"tree", "joint coordinates", [](const Findings& f) { return f.tree.branches; }, branch_fields()},
+                 {"tree", "joint coordinates", [](const Findings& f) { return f.tree.branches; }, kBranch},
                  {"closures", "", "", [](const Findings& f) { return f.tree.closures; }},
                  {"columns", "", "", &Findings::columns},
                  {"parameters", "parameters and points", &Findings::parameters, kParameter},
