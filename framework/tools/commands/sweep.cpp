@@ -50,29 +50,6 @@ struct SweepRow {
   std::vector<std::pair<std::string, ColumnRange>> columns{};  // of a run that did not fail
 };
 
-const Fields<SweepRow>& row_fields() {
-  using Row = SweepRow;
-  static const Fields<ColumnRange> kEnds{
-      {"final", "", "", &ColumnRange::last}, {"min", "", "", &ColumnRange::least}, {"max", "", "", &ColumnRange::most}};
-  static const Fields<Row> kEnergy{{"verdict", "", "", [](const Row& r) { return r.run.energy; }},
-                                   {"imbalance", "", "", [](const Row& r) { return r.run.imbalance; }}};
-  static const Fields<Row> kDrift{{"violation", "m", "", [](const Row& r) { return r.run.violation; }},
-                                  {"drifted", "", "", [](const Row& r) { return r.run.drifted; }}};
-  const auto done = [](const Row& r) { return r.run.failed ? std::nullopt : std::optional(r); };
-  static const Fields<Row> kFields{
-      {"run", "", "", &Row::number},
-      {"status", "", "", [](const Row& r) { return r.run.outcome(); }},
-      {"values", "", "", &Row::values},
-      {"findings", "", [](const Row& r) { return r.run.findings; }, finding_fields()},
-      {"steps", "", "", [](const Row& r) { return r.run.steps; }},
-      {"cpu", "s", "", [](const Row& r) { return r.run.cpu; }},
-      {"columns", "", &Row::columns, kEnds},
-      Field<Row>("t", "s", "", [](const Row& r) { return r.run.failed ? NAN : r.run.t; }).optional(),
-      Field<Row>("energy", "", done, kEnergy).optional(),
-      Field<Row>("drift", "", done, kDrift).optional()};
-  return kFields;
-}
-
 struct Tally {
   std::vector<SweepRow> runs{};  // with --json
   long asked = 0, done = 0, failed = 0, wrong = 0, kept = 0, histories = 0, in_lanes = 0, unchecked = 0;
@@ -283,8 +260,7 @@ class Sweep {
   // Writes the history of a run, if it was requested and there is one.
   bool keep(const SweepRun& run, long k, const Table& history) const {
     if (!keeps_histories() || run.broken_off || history.n_columns() == 0) return false;
-    const std::size_t width = std::to_string(plan_.grid.n_runs()).size();
-    const std::string name = fmt::format("{:0{}}.csv", number(k), width);
+    const std::string name = fmt::format("{:0{}}.csv", number(k), std::to_string(plan_.grid.n_runs()).size());
     write_csv((std::filesystem::path(plan_.arguments["--histories"]) / name).string(), history, !plan_.plain_headers);
     return true;
   }
@@ -312,6 +288,25 @@ class Sweep {
 };
 
 const Fields<Tally>& sweep_fields() {
+  using Row = SweepRow;
+  static const Fields<ColumnRange> kEnds{
+      {"final", "", "", &ColumnRange::last}, {"min", "", "", &ColumnRange::least}, {"max", "", "", &ColumnRange::most}};
+  static const Fields<Row> kEnergy{{"verdict", "", "", [](const Row& r) { return r.run.energy; }},
+                                   {"imbalance", "", "", [](const Row& r) { return r.run.imbalance; }}};
+  static const Fields<Row> kDrift{{"violation", "m", "", [](const Row& r) { return r.run.violation; }},
+                                  {"drifted", "", "", [](const Row& r) { return r.run.drifted; }}};
+  const auto done = [](const Row& r) { return r.run.failed ? std::nullopt : std::optional(r); };
+  static const Fields<Row> kRow{
+      {"run", "", "", &Row::number},
+      {"status", "", "", [](const Row& r) { return r.run.outcome(); }},
+      {"values", "", "", &Row::values},
+      {"findings", "", [](const Row& r) { return r.run.findings; }, finding_fields()},
+      {"steps", "", "", [](const Row& r) { return r.run.steps; }},
+      {"cpu", "s", "", [](const Row& r) { return r.run.cpu; }},
+      {"columns", "", &Row::columns, kEnds},
+      Field<Row>("t", "s", "", [](const Row& r) { return r.run.failed ? NAN : r.run.t; }).optional(),
+      Field<Row>("energy", "", done, kEnergy).optional(),
+      Field<Row>("drift", "", done, kDrift).optional()};
   static const Fields<Tally> kFields{{"asked", "", "", &Tally::asked},
                                      {"share", "", "share", &Tally::share},
                                      {"done", "", "", &Tally::done},
@@ -322,7 +317,7 @@ const Fields<Tally>& sweep_fields() {
                                      {"one_by_one", "", "one by one", &Tally::alone},
                                      {"histories", "", "tables kept", &Tally::histories, unless_zero},
                                      {"notes", "", "report", &Tally::notes},
-                                     {"runs", "", &Tally::runs, row_fields()}};
+                                     {"runs", "", &Tally::runs, kRow}};
   return kFields;
 }
 
