@@ -46,15 +46,6 @@ void count(Dynamics& dynamics, State& state, const State& from, bool from_zero) 
           [&] { angle->set(in, from_zero && !angle->coupled() ? 0.0 : expected(*angle, from), state.s); });
 }
 
-bool is_coupled(const System& system) {
-  return std::ranges::any_of(system.counted_angles(), [](const auto& angle) { return angle->coupled(); });
-}
-
-bool turns_about_one_axis(const StartTarget& target) {
-  const Jointed* joint = target.link->jointed();
-  return joint != nullptr && includes(joint->rows() | row_of(target.axis), Mask::e123);
-}
-
 const CountedAngle* angle_of(const System& system, const StartTarget& target) {
   const auto [p, s] = target.link->pairs().front();
   return target.turns() ? system.counted(*p, *s, axis_index(target.axis) % 3) : nullptr;
@@ -133,7 +124,7 @@ class StartSearch {
         goal_(goal_of(system_, state, options.tolerance)),
         targets_(targets_of(system_, state, options)),
         begins_(turns_begin(system_, state)),
-        whole_(is_coupled(system_)) {
+        whole_(std::ranges::any_of(system_.counted_angles(), [](const auto& angle) { return angle->coupled(); })) {
     given_ = state;
     count(dynamics, given_, given_, begins_);
     for (StartTarget& target : targets_) take_value(target);
@@ -186,7 +177,8 @@ class StartSearch {
       if (angle != nullptr) angle->set(dynamics_.inputs(given_), target.asked, given_.s);
     }
     target.near = target.turns() ? nearest_branch(target.asked, target.now) : target.asked;
-    const bool has_turns = turns_about_one_axis(target);
+    const Jointed* joint = target.link->jointed();  // P rotates about one axis of S, if it has turns
+    const bool has_turns = joint != nullptr && includes(joint->rows() | row_of(target.axis), Mask::e123);
     if (!has_turns && is_beyond(target))
       warn(
           target,

@@ -10,7 +10,6 @@
 #include <lockstep/text.h>
 #include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/spanning_tree.h"
-#include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -43,15 +42,13 @@ bool begins_with_mask(const Lock& lock) {
   return true;
 }
 
-bool is_particle(const Body& body) { return !body.fixed && body.freedoms == Freedoms::particle; }
-
 bool is_moving(const Marker& m) { return m.translation_law || m.rotation_law; }
 
 // A particle keeps its axes: the ground alone can carry it, and it carries nothing.
 std::string refusal_of_particle(const Lock& link) {
   for (const auto& [p, s] : link.pairs())
     for (const auto& [m, other] : {std::pair{p, s}, std::pair{s, p}}) {
-      if (!is_particle(*m->body)) continue;
+      if (m->body->fixed || m->body->freedoms != Freedoms::particle) continue;
       if (!other->body->fixed)
         return "joint '" + link.name() + "' connects the particle '" + m->body->name + "' to a moving body";
       if (!link.jointed()->imposed().empty() || is_moving(*p) || is_moving(*s))

@@ -53,7 +53,10 @@ class Benchmark {
         begin_(clocks_.clock()) {}
 
   WorkPrecision run() {
-    take_reference();
+    Reference r = make_reference(trajectory_, options_, clocks_);
+    reference_ = std::move(r.truth), length_ = r.length;
+    result_.reference = r.name, result_.second = r.second, result_.agreement = r.agreement;
+    result_.size = size_of(reference_, length_);
     plan();
     first_end_ = options_.target > 0 ? 0 : left() * (1 - kFirstHits);
     while (Combination* c = next()) climb(*c);
@@ -68,13 +71,6 @@ class Benchmark {
   }
 
  private:
-  void take_reference() {
-    Reference r = make_reference(trajectory_, options_, clocks_);
-    reference_ = std::move(r.truth), length_ = r.length;
-    result_.reference = r.name, result_.second = r.second, result_.agreement = r.agreement;
-    result_.size = size_of(reference_, length_);
-  }
-
   // The base, then what differs from it in one place, then the others.
   void plan() {
     const WorkPrecisionOptions& o = options_;
@@ -128,10 +124,7 @@ class Benchmark {
   double left() const { return options_.budget - (clocks_.clock() - begin_); }
 
   // The open combination whose next run is cheapest and fits; those near the base come first.
-  double weight(const Combination& c) const {
-    const bool begun = c.rung > 0 || c.given_up;
-    return c.handicap * (begun ? c.expected : first_);
-  }
+  double weight(const Combination& c) const { return c.handicap * (c.rung > 0 || c.given_up ? c.expected : first_); }
   // Whether an integrator has not yet had its first hit in the base's form, and there is time for that.
   bool seeks_first_hit(const Combination& c) const {
     const bool sought = options_.target > 0 || !(c.best <= options_.first_hit);

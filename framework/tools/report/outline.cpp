@@ -81,12 +81,6 @@ Json force_of(const Force& force, const Numbering<Marker>& marker) {
   return json;
 }
 
-Json load_of(const Load& load, const Numbering<Marker>& marker) {
-  return {{"name", load.link ? load.link->name() : load.force->name()},
-          {"reaction", load.link != nullptr},
-          {"marker", marker.at(load.at)}};
-}
-
 }  // namespace
 
 Json outline_of(const Frames& frames, const std::vector<Solid>& solids, const std::vector<Look>& looks,
@@ -103,7 +97,10 @@ Json outline_of(const Frames& frames, const std::vector<Solid>& solids, const st
     json["markers"].push_back({{"name", m.name}, {"body", body.at(m.body)}, {"at", of(m.local)}});
   for (const auto& link : system.links()) json["links"].push_back(link_of(*link, system, marker, frames));
   for (const auto& force : system.forces()) json["forces"].push_back(force_of(*force, marker));
-  for (const Load& load : frames.loads()) json["loads"].push_back(load_of(load, marker));
+  for (const Load& load : frames.loads())
+    json["loads"].push_back({{"name", load.link ? load.link->name() : load.force->name()},
+                             {"reaction", load.link != nullptr},
+                             {"marker", marker.at(load.at)}});
   for (const Body* b : frames.bodies()) json["moving"].push_back(body.at(b));
   for (const Marker* m : frames.markers()) json["moved_markers"].push_back(marker.at(m));
   return json;

@@ -32,18 +32,16 @@ bool may_depend(System& system, const State& state) {
   return report.smallest_pivot < kSmall;
 }
 
-// Rows are held by themselves where they are as at the start for good, and few enough for a dense factor.
-bool holds_by_itself(System& system, const State& start) {
+// Whether anything may be decided, as far as it is known without the rows. Those are held by themselves where they are as
+// at the start for good, and few enough for a dense factor.
+bool is_asked_for(Mechanism& m, const State& start) {
+  const NearlyRedundant choice = m.run.nearly_redundant;
+  if (choice == NearlyRedundant::reported || !has_loops(m.system, start.modes)) return false;
+  if (choice != NearlyRedundant::automatic) return true;
+  System& system = system_of(m);
   system.setup();
   return std::ranges::none_of(system.links(), [](const auto& link) { return link->unilateral() != nullptr; }) &&
          are_few_rows(system, start.modes);
-}
-
-// Whether anything may be decided, as far as it is known without the rows.
-bool is_asked_for(Mechanism& m, const State& start) {
-  const NearlyRedundant choice = m.run.nearly_redundant;
-  return choice != NearlyRedundant::reported && has_loops(m.system, start.modes) &&
-         (choice != NearlyRedundant::automatic || holds_by_itself(system_of(m), start));
 }
 
 // Rows that were left out would stay so when those that hold their directions are released.
