@@ -62,8 +62,7 @@ void add_request(std::vector<ChannelRequest>& all, ChannelRequest request) {
   if (std::any_of(column.begin(), column.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
     refuse(request.where, "run.record",
            "the name of a column contains a line end or another control character; remove it");
-  const auto same = [&](const ChannelRequest& other) { return other.column() == column; };
-  if (std::any_of(all.begin(), all.end(), same))
+  if (std::ranges::find(all, column, &ChannelRequest::column) != all.end())
     refuse(request.where, "run.record", "column \"" + column + "\" is requested twice; rename one of them");
   all.push_back(std::move(request));
 }

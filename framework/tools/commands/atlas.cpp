@@ -162,8 +162,7 @@ class Atlas {
 
   // The limit of linear theory along the axis of steps, for each value of the other.
   void add_limit(AtlasPanel& panel) {
-    const auto is_step = [](const Variable& v) { return v.place == "run.step"; };
-    const auto at = std::ranges::find_if(plan_.variables, is_step);
+    const auto at = std::ranges::find(plan_.variables, "run.step", &Variable::place);
     if (at == plan_.variables.end() || panel.adaptive || interrupt_.asked()) return;
     const auto k = static_cast<std::size_t>(at - plan_.variables.begin());
     const std::vector<double> steps = axis_numbers(plan_.variables[k]), others = axis_numbers(plan_.variables[1 - k]);
@@ -177,8 +176,7 @@ class Atlas {
                          10 * steps.back());
       } catch (const Error&) {  // no theory of a start that cannot be evaluated
       }
-      const bool shown = h > 0.1 * steps.front() && h < 10 * steps.back();
-      const double along = shown ? h : NAN;
+      const double along = h > 0.1 * steps.front() && h < 10 * steps.back() ? h : NAN;
       panel.limit_x.push_back(k == 0 ? along : others[i]), panel.limit_y.push_back(k == 0 ? others[i] : along);
     }
   }

@@ -273,10 +273,7 @@ class Opening {
   void collect_force(Value& force) {
     const std::string name = text_of(force, "name"), type = text_of(force, "type");
     const auto* const found = std::ranges::find_if(kMagnitudes, [&](const Magnitude& m) { return type == m.type; });
-    if (found != kMagnitudes.end()) {
-      collect_magnitude(force, *found);
-      return;
-    }
+    if (found != kMagnitudes.end()) return collect_magnitude(force, *found);
     const std::size_t before = places_.size();
     if (const auto* entry = registry_.forces.find(type)) collect_laws(force, entry->info.keys, "force");
     if (first_input(before).empty()) collect_ends(force);
@@ -289,10 +286,7 @@ class Opening {
     const auto put_in = [&force, k = magnitude.key](std::size_t n) {
       put(force, k, input_beside(member(force, k), n));
     };
-    if (!type.starts_with("applied_")) {
-      add(name + "." + magnitude.key, name, magnitude.unit, put_in);
-      return;
-    }
+    if (!type.starts_with("applied_")) return add(name + "." + magnitude.key, name, magnitude.unit, put_in);
     const char* const constant = type == "applied_torque" ? "torque" : "force";
     for (int axis = 0; axis < 3; ++axis)
       add(along(name, axis), along(name, axis), magnitude.unit, [&force, axis](std::size_t n) {
