@@ -20,8 +20,7 @@ void Builder::force(const Value& object, const std::string& owner) {
   const Split parts =
       placed(object.where, [&] { return split(object, scene_table("force"), registry_.forces, owner, registry_); });
   const Params& p = parts.common;
-  const std::string name = claim(p.value("name"), "force");
-  Attachment where = attachment(p, name, false);
+  Attachment where = attachment(p, claim(p.value("name"), "force"), false);
   const bool built_in = registry_.forces.find(parts.type)->origin == "built in";
   const bool on_coordinate = built_in && parts.type == "function_force";
   if (p.has("link")) {

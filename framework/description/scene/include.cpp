@@ -177,8 +177,7 @@ void expand_includes(Value& root, SceneReading& reading, Formulas& formulas) {
     const Value& include = (*includes.list())[i];
     const std::string owner = item("include", i);
     const Value object = settled(include, owner, definitions, formulas);
-    const Params p = params_of(object, "include", owner, nullptr);
-    parts.push_back(read_included(p, definitions, reading, formulas));
+    parts.push_back(read_included(params_of(object, "include", owner, nullptr), definitions, reading, formulas));
     definitions.add(parts.back());  // formulas of later parts can read its points
   }
   parts.push_back(root.without({"include"}));  // what is brought comes before the scene's own

@@ -57,8 +57,7 @@ void ContactManager::check_sides(const State& state, const std::vector<std::stri
 void ContactManager::check_side(std::size_t i, const State& state, const std::string& cause) {
   const Gap g = contacts_.gap(i, dynamics_.inputs(state));
   const Contact& contact = contacts_[i];
-  const double length = dynamics_.system().length();
-  const double depth = -g.c * length_per_unit(contact.link->row_kind(0), length);
+  const double depth = -g.c * length_per_unit(contact.link->row_kind(0), dynamics_.system().length());
   if (!(depth > limit_)) return;
   const auto fail_at = [&](const auto& end, double scale, const char* unit) {
     const auto shown = [&](double x) {  // without the digits of round-off

@@ -141,8 +141,7 @@ void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double
 // Links and forces are compared over ten steps. In long steps all of them change.
 std::string StepLoop::Parts::why_steps_end(Dynamics& dynamics, const State& state, double tolerance) const {
   constexpr double kLongStep = 1e-3;
-  const LastSteps& last = clock.last();
-  if (const std::string links = contacts.who_was_touched(last); !links.empty()) return "; " + links;
+  if (const std::string links = contacts.who_was_touched(clock.last()); !links.empty()) return "; " + links;
   State slots = state;
   dynamics.to_slots(slots);
   if (clock.advised() * speed_of(slots.v, dynamics.system().length()) > kLongStep)

@@ -137,8 +137,7 @@ class SchurFactorization final : public Factorization {
       for (const int h : plan_.hubs) std::fill_n(&x_[plan_.nodes[h].x], plan_.nodes[h].m, 0.0);
       correct();
     };
-    const bool met = refine(report.corrections, measure, within, raise, corrected);
-    if (met) return report;
+    if (refine(report.corrections, measure, within, raise, corrected)) return report;
     find_worst();
     if (gradients_.needed() || worst_ < kFalling * before_) {
       if (conjugate(report.corrections, measure)) return report;

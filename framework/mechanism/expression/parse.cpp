@@ -155,8 +155,7 @@ class ExpressionParser {
     if (!take("?")) return condition;
     const int yes = choice();
     expect(":", at, "\"?\"");
-    const int no = choice();
-    return put(Operation::choose, at, {condition, yes, no});
+    return put(Operation::choose, at, {condition, yes, choice()});
   }
 
   const Binary* sign_at(int level) {
@@ -172,8 +171,7 @@ class ExpressionParser {
     for (const Binary* b = sign_at(level); b != nullptr; b = sign_at(level)) {
       const std::size_t at = at_;
       at_ += b->sign.size();
-      const int right = binary(level + 1);
-      left = put(b->operation, at, {left, right});
+      left = put(b->operation, at, {left, binary(level + 1)});
       if (level == kComparison && sign_at(level) != nullptr)
         fail(at_, "one comparison follows another; write \"a < b && b < c\"");
     }
@@ -197,8 +195,7 @@ class ExpressionParser {
     if (!take("^")) return base;
     if (next() == '*' || next() == '^') fail(at_, "expected an exponent");
     const auto deeper = descend();
-    const int exponent = signs();
-    return put(Operation::power, at, {base, exponent});
+    return put(Operation::power, at, {base, signs()});
   }
 
   int components() {

@@ -84,8 +84,7 @@ bool CsvReader::next(std::vector<std::string>& cells) {
   if (!next_line(cells)) return false;
   if (cells.size() == columns_.size()) return true;
   const bool surplus = cells.size() > columns_.size(), commas = separator_ == ',' && surplus;
-  const std::size_t end = line_.find_last_not_of(" \t\r") + 1;
-  refuse_at(surplus ? begins_[columns_.size()] : end,
+  refuse_at(surplus ? begins_[columns_.size()] : line_.find_last_not_of(" \t\r") + 1,
             "has " + std::to_string(cells.size()) + (cells.size() == 1 ? " cell" : " cells") + ", the first line has " +
                 std::to_string(columns_.size()) +
                 (commas ? "; if its commas are decimal signs, write points, or separate cells by semicolons" : ""));

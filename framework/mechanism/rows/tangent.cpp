@@ -57,8 +57,7 @@ TangentSum::Block& TangentSum::block(int row, int column) {
 
 void TangentSum::insert(int row, int column) {
   auto& list = neighbours_[row];
-  const auto at = std::ranges::lower_bound(list, column, {}, &Neighbour::column);
-  list.insert(at, {column, blocks_.size()});
+  list.insert(std::ranges::lower_bound(list, column, {}, &Neighbour::column), {column, blocks_.size()});
   pairs_.push_back({row, column});
   blocks_.emplace_back();
 }

@@ -99,8 +99,7 @@ void System::take_name(const std::string& name, Kind kind, std::size_t number) {
     names_[at] = n;
   };
   if (4 * (n_names_ + 1) > 3 * names_.size()) {
-    const std::vector<Named> before = std::exchange(names_, std::vector<Named>(16 + names_.size() * 3 / 2));
-    for (const Named& n : before)
+    for (const Named& n : std::exchange(names_, std::vector<Named>(16 + names_.size() * 3 / 2)))
       if (n.kind != 0) put(n);
   }
   Named n;

@@ -22,8 +22,7 @@ void ForcesAtRest::look(const State& state) {
     r.segment<3>(6 * k + 3) = system.slot(k).J * a.segment<3>(6 * k + 3);
   }
   force = system.n_slots() > 0 ? largest_loads(*e, lambda).maxCoeff() : 0;
-  const double left = largest(r);
-  unbalanced = force > 0 ? left / force : 0;
+  unbalanced = force > 0 ? largest(r) / force : 0;
   speed_up = motion_size(system, a);
   e->residuals(C, Cd_);
 }

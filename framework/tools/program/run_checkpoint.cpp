@@ -68,8 +68,7 @@ Checkpoints::Checkpoints(const Arguments& args, const Loaded& loaded, GrowingFil
 // The rows first: a checkpoint needs rows that are on the disk.
 void Checkpoints::write_if_due(StepLoop& sim, bool now, double seconds) {
   if (file_.empty()) return;
-  const Clock::time_point time = Clock::now();
-  if (!now && std::chrono::duration<double>(time - last_).count() < every_) return;
+  if (!now && std::chrono::duration<double>(Clock::now() - last_).count() < every_) return;
   rows_.sync();
   checkpoint_.run.clear();
   checkpoint_.seconds = seconds;

@@ -18,8 +18,7 @@ class Undetermined {
   Undetermined(const System& system, const RowTable& table) : numbers_(static_cast<std::size_t>(table.n_rows)) {
     for (const std::vector<int>& entries : loops_of(system, table)) {
       const LoopRows rows(system, table, entries);
-      const double limit = leaves_near_rows_out(system, table, entries) ? kNearlyDependent : kDependent;
-      const Dependencies found(rows.Jt, limit);
+      const Dependencies found(rows.Jt, leaves_near_rows_out(system, table, entries) ? kNearlyDependent : kDependent);
       if (found.circuits.cols() == 0) continue;
       n += rows.n() - found.rank;
       round_off = std::max(round_off, found.round_off);
@@ -38,10 +37,8 @@ class Undetermined {
   // load is not known.
   static bool leaves_near_rows_out(const System& system, const RowTable& table, const std::vector<int>& entries) {
     if (system.held_down_to() > 0) return false;  // those hold
-    return std::ranges::any_of(entries, [&](int k) {
-      const RowEntry& e = table.entries[k];
-      return system.left_out(*system.links()[e.link]) != 0;
-    });
+    return std::ranges::any_of(entries,
+                               [&](int k) { return system.left_out(*system.links()[table.entries[k].link]) != 0; });
   }
 
   std::vector<VecX> numbers_;

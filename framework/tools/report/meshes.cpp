@@ -31,8 +31,7 @@ nlohmann::ordered_json json_of(const TriangleMesh& mesh, Numbers& numbers) {
       for (const std::uint32_t corner : triangle) all.push_back(static_cast<Number>(corner));
     return numbers.add(std::span<const Number>(all));
   };
-  const bool few = mesh.points.size() <= 65536;
-  json["triangles"] = few ? corners(std::uint16_t{}) : corners(std::uint32_t{});
+  json["triangles"] = mesh.points.size() <= 65536 ? corners(std::uint16_t{}) : corners(std::uint32_t{});
   return json;
 }
 

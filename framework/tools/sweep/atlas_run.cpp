@@ -117,8 +117,7 @@ AtlasReference atlas_reference(const Scene& scene, const Registry& registry, con
       out.reason = fmt::format("{} at {:g}: passed singular configurations with unprojected stages", method, tolerance);
       continue;
     }
-    const Ran wider = with(method, 100 * tolerance);
-    out.agreement = difference(ran.history, wider.history, ran.length).position;
+    out.agreement = difference(ran.history, with(method, 100 * tolerance).history, ran.length).position;
     out.size = size_of(ran.history, ran.length).position, out.length = ran.length;
     out.method = fmt::format("{} at {:g}", method, tolerance);
     out.history = std::move(ran.history);

@@ -76,8 +76,7 @@ std::string titled(const std::string& name, const std::string& unit) {
 
 std::string SweepRun::outcome() const {
   if (failed) return "failed: " + status;
-  const std::string judged = !wrong ? status : status == "ok" ? "wrong" : "wrong: " + status;
-  std::string all = judged;
+  std::string all = !wrong ? status : status == "ok" ? "wrong" : "wrong: " + status;
   if (passed > 0)
     all += "; passed " + std::to_string(passed) + " singular configuration" + (passed == 1 ? "" : "s") +
            " with unprojected stages, first at t = " + text::brief(first_passed) + " s";
