@@ -29,8 +29,7 @@ class FormulaCompiler {
     for (const int k : n.children) parts.push_back(compile(k));
     if (n.operation == Operation::power) return power(parts);
     if (n.operation == Operation::unequal) return put(Operation::negation, {put(Operation::equal, parts)});
-    const bool exchanged = n.operation == Operation::greater || n.operation == Operation::greater_equal;
-    if (!exchanged) return put(n.operation, parts);
+    if (n.operation != Operation::greater && n.operation != Operation::greater_equal) return put(n.operation, parts);
     return put(n.operation == Operation::greater ? Operation::less : Operation::less_equal, {parts[1], parts[0]});
   }
 

@@ -30,7 +30,6 @@ std::optional<Dimension> whole(const Exponents& e) {
 }
 
 bool is_pure(const Amount& q) { return q.dimension == Exponents{}; }
-bool is_angle(const Amount& q) { return q.dimension == Exponents{0, 0, 0, 1}; }
 
 Exponents without_radian(Exponents e) {
   e.rad = 0;
@@ -57,9 +56,6 @@ class Evaluation {
   bool of_values() const { return varies_ == nullptr; }
   bool is_number(const Amount& q) const {
     return of_values() ? is_pure(q) : q.any || !q.with_unit || without_radian(q.dimension) == Exponents{};
-  }
-  bool is_like(const Exponents& a, const Exponents& b) const {
-    return of_values() ? a == b : without_radian(a) == without_radian(b);
   }
   bool varies(int i) const {
     const Node& n = e_.node(i);
@@ -128,7 +124,7 @@ class Evaluation {
     if (b.is_zero) b.dimension = a.dimension, b.measured = a.measured;
     const Exponents other = settled(b.dimension);
     Exponents to = settled(a.dimension);
-    if (!is_like(to, other))
+    if (of_values() ? to != other : without_radian(to) != without_radian(other))
       refuse(n, article_name_of(a) + " and " + article_name_of(b) + " are " + how +
                     (a.measured != b.measured ? "; give the number a unit, as in \"0.1 m\"" : ""));
     if (a.is_vector != b.is_vector) refuse(n, article_name_of(a) + " and " + article_name_of(b) + " are " + how);
@@ -139,8 +135,7 @@ class Evaluation {
 
   // Of dimensions alone: what may be of any takes that of the other; without a unit both are numbers in SI.
   static void settle(Amount& a, Amount& b) {
-    const bool written_zero = a.is_zero || b.is_zero;
-    if (!a.with_unit && !b.with_unit && !written_zero && !(a.dimension == b.dimension)) a.any = b.any = true;
+    if (!a.with_unit && !b.with_unit && !a.is_zero && !b.is_zero && a.dimension != b.dimension) a.any = b.any = true;
     if (a.any) a.dimension = b.dimension, a.measured = b.measured;
     if (b.any) b.dimension = a.dimension, b.measured = a.measured;
     a.any = b.any = (a.any && (b.any || b.is_zero)) || (b.any && a.is_zero);
@@ -284,7 +279,7 @@ class Evaluation {
     for (const Amount& x : a)
       if (x.is_vector != (f.takes == Takes::vectors)) refuse_argument(n, x, x.is_vector ? "a number" : "a vector");
     const bool pure = f.takes == Takes::pure || f.takes == Takes::angle;
-    if (pure && !is_number(a[0]) && !(f.takes == Takes::angle && is_angle(a[0])))
+    if (pure && !is_number(a[0]) && !(f.takes == Takes::angle && a[0].dimension == Exponents{0, 0, 0, 1}))
       refuse_argument(n, a[0], f.takes == Takes::angle ? "an angle or a pure number" : "a pure number");
     for (std::size_t k = 1; k < a.size() && f.takes == Takes::alike; ++k)
       unite(n, a[0], a[k], "arguments of one function");

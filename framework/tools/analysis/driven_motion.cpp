@@ -151,8 +151,7 @@ void DrivenMotion::refuse(double t) const {
   VecX C, Cd;
   e.residuals(C, Cd);
   Eigen::Index worst = 0;
-  const bool off = C.size() > 0 && e.norm(C) > kSlight * e.system().length();
-  if (C.size() > 0) (off ? C : Cd).cwiseAbs().maxCoeff(&worst);
+  if (C.size() > 0) (e.norm(C) > kSlight * e.system().length() ? C : Cd).cwiseAbs().maxCoeff(&worst);
   throw AssemblyError(fmt::format(
       "kinematics stopped at t = {:.9g} s: {}, worst: {}; a law may jump in position, or exceed the range of the "
       "mechanism",

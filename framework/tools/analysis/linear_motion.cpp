@@ -183,8 +183,7 @@ State later(const State& state, const std::vector<SlotMotion>& slots, const Turn
   out.t += dt;
   out.s += dt * s_rate;
   for (std::size_t k = 0; k < slots.size(); ++k) {
-    const SlotMotion& m = slots[k];
-    const Vec3 r = left_over_spin(m, axes.spin);
+    const Vec3 r = left_over_spin(slots[k], axes.spin);
     const Pose now = state.slot_pose(static_cast<int>(k));
     const Vec3 x = center + R * (now.x - center) + drift * dt;
     const Quat q = normalized(turn * now.q * exponential(Vec3(r * dt)));

@@ -83,8 +83,7 @@ Modes find_modes(Dynamics& dynamics, const State& given, const ModesOptions& opt
   out.length = motion.length, out.spin = motion.spin, out.unrest = motion.unrest, out.notes = motion.notes;
   out.complete = static_cast<int>(motion.unknowns.size()) <= options.dense_limit;
   const int count = options.count > 0 || out.complete ? options.count : 20;
-  const MatX N = basis_of(dynamics, state, motion, count, out);
-  const Spectrum found = spectrum_of(motion, N);
+  const Spectrum found = spectrum_of(motion, basis_of(dynamics, state, motion, count, out));
   out.zeros = found.zeros, out.zero_bound = found.zero_bound;
   for (const Eigenvalue& e : found.all)
     out.modes.push_back({kind_of(e.l), e.l, e.bound, shape_of(system, state, motion, e.x)});

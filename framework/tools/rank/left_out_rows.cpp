@@ -46,8 +46,7 @@ class FreeWay {
   const Inputs& inputs() { return dynamics_.gather_rows(state_).inputs(); }
   // The free motion nearest to u; zero if the rows hold u.
   VecX nearest(const VecX& u) {
-    const RowTable& table = dynamics_.gather_rows(state_).rows();
-    const VecX free = RowSpace(at_.rows_in_lengths(table)).free_part(u);
+    const VecX free = RowSpace(at_.rows_in_lengths(dynamics_.gather_rows(state_).rows())).free_part(u);
     return free.norm() > kNegligible * u.norm() ? free : VecX(VecX::Zero(u.size()));
   }
   // On along u, so far that the body that moves most moves by this.

@@ -28,8 +28,7 @@ std::optional<MatX> stopping_form(const Evaluation& e, const Unknowns& at, const
     for (int k = 0; k < entry.m; ++k) {
       const double x = w[entry.first_row + k];
       own[entry.own[k]] = x;
-      const bool move = entry.kind[k] == RowKind::translation;
-      largest = std::max(largest, std::abs(x) / length / (move ? 1.0 : length));
+      largest = std::max(largest, std::abs(x) / length / (entry.kind[k] == RowKind::translation ? 1.0 : length));
     }
     if (largest == 0) continue;
     size = std::max(size, largest);
