@@ -234,7 +234,7 @@ TEST_CASE("runner: explain sums up what acts on a body", "[plugin][runner]") {
   CHECK(row_of(link.text, "x").ends_with(" m, m/s"));
   CHECK(row_of(link.text, "e1").ends_with(" 1, 1/s"));
   CHECK(row_of(link.text, "constraints") == "constraints redundant nearly redundant");
-  CHECK(contains(link.text, "D z e1 e2  3 "));
+  CHECK(contains(link.text, "D (each z e1 e2)  3 "));
   const Called unknown = call("explain " + sample("four_bar") + " couplr");
   CHECK(unknown.exit == 2);
   CHECK(contains(unknown.text, "did you mean \"coupler\"?"));
