@@ -54,6 +54,10 @@ TEST_CASE("the tables know unit and form of a place", "[unit][scene]") {
   CHECK(find("links.L.length").key.unit == Unit::length);  // of the type
   CHECK(find("links.A.drive.law.slope").key.form == Form::number);
   CHECK(find("run.assemble").key.form == Form::boolean);
+  CHECK(find("gravity").whole);
+  CHECK(find("gravity").value == find.root.find("gravity"));
+  CHECK(find("bodies.bob.omega_body").whole);
+  CHECK_FALSE(find("gravity.1").whole);
 }
 
 TEST_CASE("keys that the scene leaves out are put in", "[unit][scene]") {
@@ -87,9 +91,7 @@ TEST_CASE("a wrong path is rejected with the nearest right one", "[unit][scene]"
   check_words(find.refusal("run.tolerence"), {"did you mean \"run.tolerance\"?"});
   check_words(find.refusal(""), {"the scene has no \"\""});
   check_words(find.refusal("links"), {"\"joints\" has several values", "known: A, L"});
-  check_words(find.refusal("gravity"), {"has several values"});
-  CHECK(find_place(find.root, "gravity", find.registry, false, true).value == find.root.find("gravity"));
-  check_words(find.refusal("bodies.bob.omega_body"), {"is not in the scene and has several values"});
+  check_words(find.refusal("bodies.rod.orientation"), {"is not in the scene and has several values"});
   check_words(find.refusal("bodies..mass"), {"\"bodies\" has no \"\""});
 }
 

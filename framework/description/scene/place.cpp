@@ -98,7 +98,7 @@ class Walk {
     Key key = kind_.key;
     if (kind_.part.names_type())
       key.choices = kind_.part.table == "solvers" ? registry_.solvers.names() : registry_.integrators.names();
-    return {here_, path_, "", std::move(key)};
+    return {here_, path_, "", false, std::move(key)};
   }
 
  private:
@@ -252,12 +252,13 @@ std::vector<NumberAt> numbers_in(const Value& root) {
   return numbers;
 }
 
-ScenePlace find_place(Value& root, const std::string& path, const Registry& registry, bool before_plugins, bool whole) {
+ScenePlace find_place(Value& root, const std::string& path, const Registry& registry, bool before_plugins) {
   Walk walk(root, split_at('.', path), registry, before_plugins);
   const std::optional<Miss> miss = walk.go();
   ScenePlace place = walk.place();
   const bool vector = place.key.form == Form::vector3 || place.key.form == Form::axis;
-  if (!miss || (whole && vector && static_cast<int>(miss->step) > std::ranges::count(path, '.'))) {
+  place.whole = miss && vector && static_cast<int>(miss->step) > std::ranges::count(path, '.');
+  if (!miss || place.whole) {
     if (place.value->is_null()) place.near = closest_number(root, place.path);
     return place;
   }

@@ -11,20 +11,20 @@
 
 namespace lockstep {
 
-/// One plain value of a scene: a number, a word, true or false; or nothing yet.
+/// A value of a scene: a number, a word, true or false, a vector, an axis; or nothing yet.
 struct ScenePlace {
   Value* value = nullptr;  ///< holds null if the scene leaves it to its default
   std::string path;        ///< with items of lists by name if they have one
   std::string near;        ///< the closest path to a number of the scene, if the scene does not hold this one
+  bool whole = false;      ///< whether it is a vector or an axis, which have several values
   Key key;  ///< its key in the tables; for a list's item, the list's key; without a name if there is none
 };
 
 /// The steps of a path are keys of objects, names or numbers (from 0) of list items, and x, y, z of vectors. A key that
 /// the tables know and the scene leaves out is inserted, empty. Before plugins are loaded an object whose "type" the
-/// registry does not know may have any key, which is inserted at the end of the path. `whole`: the path may end at a
-/// vector or an axis. Throws ModelError with the nearest valid path if there is no such value, or if it is not plain.
-LOCKSTEP_API ScenePlace find_place(Value& root, const std::string& path, const Registry&, bool before_plugins = false,
-                                   bool whole = false);
+/// registry does not know may have any key, which is inserted at the end of the path. Throws ModelError with the nearest
+/// valid path if there is no such value, or if it is neither a plain one nor a vector or an axis.
+LOCKSTEP_API ScenePlace find_place(Value& root, const std::string& path, const Registry&, bool before_plugins = false);
 
 /// As users write it: "joints.A" for "links.A".
 LOCKSTEP_API std::string shown_path(const std::string& path);

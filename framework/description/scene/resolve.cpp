@@ -221,7 +221,7 @@ void set_by_path(Value& root, std::span<const Value::Member> given) {
     if (m.value.list() != nullptr || m.value.object() != nullptr || m.value.is_null())
       refuse(m.where, "scene.set",
              "\"" + m.key + "\" is set to " + shown(m.value) + "; set a single value: a number, a text, true or false");
-    placed(m.where, "scene.set", [&] { *find_place(root, m.key, built_in_types(), true, true).value = m.value; });
+    placed(m.where, "scene.set", [&] { *find_place(root, m.key, built_in_types(), true).value = m.value; });
   }
 }
 

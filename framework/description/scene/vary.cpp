@@ -66,7 +66,7 @@ const std::string kSet = "set.";
 
 // A place as in Variable::place; one in "set" is created if necessary.
 Value& value_at(Value& root, const std::string& place, const Registry& registry) {
-  if (!place.starts_with(kSet)) return *find_place(root, place, registry, false, true).value;
+  if (!place.starts_with(kSet)) return *find_place(root, place, registry).value;
   Value& set = made_under(root, "set", Value::Object{});
   if (set.object() == nullptr) throw ModelError("\"set\" of the scene is not an object of values by path");
   return made_under(set, place.substr(kSet.size()), {});
@@ -74,19 +74,18 @@ Value& value_at(Value& root, const std::string& place, const Registry& registry)
 
 // find_place(), but an unknown name may be that of a parameter, or of a thing of an included or repeated part, whose
 // place is in "set", with its present value.
-ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, const Registry& registry,
-                    bool whole = false) {
+ScenePlace place_of(Value& root, const std::string& path, const Scene& scene, const Registry& registry) {
   const Value before = root;
   const std::string full = full_path(path, scene);
   try {
-    return find_place(root, full, registry, false, whole);
+    return find_place(root, full, registry);
   } catch (const ModelError& error) {
     root = before;  // without the empty keys on the way to nowhere
     const bool is_name = path.find('.') == std::string::npos;
     const bool has_parts = root.find("include") != nullptr || root.find("repeat") != nullptr;
     if (!is_name && has_parts && scene.root.find(full.substr(0, full.find('.'))) != nullptr) {
       Value expanded = scene.root;
-      ScenePlace place = find_place(expanded, full, registry, false, whole);  // else the nearest with its parts
+      ScenePlace place = find_place(expanded, full, registry);  // else the nearest path of the scene with its parts
       const Value now = *place.value;
       place.path = kSet + place.path, place.value = &value_at(root, place.path, registry);
       *place.value = now;
@@ -226,7 +225,7 @@ void set_value(Value& root, const std::string& text, const Scene& scene, const R
   if (word.starts_with('[')) word = "=" + word;
   if (word.starts_with('='))
     if (Value* vector = vector_named(root, path, scene)) return replace(*vector, word);
-  const ScenePlace place = place_of(root, path, scene, registry, true);
+  const ScenePlace place = place_of(root, path, scene, registry);
   if (place.path.starts_with("requires")) throw ModelError("\"" + path + "\" cannot be set; give plugins by --plugin");
   const Value* parameter = parameter_at(place.path, scene);
   Value v = place.key.form == Form::text ? Value(word) : read_word(word);
@@ -257,6 +256,8 @@ Variable read_variable(const std::string& text, const Scene& scene, const Regist
   rename_old_keys(v.path);
   Value root = written_root(scene);
   ScenePlace place = place_of(root, v.path, scene, registry);
+  if (place.whole)
+    throw ModelError("\"" + v.path + "\" has several values; vary one of them, such as " + v.path + ".x");
   v.place = place.path, v.near = shown_path(place.near);
   if (says_joints) v.path = shown_path(v.path);
   if (v.place.starts_with("points.") || v.place.starts_with(kSet + "points."))
