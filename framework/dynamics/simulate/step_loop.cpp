@@ -268,7 +268,7 @@ void StepLoop::make_step(double limit, double largest) {
       try {
         throw StepError(error.what() + p.why_steps_end(dynamics_, state_, tolerance), state_.t);
       } catch (const NonFiniteError& cause) {
-        throw NonFiniteError(cause.what() + (" (" + error.fact() + ")"), cause);
+        throw NonFiniteError(cause.what() + (" (" + error.fact() + ")"), cause.data());
       }
     }
   };

@@ -67,7 +67,7 @@ bool StepLoop::cross_inputs() {
   if (const auto why = jump.refusal(dynamics_, slots, options_.start_limit))
     throw AssemblyError(set_of(system().control_inputs(), inputs_seen_) + ": " + why->what() +
                             "; reset the input, or let it prescribe the speed of the drive",
-                        *why);
+                        why->data());
   note_inputs();  // an error from here on does not undo this
   if (state_.coordinates) keep_state(state_, parts_->before_change);
   keep_state(slots, state_);

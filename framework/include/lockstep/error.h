@@ -49,6 +49,7 @@ class LOCKSTEP_API Error : public std::runtime_error, public ErrorData {
   /// that are empty.
   explicit Error(ErrorData about);
   ~Error() override;
+  const ErrorData& data() const { return *this; }  ///< the data alone
   /// The class of an error, one value per class, for programs that store errors or choose by switch.
   enum class Kind {
     other,       ///< none of the classes below

@@ -13,7 +13,7 @@ bool Refusals::full() const {
 
 void Refusals::add(const SceneError& error) {
   if (empty() || error.line < first_.line)
-    if ((first_ = error).key.empty()) first_.key = key_;
+    if ((first_ = error.data()).key.empty()) first_.key = key_;
   std::string_view rest = error.what();
   for (bool more = true; more && !full();) {
     const std::size_t end = rest.find('\n');

@@ -210,7 +210,7 @@ Result run_explained(const Command& command, const Arguments& args) try {
       if (const std::string advice = plugin_advice(said.substr(from, said.find('"', from) - from)); !advice.empty())
         more += "\n  " + advice.substr(2);
   if (more.empty()) throw;
-  throw SceneError(said + more, error);
+  throw SceneError(said + more, error.data());
 }
 
 int run_words(const Program& program, int argc, const char* const* argv) {
