@@ -125,7 +125,7 @@ bool has_friction(const ForcesAtRest& now) {
 FrictionLoad friction_load(Dynamics& dynamics, const ForcesAtRest& now, const RestMatrices& A) {
   FrictionLoad out;
   const Evaluation& e = *now.e;
-  if (!has_friction(now) || A.N.cols() == 0) return out;
+  if (A.N.cols() == 0) return out;
   Balance balance(A, now.r, grips_at(e, now.lambda));
   Factor& factor = dynamics.factor(e);
   const VecX none = VecX::Zero(e.rows().n_rows);

@@ -270,10 +270,8 @@ double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(cross(a, 
 
 /// Advice for a guide that slides along the axis of hinges, as it does without "axis"; "" if there is none.
 std::string to_plane(Dynamics& dynamics, const State& state) {
-  const Mask all = Mask::xyz | Mask::e123, cylindrical = Mask::x | Mask::y | Mask::e1 | Mask::e2;
-  auto guides = axes_of(dynamics, state, cylindrical | Mask::e3, all);
-  for (const auto& guide : axes_of(dynamics, state, cylindrical, all)) guides.push_back(guide);
-  for (const auto& [guide, along] : guides) {
+  const Mask guided = Mask::x | Mask::y | Mask::e1 | Mask::e2;  // prismatic, or cylindrical
+  for (const auto& [guide, along] : axes_of(dynamics, state, guided, guided | Mask::z)) {
     Names hinges;
     for (const auto& [hinge, axis] : axes_of(dynamics, state, Mask::e1 | Mask::e2, Mask::e123))
       if (hinge != guide && angle_between(axis, along) <= kNearlyDependent) hinges.push_back(hinge->name());
@@ -462,7 +460,7 @@ Cause cause_of_stop(Dynamics& dynamics, const State& at) {
 
 void rethrow_with(const Cause& cause, const Error& error, const std::string& lines) {
   if (!cause.found() && lines.empty()) throw;
-  ErrorData about = error;
+  ErrorData about = error.data();
   std::string sentence = error.what();
   if (cause.found() && error.kind() != Error::Kind::user_code) {
     about.problem = cause.fact, about.advice = cause.hint;
