@@ -52,6 +52,7 @@ TEST_CASE("a loose tolerance does not round results to zero", "[runner]") {
 TEST_CASE("a channel in place of the name of a CSV file is rejected", "[runner]") {
   const std::string run = "run " + scene_path("four_bar") + " --quiet --record ";
   check_refused(call(run + "A.force_x"), 2, {"--record names the CSV file", "\"A.force_x\"", "\"record\" of \"run\""});
+  check_refused(call("inverse " + scene_path("four_bar") + " --record A.force_x"), 2, {"--record names the CSV file"});
   for (const char* file : {"A.csv", "A.txt", "A_force"}) CHECK(call(run + file).exit == 0);
 }
 

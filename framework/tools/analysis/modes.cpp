@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/modes.h>
-#include "framework/foundation/support/finding_kinds.h"
 
 #include <cmath>
 
 #include <lockstep/analysis.h>
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
 #include "framework/tools/analysis/spectrum.h"
@@ -84,6 +84,9 @@ Modes find_modes(Dynamics& dynamics, const State& given, const ModesOptions& opt
   out.complete = static_cast<int>(motion.unknowns.size()) <= options.dense_limit;
   const int count = options.count > 0 || out.complete ? options.count : 20;
   const Spectrum found = spectrum_of(motion, basis_of(dynamics, state, motion, count, out));
+  if (out.freedoms == 0)
+    out.notes.push_back({&finding::analysis_note, "", "no modes: joints and drives leave no degree of freedom",
+                         "take out a drive, or open a joint"});
   out.zeros = found.zeros, out.zero_bound = found.zero_bound;
   for (const Eigenvalue& e : found.all)
     out.modes.push_back({kind_of(e.l), e.l, e.bound, shape_of(system, state, motion, e.x)});

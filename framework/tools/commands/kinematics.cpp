@@ -212,7 +212,7 @@ Result follow(const Arguments& args, bool inverse) {
   if (!without.empty()) refuse_columns_of_masses(m, without);
   if (inverse) record_reactions(m);
   refuse_integrated_columns(m);
-  const std::string csv = csv_path(args["--record"], args["scene"]);
+  const std::string csv = csv_path(args, m.system);
   check_overwrites(csv, loaded.scene);
   GrowingFile file(csv);
   const std::unique_ptr<Recorder> recorder = make_recorder(m);

@@ -8,7 +8,6 @@
 
 #include <lockstep/modes.h>
 #include <lockstep/text.h>
-#include "framework/foundation/support/finding_kinds.h"
 #include "framework/tools/commands/linear_words.h"
 #include "framework/tools/commands/state_at.h"
 #include "framework/tools/commands/tool_commands.h"
@@ -187,9 +186,6 @@ Result analyse_modes(const Arguments& args) {
       motion_state(std::make_unique<Mechanism>(build_mechanism(loaded.scene, loaded.registry)), loaded.registry, args);
   const Modes found = with_words_of_program([&] { return find_modes(*at.dynamics, at.state, options); });
   CommandFindings::add(found.notes);
-  if (found.freedoms == 0)
-    CommandFindings::add({&finding::analysis_note, "", "no modes: joints and drives leave no degree of freedom",
-                          "take out a drive, or open a joint"});
   Result result(loaded, modes_fields(), FoundModes{{at.state.t, found.spin, found.unrest}, found});
   if (!args["--csv"].empty()) result.write(args["--csv"], csv_text(found));
   if (!report.empty()) write_modes_report(report, args, loaded, at, found), result.files.push_back(report);

@@ -22,6 +22,7 @@
 #include <lockstep/error.h>
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/run_report.h"
+#include "framework/tools/record/channel_entry.h"
 #include "framework/tools/simulation/checkpoint.h"
 
 extern char** environ;
@@ -88,6 +89,14 @@ std::string csv_path(const std::string& record, const std::string& scene) {
   const fs::path file = record.empty() ? fs::path(output_folder()) / (stem_of(scene) + ".csv") : fs::path(record);
   make_folder(file.parent_path().string());
   return file.lexically_normal().string();
+}
+
+std::string csv_path(const Arguments& args, const System& system) {
+  const std::string& record = args["--record"];
+  if (!record.ends_with(".csv") && !record.ends_with(".txt") && !channels::owner_of(record, system).second.empty())
+    throw UsageError("--record names the CSV file, and \"" + record + "\" begins like a channel; record channels by " +
+                     "\"record\" of \"run\" in the scene, or name a file that ends in .csv");
+  return csv_path(record, args["scene"]);
 }
 
 void check_writable(const std::string& file) {

@@ -12,6 +12,8 @@
 
 namespace lockstep {
 
+class Arguments;
+
 /// All of standard input, up to one byte more than the longest scene, which reading then rejects.
 std::string standard_input();
 
@@ -37,6 +39,10 @@ void make_folder(const std::string& folder, const std::string& next = "name anot
 /// The CSV file: `record` if given, else <scene>.csv in LOCKSTEP_OUTPUT or the current folder. Makes its folder. Throws
 /// FileError.
 std::string csv_path(const std::string& record, const std::string& scene);
+
+/// That of a command with the options --record and scene. Throws UsageError for a channel of the system in place of a
+/// file, "A.force_on_p_world_x".
+std::string csv_path(const Arguments&, const System&);
 
 /// Throws FileError if the file cannot be written; called before the run, so that no result is lost.
 void check_writable(const std::string& file);

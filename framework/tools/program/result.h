@@ -74,8 +74,10 @@ Json json_of(const V& value) {
     return all;
   } else if constexpr (Numbers<V>) {
     auto rows = Json::array();
-    for (Eigen::Index i = 0; i < value.rows(); ++i)
-      rows.push_back(value.cols() > 0 ? json_of(VecX(value.row(i))) : Json::array());
+    for (Eigen::Index i = 0; i < value.rows(); ++i) {
+      Json& row = rows.emplace_back(Json::array());
+      for (Eigen::Index k = 0; k < value.cols(); ++k) row.push_back(json_of(value(i, k)));
+    }
     return rows;
   } else if constexpr (Listed<V>::value) {
     auto all = Json::array();

@@ -30,7 +30,6 @@
 #include "framework/tools/program/run_words.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/rank/cause.h"
-#include "framework/tools/record/channel_entry.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
 #include "framework/tools/scene_run/run_findings.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -80,11 +79,7 @@ std::string table_of(Mechanism& m, const Loaded& loaded, const Arguments& args) 
            "the scene has no end time; add it, or give --until 5");
   refuse_impossible_formulation(m.run, loaded);
   record_places(m);
-  const std::string& file = args["--record"];
-  if (!file.ends_with(".csv") && !file.ends_with(".txt") && !channels::owner_of(file, m.system).second.empty())
-    throw UsageError("--record names the CSV file, and \"" + file + "\" begins like a channel; record channels by " +
-                     "\"record\" of \"run\" in the scene, or name a file that ends in .csv");
-  return csv_path(file, args["scene"]);
+  return csv_path(args, m.system);
 }
 
 // Unknown velocities. Counting the degrees of freedom of more takes long: it is done only if nothing moved.
@@ -452,8 +447,8 @@ Result report_run(const Arguments& args) {
   Arguments with_report = args;
   with_report.set("--report", args["--out"]);
   if (args["--out"].empty()) {
-    const std::filesystem::path csv = csv_path(args["--record"] == "-" ? "" : args["--record"], args["scene"]);
-    with_report.set("--report", std::filesystem::path(csv).replace_extension(".html").string());
+    std::filesystem::path csv = csv_path(args["--record"] == "-" ? "" : args["--record"], args["scene"]);
+    with_report.set("--report", csv.replace_extension(".html").string());
   }
   return run_scene(with_report);
 }
