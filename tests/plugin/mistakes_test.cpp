@@ -128,9 +128,10 @@ TEST_CASE("a loop that cannot close is reported by the lengths of its bodies", "
       {"check " + sample("four_bar") + " --set joints.A.drive.axis=z --set 'joints.A.drive.law.slope=450 rpm'",
        3,
        {"joint 'A': drive on z: the joint holds this coordinate; drive a free one (rz)"}});
-  check_mistake({"check " + sample("four_bar") + " --set coupler=30",  // m
-                 3,
-                 {"acos of", "coupler = 30 m and", "their units", "with coupler=30 (300 mm in the file)"}});
+  check_mistake(
+      {"check " + sample("four_bar") + " --set coupler=30",  // m
+       3,
+       {"acos of", "coupler = 30 m, rocker = 0.25 m", "their units", "with coupler=30 (300 mm in the file)"}});
 }
 
 TEST_CASE("a loop that cannot close where its drive begins is reported with the drive", "[runner]") {

@@ -215,6 +215,7 @@ TEST_CASE("an error gives the column, the problem and the expected text", "[unit
       {"*", {"column 1", "expected a number"}},
       {"=asin(2)", {"asin of 2", "from -1 to 1"}},
       {"=acos(1 + 1e-15)", {"acos of 1.000000000000001"}},
+      {"=asin(-1 - 1e-15)", {"asin of -1.000000000000001"}},
       {"=log(0)", {"log of 0"}},
       {"=(-8)^0.5", {"a power that is not whole"}},
       {"=exp(1000)", {"not finite"}},

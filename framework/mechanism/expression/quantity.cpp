@@ -64,14 +64,6 @@ class Evaluation {
   }
   Amount child(const Node& n, std::size_t k) const { return of(n.children[k]); }
 
-  // ", with a = 0.3 m and b = 0.1 m"
-  std::string inputs() const {
-    std::vector<std::string> words;
-    for (const std::string& name : names_in(e_))
-      if (const Amount* const q = names_(name)) words.push_back(name + " = " + words_of(*q));
-    return words.empty() ? "" : ", with " + text::join(words);
-  }
-
   std::string operands(const Node& n) const {
     std::string words;
     for (const int k : n.children) words += (words.empty() ? "; it is of " : " and ") + words_of(of(k));
@@ -261,12 +253,16 @@ class Evaluation {
     if ((f == Function::asin || f == Function::acos) && !(std::abs(x) <= 1)) range = "from -1 to 1";
     if (f == Function::sqrt && !(x >= 0)) range = "0 or more";
     if (f == Function::log && !(x > 0)) range = "more than 0";
-    if (range != nullptr)
-      refuse(n, std::string(signature_of(f).name) + " of " +
-                    (std::abs(x) > 2 || x < 0 ? words_of(a[0]) : text::number(x)) + inputs() + "; it must be " + range +
-                    (f == Function::acos || f == Function::sqrt
-                         ? "; of a triangle, check that its sides can form one, and their units"
-                         : ""));
+    if (range != nullptr) {
+      std::string words = f == Function::sqrt || f == Function::log ? words_of(a[0]) : text::number(x),
+                  with = ", with ";
+      for (const std::string& name : names_in(e_))
+        if (const Amount* const q = names_(name)) words += with + name + " = " + words_of(*q), with = ", ";
+      words += std::string("; it must be ") + range;
+      if (f == Function::acos || f == Function::sqrt)
+        words += "; of a triangle, check that its sides can form one, and their units";
+      refuse(n, std::string(signature_of(f).name) + " of " + words);
+    }
     if (f == Function::mod && a[1].v[0] == 0) refuse(n, "mod by zero");
   }
 
