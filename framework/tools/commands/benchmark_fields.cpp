@@ -28,9 +28,9 @@ std::string error_text(const Json& error) {
   return text;
 }
 
-// "683: 54 count, 61 wrong, 164 stopped as too slow, 404 failed (most often: the step shrank ...)".
+// "683: 54 valid, 61 wrong, 164 stopped as too slow, 404 failed (most often: the step shrank ...)".
 std::string runs_words(const WorkPrecision& w) {
-  constexpr const char* kWords[] = {"count", "accurate by chance", "wrong", "stopped as too slow", "failed"};
+  constexpr const char* kWords[] = {"valid", "accurate by chance", "wrong", "stopped as too slow", "failed"};
   long n[std::size(kWords)] = {};
   std::map<std::string, long> reasons;  // without their times and hints
   for (const WorkPrecisionRun& r : w.runs) {
@@ -55,9 +55,10 @@ const Fields<WorkPrecisionRun>& measured_run_fields() {
   using Run = WorkPrecisionRun;
   static const Fields<Run> kFields{
       {"integrator", "", "integrator", &Run::integrator},
-      {"formulation", "", "formulation", [](const Run& r) { return to_string(r.formulation); }},
+      {"formulation", "", "", [](const Run& r) { return to_string(r.formulation); }},
+      {"formulation_used", "", "formulation", [](const Run& r) { return to_string(r.used); }},
       {"stabilization", "", "stabilisation", [](const Run& r) { return to_string(r.stabilization); }},
-      {"solver", "", "solver", [](const Run& r) { return needs_no_solver(r.used) ? "-" : r.solver; }},
+      {"solver", "", "solver", [](const Run& r) { return needs_no_solver(r.used) ? "not used" : r.solver; }},
       Field<Run>(
           "tolerance", "", "tolerance", [](const Run& r) { return r.adaptive ? r.setting : NAN; }, digits_text<3>)
           .optional(),

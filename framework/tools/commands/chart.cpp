@@ -47,6 +47,8 @@ std::vector<Winner> winners_of(const WorkPrecision& result, Formulation base) {
       if (first == result.runs.end() || (other && runs_in_base(integrator_type(value)))) continue;  // merged there
       Winner& winner = all.emplace_back(Winner{to_string(by), value, {}});
       if (other) winner.value += ", " + to_string(first->formulation);
+      if (by == ChartBy::formulation && first->used != first->formulation)
+        winner.value += " = " + to_string(first->used);
       for (const char* limit : kLimits) {
         const std::vector<CostAtError> costs = costs_below(result, limit);
         const auto best = std::ranges::find_if(costs, [&](const CostAtError& c) { return has(*c.run); });
@@ -190,7 +192,7 @@ Command chart_command() {
 combination ends when its error no longer decreases, when it costs a hundred times more than another for the same error,
 or when the time is spent. Errors are the largest differences from a reference solution at 101 times; a second method
 confirms that reference. Up to half of the remaining time brings every integrator, in the formulation of the scene, to
-an error of a thousandth of the motion. A run counts only if `lockstep run` would not report it as WRONG, and if all finer
+an error of a thousandth of the motion. A run is valid if `lockstep run` would not report it as WRONG, and if all finer
 runs of its combination stay within twice its error.
 
 Example:

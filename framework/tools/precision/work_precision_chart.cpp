@@ -108,7 +108,7 @@ std::string shortened(std::string text, std::size_t most) {
   return text.substr(0, text.rfind(' ', most)) + " ...";
 }
 
-// The reasons of failed runs, and the runs that were left out, one line for all curves with the same words.
+// The reasons of failed runs, one line for all curves with the same words.
 std::vector<std::string> remarks_of(const WorkPrecision& result, const Curves& curves) {
   std::vector<std::string> lines{fmt::format(
       "reference: {}; difference from {}: {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N", result.reference, result.second,
@@ -138,7 +138,6 @@ std::vector<std::string> remarks_of(const WorkPrecision& result, const Curves& c
     add("× " + label, fmt::format(" failed at {}{}: {}", setting_words(*failed.front()), to, failed.back()->failure));
   }
   for (const auto& [labels, words] : notes) lines.push_back(labels + words);
-  for (const std::string& line : unsuited_lines(result)) lines.push_back("left out: " + line);
   if (lines.size() > kMostRemarks) {
     const std::size_t n = lines.size() - kMostRemarks + 1;
     lines.resize(kMostRemarks - 1);
@@ -179,7 +178,7 @@ std::optional<GridPanel> panel_of(const WorkPrecision& result, const std::string
   const Wanted any = [&](const auto& run) {
     return std::ranges::any_of(curves, [&](const auto& curve) { return curve.second(run); });
   };
-  panel.series.push_back(curve_of(result, "does not count", kind, by, any, SeriesStyle::rings));
+  panel.series.push_back(curve_of(result, "not valid", kind, by, any, SeriesStyle::rings));
   panel.series.back().color = "#a8a8a8";
   if (std::all_of(panel.series.begin() + 1, panel.series.end(), [](const Series& s) { return s.x.empty(); }))
     return std::nullopt;

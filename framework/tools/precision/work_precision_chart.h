@@ -10,12 +10,9 @@
 
 namespace lockstep {
 
-/// As CSV, one line per run: its method, setting, errors and cost, whether it counts, whether it is on the Pareto front of
+/// As CSV, one line per run: its method, setting, errors and cost, whether it is valid, whether it is on the Pareto front of
 /// position error against CPU time, and the reason of a failure.
 LOCKSTEP_API std::string runs_text(const WorkPrecision&);
-
-/// "18 combinations, such as rk4, quaternion, project, schur: why", one line per reason.
-LOCKSTEP_API std::vector<std::string> unsuited_lines(const WorkPrecision&);
 
 /// What distinguishes the curves of a chart; in all else they equal its base.
 enum class ChartBy { integrator, formulation, stabilization, solver };

@@ -34,20 +34,13 @@ std::string setting_words(const WorkPrecisionRun& run) {
 }
 
 std::string way_of(const WorkPrecisionRun& run) {
-  return fmt::format("{}, {}, {}, {}", run.integrator, to_string(run.formulation), to_string(run.stabilization),
-                     run.solver);
+  return fmt::format("{}, {}, {}{}", run.integrator, to_string(run.used), to_string(run.stabilization),
+                     needs_no_solver(run.used) ? "" : ", " + run.solver);
 }
 
 std::string label(const WorkPrecisionRun& run) {
   return fmt::format("{}, {}, {}, {}, {}", run.integrator, setting_words(run), to_string(run.formulation),
                      to_string(run.stabilization), run.solver);
-}
-
-std::vector<std::string> unsuited_lines(const WorkPrecision& result) {
-  std::vector<std::string> lines;
-  for (const WorkPrecision::Unsuited& u : result.unsuited)
-    lines.push_back((u.n > 1 ? fmt::format("{} combinations, such as ", u.n) : "") + u.what + ": " + u.why);
-  return lines;
 }
 
 std::string runs_text(const WorkPrecision& result) {

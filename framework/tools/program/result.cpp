@@ -223,9 +223,21 @@ const Fields<Document>& document_fields() {
       Field<Document>("command", "", "", [](const Document& d) { return d.result.command; }).optional()};
   return kFields;
 }
+// "a/fb.csv, a/fb.png", and the folder of more than three only once: "a: fb.csv, fb.png, ...".
+std::string files_text(const Json& files) {
+  std::vector<std::string> names = files;
+  const std::string folder = names.empty() ? "" : names.front().substr(0, names.front().rfind('/') + 1);
+  const auto is_inside = [&](const std::string& name) { return name.starts_with(folder); };
+  if (names.size() <= 3 || folder.size() < 2 || !std::ranges::all_of(names, is_inside)) return first_of(names);
+  for (std::string& name : names) name.erase(0, folder.size());
+  return folder.substr(0, folder.size() - 1) + ": " + first_of(names);
+}
+
 const Fields<Document>& last_fields() {
   static const Fields<Document> kFields{
-      Field<Document>("files", "", "written", [](const Document& d) { return d.result.files; }).optional(),
+      Field<Document>(
+          "files", "", "written", [](const Document& d) { return d.result.files; }, files_text)
+          .optional(),
       Field<Document>(
           "findings", "", [](const Document& d) { return d.findings; }, finding_fields())};
   return kFields;
