@@ -148,7 +148,7 @@ LOCKSTEP_API const char* unit_of(ErrorKind);  ///< "m", "m/s", "J", "N"
 std::string setting_words(const WorkPrecisionRun&);  ///< "tolerance 1e-06", "step 0.1 s"
 /// "dop853, omega, project, sparse"; "dop853, joint, project".
 std::string way_of(const WorkPrecisionRun&);
-/// "dop853, tolerance 1e-06, omega, project, sparse".
+/// "dop853, omega, project, sparse, tolerance 1e-06".
 LOCKSTEP_API std::string label(const WorkPrecisionRun&);
 
 /// CPU time of the calling thread, s.

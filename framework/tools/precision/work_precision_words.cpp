@@ -38,10 +38,7 @@ std::string way_of(const WorkPrecisionRun& run) {
                      needs_no_solver(run.used) ? "" : ", " + run.solver);
 }
 
-std::string label(const WorkPrecisionRun& run) {
-  return fmt::format("{}, {}, {}, {}, {}", run.integrator, setting_words(run), to_string(run.formulation),
-                     to_string(run.stabilization), run.solver);
-}
+std::string label(const WorkPrecisionRun& run) { return way_of(run) + ", " + setting_words(run); }
 
 std::string runs_text(const WorkPrecision& result) {
   std::string text =
