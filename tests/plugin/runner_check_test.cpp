@@ -321,8 +321,8 @@ TEST_CASE("check lists the channels, describe explains a key", "[runner]") {
   };
   REQUIRE(first_of("the whole mechanism") != channels.end());
   CHECK(first_of("body 'crank'") < first_of("the whole mechanism"));
-  CHECK(row_of(call("check '" + kFourBar + "' --channels").text, "crank.vx") ==
-        "crank.vx m/s body 'crank' velocity of the origin, world, x");
+  CHECK(row_of(call("check '" + kFourBar + "' --channels").text, "crank.vx, vy, vz") ==
+        "crank.vx, vy, vz m/s velocity of the origin, world");
   for (const char* name : {"link", "joint"})
     CHECK(contains(call("describe " + std::string(name)).text, "see `lockstep describe drive`"));
   CHECK(contains(call("describe revolute").text, "see `lockstep describe drive`"));

@@ -326,8 +326,8 @@ TEST_CASE("an assembled start that is far from the one given ends with its own c
   CHECK(contains(far.text, "start-far: the assembled start is 0.5 m from the given one"));
   CHECK_FALSE(contains(far.text, "lockstep assemble"));
   check_refused(call(apart), 11,
-                {"largest constraint error before  1 m", "largest move                     0.5 m",
-                 "  of                             a"});
+                {"constraint error of the given poses  1 m", "largest move                         0.5 m",
+                 "  of                                 a"});
   CHECK(row_of(call(apart).text, "J") == "J 1");
   CHECK(call(apart + " --within 2").exit == 0);
 }

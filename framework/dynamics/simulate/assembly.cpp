@@ -145,7 +145,8 @@ void add_warnings(const System& system, const State& given, const State& assembl
                          : "do not fit the joints",
                      text::join(changes)),
          one ? "check where the joint is attached to its two bodies, in world axes, or their poses"
-             : "check where the joints are attached, in world axes, or give the poses that lockstep assemble prints",
+             : "check where the joints are attached, in world axes, and the poses; lockstep assemble prints those it "
+               "finds",
          moved ? report.largest_move : report.largest_turn, kMuch * (moved ? system.length() : kTwoPi),
          moved ? "m" : "rad"});
   }

@@ -51,11 +51,11 @@ std::vector<std::pair<std::string, Moved>> moved_bodies(const System& system, Va
 const Fields<Assembled>& assemble_fields() {
   using Report = AssemblyReport;
   static const Fields<OpenJoint> kOpen{{"joint", "", "joint", &OpenJoint::joint}, {"gap", "m", "by", &OpenJoint::gap}};
-  static const Fields<Report> kReport{{"before", "m", "largest constraint error before", &Report::before},
-                                      {"after", "m", "  after", &Report::after},
-                                      {"before_v", "m/s", "velocity error before", &Report::before_v},
-                                      {"after_v", "m/s", "  after", &Report::after_v},
-                                      {"iterations", "", "iterations", &Report::iterations},
+  static const Fields<Report> kReport{{"before", "m", "constraint error of the given poses", &Report::before},
+                                      {"after", "m", "", &Report::after},
+                                      {"before_v", "m/s", "", &Report::before_v},
+                                      {"after_v", "m/s", "", &Report::after_v},
+                                      {"iterations", "", "", &Report::iterations},
                                       {"largest_move", "m", "largest move", &Report::largest_move},
                                       {"moved_most", "", "  of", &Report::moved_most},
                                       {"largest_turn", "rad", "largest rotation", &Report::largest_turn},
@@ -64,7 +64,7 @@ const Fields<Assembled>& assemble_fields() {
   static const Fields<Moved> kMoved =
       Fields<Moved>{{"moved", "m", "moved", &Moved::moved}, {"rotated", "rad", "rotated", &Moved::rotated}}
           .with(&Moved::pose, pose_fields())
-          .with({{"ends", "m", "from, to", &Moved::ends}});
+          .with({{"ends", "m", "rod from, to", &Moved::ends}});
   static const Fields<Assembled> kFields =
       Fields<Assembled>{}.with(&Assembled::report, kReport).with({{"bodies", "bodies", &Assembled::bodies, kMoved}});
   return kFields;

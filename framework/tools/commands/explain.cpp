@@ -51,8 +51,8 @@ const Fields<BodyBalance>& balance_fields() {
       {"center", "m", "centre of mass", &BodyBalance::center},
       {"acceleration", "m/s^2", "acceleration", &BodyBalance::acceleration},
       {"parts", "loads", &BodyBalance::parts, kContribution},
-      {"sum", "sum", &BodyBalance::sum, kContribution, contribution_text},
-      {"rate", "rate of momentum", &BodyBalance::rate, kContribution, contribution_text},
+      {"sum", "sum of the loads", &BodyBalance::sum, kContribution, contribution_text},
+      {"rate", "rate of momentum, and of angular momentum", &BodyBalance::rate, kContribution, contribution_text},
       {"left_force", "N", "residual force", &BodyBalance::left_force},
       {"left_moment", "N m", "residual moment", &BodyBalance::left_moment},
       {"incomplete", "", "incomplete", &BodyBalance::incomplete}};
@@ -77,6 +77,7 @@ std::vector<double> of_drives(const LinkAccount& a, const Vec3& load) {
   return {load[0], load[1], load[2]};
 }
 
+std::string yes_or_no(const Json& v) { return v.get<bool>() ? "yes" : "no"; }  // no is shown, too
 std::string violation_text(const Json& v) { return number_text(v, 1); }
 
 const Fields<LinkAccount>& link_fields() {
@@ -95,12 +96,12 @@ const Fields<LinkAccount>& link_fields() {
       {"type", "", "type", &Account::type},
       {"p", "", "P on", &Account::on_p},
       {"s", "", "S on", &Account::on_s},
-      {"in_force", "", "active", &Account::in_force},
+      {"in_force", "", "active", &Account::in_force, yes_or_no},
       {"merged", "", "merged: its bodies move as one", &Account::merged},
       {"axes", "", "axes of S, world", &Account::axes, axes_text},
       {"rows", "constraints, with their loads on P's body about P in axes of S", &Account::rows, kRow},
       {"left_out", "", "dropped as redundant", &Account::left_out},
-      {"force_on_p", "N", "force on P's body, world", [](const Account& a) { return a.joint.force; }},
+      {"force_on_p", "N", "force on P's body without drives, world", [](const Account& a) { return a.joint.force; }},
       {"moment_on_p", "N m", "  moment about P", [](const Account& a) { return a.joint.moment; }},
       {"drive_force_on_p", "N", "force of the drives", [](const Account& a) { return of_drives(a, a.drives.force); }},
       {"drive_moment_on_p", "N m", "  moment about P", [](const Account& a) { return of_drives(a, a.drives.moment); }},
@@ -117,7 +118,7 @@ const Fields<ForceEffect>& force_fields() {
                                         {"moment", "N m", "moment about its centre of mass", &Contribution::moment}};
   static const Fields<ForceEffect> kFields{{"force", "", "force", &ForceEffect::name},
                                            {"type", "", "type", &ForceEffect::type},
-                                           {"acts", "", "active", &ForceEffect::acts},
+                                           {"acts", "", "active", &ForceEffect::acts, yes_or_no},
                                            {"on", "loads", &ForceEffect::on, kOn},
                                            {"laws", "laws", &ForceEffect::laws, law_fields()},
                                            {"potential", "J", "potential", &ForceEffect::potential},

@@ -71,7 +71,7 @@ struct WorkPrecisionRun {
   std::string failure{};                       ///< the reason of a missing result; "" if there is one
   bool given_up = false, interrupted = false;  ///< its time was used up; the user interrupted it
   bool wrong = false;                          ///< complete, but wrong by Audit::is_wrong()
-  Formulation used = Formulation::automatic;   ///< that which automatic chose, of a complete run
+  Formulation used = formulation;              ///< that which automatic chose, of a complete run
   bool done() const { return failure.empty(); }
 };
 

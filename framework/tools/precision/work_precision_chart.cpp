@@ -18,7 +18,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kLeast = 1e-16;      // drawn instead of zero
-constexpr std::size_t kMostRemarks = 8, kMostLetters = 185;
+constexpr std::size_t kMostLetters = 185;  // of a line
 
 using Wanted = std::function<bool(const WorkPrecisionRun&)>;
 using Curves = std::vector<std::pair<std::string, Wanted>>;  // by label
@@ -52,7 +52,7 @@ Series curve_of(const WorkPrecision& result, const std::string& label, ErrorKind
 
 // The Pareto front as a staircase.
 Series front_of(const WorkPrecision& result, ErrorKind kind, CostKind by) {
-  Series s{"Pareto front of all runs", {}, {}, SeriesStyle::band, "#ddd6c0"};
+  Series s{"Pareto front of all valid runs", {}, {}, SeriesStyle::band, "#ddd6c0"};
   for (const WorkPrecisionRun* run : pareto_front(result, kind, by)) {
     if (useless(result, *run, kind)) continue;
     if (!s.x.empty()) s.x.push_back(cost(*run, by)), s.y.push_back(s.y.back());
@@ -99,52 +99,6 @@ void add_open_ends(const WorkPrecision& result, GridPanel& panel, ErrorKind kind
     if (curve.x.empty()) continue;
     panel.open_ends.x.push_back(curve.x.back()), panel.open_ends.y.push_back(curve.y.back());
   }
-}
-
-std::string shortened(std::string text, std::size_t most) {
-  for (char& c : text)
-    if (c == '\n') c = ' ';
-  if (text.size() <= most) return text;
-  return text.substr(0, text.rfind(' ', most)) + " ...";
-}
-
-// The reasons of failed runs, one line for all curves with the same words.
-std::vector<std::string> remarks_of(const WorkPrecision& result, const Curves& curves) {
-  std::vector<std::string> lines{fmt::format(
-      "reference: {}; difference from {}: {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N", result.reference, result.second,
-      result.agreement.position, result.agreement.velocity, result.agreement.energy, result.agreement.reaction)};
-  std::vector<std::pair<std::string, std::string>> notes;  // the curves, and the rest of their line
-  const auto add = [&](const std::string& label, const std::string& words) {
-    const auto same = std::ranges::find(notes, words, &std::pair<std::string, std::string>::second);
-    if (same == notes.end())
-      notes.emplace_back(label, words);
-    else
-      same->first += "; " + label;
-  };
-  for (const auto& [label, wanted] : curves) {
-    for (const WorkPrecisionRun& run : result.open) {
-      if (!wanted(run)) continue;
-      const auto stopped = std::ranges::find_if(result.runs, [&](const WorkPrecisionRun& r) {
-        return r.given_up && same_way(r, run) && r.setting == run.setting;
-      });
-      add(label, stopped != result.runs.end() ? " at " + setting_words(run) + ": " + stopped->failure
-                                              : " not tried from " + setting_words(run) + " on: time budget used up");
-    }
-    std::vector<const WorkPrecisionRun*> failed;
-    for (const WorkPrecisionRun& run : result.runs)
-      if (wanted(run) && !run.done() && !run.given_up) failed.push_back(&run);
-    if (failed.empty()) continue;
-    const std::string to = failed.size() == 1 ? "" : " to " + setting_words(*failed.back());
-    add("× " + label, fmt::format(" failed at {}{}: {}", setting_words(*failed.front()), to, failed.back()->failure));
-  }
-  for (const auto& [labels, words] : notes) lines.push_back(labels + words);
-  if (lines.size() > kMostRemarks) {
-    const std::size_t n = lines.size() - kMostRemarks + 1;
-    lines.resize(kMostRemarks - 1);
-    lines.push_back(fmt::format("and {} more; the CSV file lists all reasons", n));
-  }
-  for (std::string& line : lines) line = shortened(line, kMostLetters);
-  return lines;
 }
 
 // The base's solver, or if that does not support this value of `by`, as schur does not support quaternions, the default
@@ -200,17 +154,16 @@ GridSpec chart_of(const WorkPrecision& result, const std::string& title, std::ve
   GridSpec chart{title};
   chart.strip_label = "grey: failed or off scale";
   chart.open_label = "finer settings not tried";
-  Curves all;
-  for (const auto& [name, curves] : groups) {
+  for (const auto& [name, curves] : groups)
     for (const ErrorKind kind : kinds) {
       const std::string what = fmt::format("{} error [{}]", to_string(kind), unit_of(kind));
       if (auto panel = panel_of(result, name.empty() ? what : name + ": " + what, kind, by, curves))
         chart.panels.push_back(*panel);
     }
-    for (const auto& [label, wanted] : curves) all.emplace_back(name.empty() ? label : name + ", " + label, wanted);
-  }
   chart.remarks = std::move(first_remarks);
-  for (std::string& line : remarks_of(result, all)) chart.remarks.push_back(std::move(line));
+  chart.remarks.push_back(fmt::format("reference: {}; difference from {}: {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N",
+                                      result.reference, result.second, result.agreement.position,
+                                      result.agreement.velocity, result.agreement.energy, result.agreement.reaction));
   return chart;
 }
 

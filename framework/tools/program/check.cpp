@@ -146,7 +146,7 @@ const Fields<std::vector<OwnedChannel>>& channel_fields() {
   using Owned = OwnedChannel;
   static const Fields<Owned> kChannel{{"name", "", "name", [](const Owned& c) { return c.channel.name; }},
                                       {"unit", "", "unit", [](const Owned& c) { return c.channel.unit; }},
-                                      {"of", "", "of", &Owned::owner},
+                                      {"of", "", "", &Owned::owner},
                                       {"help", "", "what it is", [](const Owned& c) { return c.channel.help; }}};
   static const Fields<std::vector<Owned>> kFields{
       Field<std::vector<Owned>>("channels", "channels", std::identity(), kChannel).whole()};
@@ -390,11 +390,36 @@ std::string brief_text(const Findings& f, bool all) {
          fact_line("solved as", f.formulation);
 }
 
+// As text: one line for a vector, "A.vx, vy, vz", "A.force_on_p_world_x, _y, _z".
+std::string channels_text(const std::vector<OwnedChannel>& all) {
+  const auto is_next = [&](std::size_t k, const ChannelHelp& x, char axis) {  // the same of another axis
+    const auto same = [&](std::string text, const std::string& other) { return text.back() = axis, text == other; };
+    return k < all.size() && same(x.name, all[k].channel.name) && same(x.help, all[k].channel.help);
+  };
+  std::vector<OwnedChannel> lines;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const ChannelHelp& x = all[k].channel;
+    ChannelHelp& line = lines.emplace_back(all[k]).channel;
+    if (!x.help.ends_with(", x") || !is_next(k + 1, x, 'y') || !is_next(k + 2, x, 'z')) continue;
+    std::string part = x.name.substr(x.name.find_last_of("._"));
+    if (part.front() == '.') part.erase(0, 1);
+    for (const char axis : {'y', 'z'}) part.back() = axis, line.name += ", " + part;
+    line.help.resize(line.help.size() - 3);
+    k += 2;
+  }
+  return text_of(channel_fields().schema(), channel_fields()(lines));
+}
+
 // The exit code of a run of it, as far as its start: the findings precede the error of the start.
 Result check_scene(const Arguments& args) {
   const Loaded loaded = load(args);
   Mechanism m = build_observed(loaded.scene, loaded.registry);
-  if (args.has("--channels")) return {loaded, channel_fields(), channels_of(m.system, args["--of"])};
+  if (args.has("--channels")) {
+    const std::vector<OwnedChannel> channels = channels_of(m.system, args["--of"]);
+    Result result(loaded, channel_fields(), channels);
+    result.brief = channels_text(channels);
+    return result;
+  }
   const Findings found = found_in(args, loaded, m);
   if (!found.moves.error.empty())
     tell_error(found.moves.error);

@@ -107,8 +107,9 @@ class Printer {
     return object;
   }
   static bool is_shown(const FieldInfo& f, const Json& data) {
-    if (f.label.empty() || !data.contains(f.name) || is_empty(data[f.name])) return false;
-    return f.words == nullptr || !f.words(data[f.name]).empty();
+    if (f.label.empty() || !data.contains(f.name)) return false;
+    const Json& v = data[f.name];
+    return f.words == nullptr ? !is_empty(v) : (v.is_boolean() || !is_empty(v)) && !f.words(v).empty();
   }
   static std::size_t most(const FieldInfo& f) { return f.whole ? std::string::npos : kMostLines; }
   // Further lines of the text are indented more.
