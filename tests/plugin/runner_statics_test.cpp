@@ -228,7 +228,7 @@ TEST_CASE("runner: statics reports what friction holds, and what it does not", "
   CHECK(held.exit == 0);
   CHECK(value_of(held.text, "found by") == "the start, held by friction");
   CHECK(value_of(held.text, "stability") == "sticking");
-  CHECK(row_of(held.text, "of") == "of motion load limit unit");
+  CHECK(row_of(held.text, "of") == "of against load limit unit");
   CHECK(row_of(held.text, "rub") == "rub sliding 17.658 18.8352 N");
   const Json j = json_of("statics '" + block(0.8) + "' --json");
   CHECK(j["stability"] == "sticking");

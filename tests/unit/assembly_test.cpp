@@ -339,7 +339,7 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
     const AssemblyReport report = assemble(dynamics, state);
     REQUIRE(report.findings.size() == 1);
     CHECK(says(report.findings.front().text(),
-               {"the given poses do not fit the joints: assembly moved '", "give the poses that"}));
+               {"the given poses do not fit the joints: assembly moved '", "lockstep assemble prints those it finds"}));
   }
   SECTION("a joint that alone is drawn open") {
     System own;

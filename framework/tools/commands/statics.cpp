@@ -166,7 +166,7 @@ const Fields<AtRest>& rest_fields() {
   static const Fields<FreeMotion> kMotion = kNeutral.with(
       {{"growth_time", "s", "grows", [](const FreeMotion& m) { return growth_time(m.stiffness); }, growth_text}});
   static const Fields<GripReport> kGrip{{"force", "", "of", &GripReport::force},
-                                        {"what", "", "motion", &GripReport::what},
+                                        {"what", "", "against", &GripReport::what},
                                         {"carries", "", "load", &GripReport::carries},
                                         {"most", "", "limit", &GripReport::most},
                                         {"unit", "", "unit", &GripReport::unit}};
