@@ -48,11 +48,11 @@ Legend legend_of(const GridSpec& spec) {
   for (const GridPanel& panel : spec.panels) legend.rings = legend.rings || !panel.open_ends.x.empty();
   if (legend.rings) longest = std::max(longest, spec.open_label.size());
   const double letters = static_cast<double>(longest);
-  const std::size_t fits = legend_columns(GridPage::inner_width(spec.width, kEdges), letters, 9.5);
+  legend.width = 1 + 0.25 * letters;  // added to the letters by gnuplot
+  const std::size_t fits = legend_columns(GridPage::inner_width(spec.width, kEdges), letters + legend.width, 9);
   const std::size_t n = legend.entries.size() + (legend.rings ? 1 : 0);
   legend.n_rows = (n + fits - 1) / fits;
   legend.n_columns = legend.n_rows > 0 ? (n + legend.n_rows - 1) / legend.n_rows : 1;
-  legend.width = 1 + 0.25 * letters;
   return legend;
 }
 

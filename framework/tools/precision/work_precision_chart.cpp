@@ -52,7 +52,7 @@ Series curve_of(const WorkPrecision& result, const std::string& label, ErrorKind
 
 // The Pareto front as a staircase.
 Series front_of(const WorkPrecision& result, ErrorKind kind, CostKind by) {
-  Series s{"Pareto front of all valid runs", {}, {}, SeriesStyle::band, "#ddd6c0"};
+  Series s{"Pareto front of valid runs", {}, {}, SeriesStyle::band, "#ddd6c0"};
   for (const WorkPrecisionRun* run : pareto_front(result, kind, by)) {
     if (useless(result, *run, kind)) continue;
     if (!s.x.empty()) s.x.push_back(cost(*run, by)), s.y.push_back(s.y.back());
