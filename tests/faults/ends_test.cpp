@@ -36,7 +36,7 @@ TEST_CASE("a run or sweep that a signal ends at any time leaves whole lines and 
   std::signal(SIGHUP, SIG_DFL);  // under nohup it is ignored, by the programs too
   const std::string scene = endless_scene("killed");
   const std::string old = kFolder + "/killed.csv", partial = old + ".partial";
-  const std::string sweep = "sweep --jobs 2 --vary gravity.2=-9.81:-1:10000 --until 10";
+  const std::string sweep = "sweep --jobs 2 --vary gravity.2=-9.81:-1:100000 --until 10";
   const int rounds = std::getenv("LOCKSTEP_FAULTS") != nullptr ? 40 : 3;
   for (const std::string& verb : {std::string("run --quiet"), sweep + " --quiet"})
     for (const char* signal : {"KILL", "TERM", "HUP"})

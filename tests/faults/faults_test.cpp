@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The system fails under the program: writing, fsync, rename and kill -9. It ends by a documented exit code with a
 // sentence, old results are never lost, and what was computed is gone on with.
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -100,15 +101,17 @@ TEST_CASE("a run that kill -9 ends at any time resumes from its checkpoint to th
   for (const Kind& kind : kinds) {
     const std::string scene = arm_scene(kind.name, kind.run), base = kFolder + "/" + kind.name;
     const std::string file = base + ".csv", saved = base + ".checkpoint";
+    const auto begin = std::chrono::steady_clock::now();
     REQUIRE(call("run '" + scene + "' --no-picture --record '" + file + "'").exit == 0);
+    const std::chrono::duration<double> length = std::chrono::steady_clock::now() - begin;
     const std::string whole = bytes_of(file);
     REQUIRE(whole.size() > 100000);
     long resumed = 0;
     for (int k = 0; k < rounds; ++k)
       for (const char* signal : {"KILL", "TERM"}) {
         for (const std::string& name : {file, file + ".partial", saved}) fs::remove(name);
-        // From its first checkpoint on, however fast the machine is; one that ends before has nothing to go on with.
-        const std::string wait = std::to_string(0.02 + 0.05 * k);
+        // From its first checkpoint on, twice before its end, however fast the machine is.
+        const std::string wait = std::to_string(length.count() * (0.01 + 0.4 * k / rounds));
         const auto ended = [&](const std::string& words) {
           return shell("lockstep " + words + " & p=$!; while [ ! -e '" + saved + "' ] && kill -0 $p 2>/dev/null; do " +
                        "sleep 0.005; done; sleep " + wait + "; kill -" + signal + " $p 2>/dev/null; wait $p");

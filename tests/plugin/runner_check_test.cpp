@@ -315,14 +315,15 @@ TEST_CASE("check lists the channels, describe explains a key", "[runner]") {
   }
   CHECK(n_found == 2);
   CHECK(std::ranges::none_of(channels, [](const auto& c) { return c["of"] == "marker 'A.P'"; }));
-  CHECK(contains(call("check '" + kFourBar + "' --channels --of A.P").text, "A.P.x"));
+  CHECK(contains(call("check '" + kFourBar + "' --channels --of A.P").text, "A.P.{x,y,z}"));
   const auto first_of = [&](const char* owner) {
     return std::ranges::find_if(channels, [=](const auto& c) { return c["of"] == owner; });
   };
   REQUIRE(first_of("the whole mechanism") != channels.end());
   CHECK(first_of("body 'crank'") < first_of("the whole mechanism"));
-  CHECK(row_of(call("check '" + kFourBar + "' --channels").text, "crank.vx, vy, vz") ==
-        "crank.vx, vy, vz m/s velocity of the origin, world");
+  CHECK(row_of(call("check '" + kFourBar + "' --channels").text, "crank.v{x,y,z}") ==
+        "crank.v{x,y,z} m/s velocity of the origin, world");
+  CHECK(contains(call("check '" + kFourBar + "' --channels").text, "A.force_on_p_world_{x,y,z}"));
   for (const char* name : {"link", "joint"})
     CHECK(contains(call("describe " + std::string(name)).text, "see `lockstep describe drive`"));
   CHECK(contains(call("describe revolute").text, "see `lockstep describe drive`"));

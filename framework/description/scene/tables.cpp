@@ -29,7 +29,7 @@ parameters | object of quantities | | named numbers and quantities: {"crank": "1
 points | object of points | | named points, world: {"A": [0, 0, 0], "B": "=A + [crank, 0, 0]"}; "at", "from", "to" and "position" accept such a name
 requires | list of texts | | required plugins, by name without a path
 gravity | vector3; acceleration | [0, 0, 0] | acceleration of gravity, world axes
-planar | choice; off; auto; x; y; z | "auto" | normal of the plane of motion; a body in the plane has three velocities; "auto": planar if all joints, laws and forces are known to stay in the plane exactly (without the key: unless joint coordinates are as few in space)
+planar | choice; off; auto; x; y; z | "auto" | normal of the plane of motion; a body in the plane has three velocities; "auto": planar if all joints, laws and forces are known to stay in the plane exactly (without the key also: in space if joint coordinates are as few there)
 merge | choice; off; auto | "off" | "auto": bodies connected by a fixed joint without a law move as one; joints that are recorded or named by events are kept
 include | list of objects; include | | other scenes as parts of this one
 repeat | list of objects; repeat | | repeated parts, with an index

@@ -60,8 +60,8 @@ struct FrictionLoad {
 
 /// Whether friction acts on any motion.
 bool has_friction(const ForcesAtRest&);
-/// The least forces of friction, which acts, each by its limit, that balance the forces at this state; where those are beyond a
-/// limit, the ones whose largest share of a limit is least.
+/// The least forces of friction, each divided by its limit, that balance the forces at this state. If those are beyond a
+/// limit, the ones whose largest share of a limit is least. Requires has_friction().
 FrictionLoad friction_load(Dynamics&, const ForcesAtRest&, const RestMatrices&);
 
 }  // namespace lockstep

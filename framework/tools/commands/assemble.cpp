@@ -52,7 +52,7 @@ const Fields<Assembled>& assemble_fields() {
   using Report = AssemblyReport;
   static const Fields<OpenJoint> kOpen{{"joint", "", "joint", &OpenJoint::joint}, {"gap", "m", "by", &OpenJoint::gap}};
   static const Fields<Report> kReport{{"before", "m", "constraint error of the given poses", &Report::before},
-                                      {"after", "m", "", &Report::after},
+                                      {"after", "m", "  after assembly", &Report::after},
                                       {"before_v", "m/s", "", &Report::before_v},
                                       {"after_v", "m/s", "", &Report::after_v},
                                       {"iterations", "", "", &Report::iterations},

@@ -58,7 +58,8 @@ const Fields<WorkPrecisionRun>& measured_run_fields() {
       {"formulation", "", "", [](const Run& r) { return to_string(r.formulation); }},
       {"formulation_used", "", "formulation", [](const Run& r) { return to_string(r.used); }},
       {"stabilization", "", "stabilisation", [](const Run& r) { return to_string(r.stabilization); }},
-      {"solver", "", "solver", [](const Run& r) { return needs_no_solver(r.used) ? "not used" : r.solver; }},
+      {"solver", "", "solver", [](const Run& r) { return needs_no_solver(r.used) ? "-" : r.solver; },
+       [](const Json& solver) { return solver == "-" ? "not used" : solver.get<std::string>(); }},
       Field<Run>(
           "tolerance", "", "tolerance", [](const Run& r) { return r.adaptive ? r.setting : NAN; }, digits_text<3>)
           .optional(),

@@ -24,7 +24,7 @@ std::vector<CostAtError> costs_below(const WorkPrecision& result, const std::str
 
 // For each value of a dimension the best that it took part in, below each limit: which of them wins.
 struct Winner {
-  std::string by, value;
+  std::string by, value, used;  // the formulation if it is another than that of the scene or of the value
   std::vector<std::string> cost;
 };
 std::vector<Winner> winners_of(const WorkPrecision& result, Formulation base) {
@@ -45,10 +45,11 @@ std::vector<Winner> winners_of(const WorkPrecision& result, Formulation base) {
       const auto first = std::ranges::find_if(result.runs, has);
       const bool other = by == ChartBy::integrator && !runs_in_base(value);
       if (first == result.runs.end() || (other && runs_in_base(integrator_type(value)))) continue;  // merged there
-      Winner& winner = all.emplace_back(Winner{to_string(by), value, {}});
-      if (other) winner.value += ", " + to_string(first->formulation);
-      if (by == ChartBy::formulation && first->used != first->formulation)
-        winner.value += " = " + to_string(first->used);
+      Winner& winner = all.emplace_back(Winner{to_string(by), value, {}, {}});
+      if (other) winner.used = to_string(first->formulation);
+      for (const WorkPrecisionRun& run : result.runs)
+        if (by == ChartBy::formulation && value_of(run, by) == value && run.used != run.formulation)
+          winner.used = to_string(run.used);
       for (const char* limit : kLimits) {
         const std::vector<CostAtError> costs = costs_below(result, limit);
         const auto best = std::ranges::find_if(costs, [&](const CostAtError& c) { return has(*c.run); });
@@ -133,7 +134,8 @@ const Fields<Charted>& chart_fields() {
   static const Fields<Winner> kWinner = [] {
     Fields<Winner> all{{"by", "", "by", &Winner::by,
                         [](const Json& by) { return by == "stabilization" ? "stabilisation" : by.get<std::string>(); }},
-                       {"value", "", "value", &Winner::value}};
+                       {"value", "", "value", &Winner::value},
+                       {"used", "", "used formulation", &Winner::used}};
     for (std::size_t k = 0; k < std::size(kLimits); ++k)
       all.add({fmt::format("below_{}", kLimits[k]), "", fmt::format("below {} m", kLimits[k]),
                [k](const Winner& w) { return w.cost[k]; }});

@@ -39,7 +39,7 @@ bool useless(const WorkPrecision& result, const WorkPrecisionRun& run, ErrorKind
   return !run.done() || !(run.error.of(kind) <= 30 * size);
 }
 
-// All runs as a line, those that count as points, or those that do not as rings.
+// All runs as a line, the valid ones as points, or the others as rings.
 Series curve_of(const WorkPrecision& result, const std::string& label, ErrorKind kind, CostKind by,
                 const Wanted& wanted, SeriesStyle style = SeriesStyle::lines) {
   Series s{label, {}, {}, style};
@@ -189,9 +189,10 @@ GridSpec integrators_chart(const WorkPrecision& result, const std::string& title
       return run.integrator == name && like(run, base, ChartBy::integrator);
     });
   std::vector<std::string> remarks{
-      fmt::format("curves: formulation {}, stabilisation {}, solver {}", value_of(base, ChartBy::formulation),
-                  value_of(base, ChartBy::stabilization), base.solver),
-      "Pareto front of all combinations:"};
+      fmt::format("curves: formulation {}, stabilisation {}{}", value_of(base, ChartBy::formulation),
+                  value_of(base, ChartBy::stabilization),
+                  needs_no_solver(base.formulation) ? "" : ", solver " + base.solver),
+      "Pareto front of valid runs:"};
   std::set<std::string> named;
   for (const WorkPrecisionRun* run : pareto_front(result, ErrorKind::position, by)) {
     const std::string way = way_of(*run);

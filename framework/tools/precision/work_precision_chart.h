@@ -10,8 +10,8 @@
 
 namespace lockstep {
 
-/// As CSV, one line per run: its method, setting, errors and cost, whether it is valid, whether it is on the Pareto front of
-/// position error against CPU time, and the reason of a failure.
+/// As CSV, one line per run: its method, setting, errors and cost, whether it is valid, whether it is on the Pareto
+/// front of position error against CPU time, and the reason of a failure.
 LOCKSTEP_API std::string runs_text(const WorkPrecision&);
 
 /// What distinguishes the curves of a chart; in all else they equal its base.

@@ -390,7 +390,7 @@ std::string brief_text(const Findings& f, bool all) {
          fact_line("solved as", f.formulation);
 }
 
-// As text: one line for a vector, "A.vx, vy, vz", "A.force_on_p_world_x, _y, _z".
+// As text: one line for a vector, "A.v{x,y,z}".
 std::string channels_text(const std::vector<OwnedChannel>& all) {
   const auto is_next = [&](std::size_t k, const ChannelHelp& x, char axis) {  // the same of another axis
     const auto same = [&](std::string text, const std::string& other) { return text.back() = axis, text == other; };
@@ -401,10 +401,7 @@ std::string channels_text(const std::vector<OwnedChannel>& all) {
     const ChannelHelp& x = all[k].channel;
     ChannelHelp& line = lines.emplace_back(all[k]).channel;
     if (!x.help.ends_with(", x") || !is_next(k + 1, x, 'y') || !is_next(k + 2, x, 'z')) continue;
-    std::string part = x.name.substr(x.name.find_last_of("._"));
-    if (part.front() == '.') part.erase(0, 1);
-    for (const char axis : {'y', 'z'}) part.back() = axis, line.name += ", " + part;
-    line.help.resize(line.help.size() - 3);
+    line.name.replace(line.name.size() - 1, 1, "{x,y,z}"), line.help.resize(line.help.size() - 3);
     k += 2;
   }
   return text_of(channel_fields().schema(), channel_fields()(lines));
