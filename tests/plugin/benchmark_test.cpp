@@ -206,6 +206,9 @@ TEST_CASE("keys without effect do not make separate methods, and advise leaves t
   REQUIRE(r.exit == 0);
   const nlohmann::json j = nlohmann::json::parse(r.text);
   for (const auto& run : j["runs"]) CHECK(run["integrator"] == "dop853");
+  CHECK(j["cheapest"]["formulation"] == "auto");  // as it would be set
+  CHECK(j["cheapest"]["formulation_used"] == "joint");
+  CHECK(j["cheapest"]["solver"] == "-");
   CHECK(j["cheapest"]["integrator"] == "dop853");
   CHECK(j["each"].size() == 1);
 }

@@ -279,8 +279,10 @@ TEST_CASE("runner: explain shows the gap of a stop, and the length of a spring",
     "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0],
                "stops": [{"axis": "rz", "low": -0.5, "restitution": 0.25}]}],
     "forces": [{"name": "k", "type": "spring_damper", "p": "arm", "s": "ground", "at_p": [1, 0, 0],
-                "at_s": [1, 2, 0], "stiffness": 5, "free_length": 1}])") +
+                "at_s": [1, 2, 0], "stiffness": 5, "free_length": 1},
+               {"name": "off", "type": "applied_torque", "p": "arm", "torque": [1, 0, 0], "at": [0, 0, 0], "active": false}])") +
                           "'";
+  CHECK(value_of(call("explain " + arm + " off").text, "active") == "no");
   const Called stop = call("explain " + arm + " A.stop_rz_low");
   INFO(stop.text);
   CHECK(value_of(stop.text, "active") == "yes");

@@ -87,7 +87,7 @@ TEST_CASE("values that are impossible at their place are rejected", "[unit][scen
   check_words(read.refusal("run.record.0=bob.y"), {"cannot vary"});
   check_words(read.refusal("gravity=1,2"), {"\"gravity\" has several values", "vary one of them, such as gravity.x"});
   check_words(read.refusal("joints.A.axis=1,2"),
-              {"\"joints.A.axis\" has several values", "first write it in the scene"});
+              {"\"joints.A.axis\" has several values", "write it in the scene as [x, y, z], and vary"});
   check_words(read.refusal("bodies.bob.omega_body=1,2"), {"has several values", "such as bodies.bob.omega_body.x"});
   check_words(read.refusal("bodies.bob.particel=1"), {"did you mean \"bodies.bob.particle\"?"});
 }

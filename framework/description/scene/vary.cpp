@@ -259,8 +259,9 @@ Variable read_variable(const std::string& text, const Scene& scene, const Regist
   v.place = place.path, v.near = shown_path(place.near);
   if (says_joints) v.path = shown_path(v.path);
   if (place.whole)
-    throw ModelError("\"" + v.path + "\" has several values; vary one of them, such as " + v.path + ".x" +
-                     (place.value->list() != nullptr ? "" : ", and first write it in the scene as [x, y, z]"));
+    throw ModelError("\"" + v.path + "\" has several values; " +
+                     (place.value->list() != nullptr ? "" : "write it in the scene as [x, y, z], and ") +
+                     "vary one of them, such as " + v.path + ".x");
   if (v.place.starts_with("points.") || v.place.starts_with(kSet + "points."))
     place.key.form = Form::number, place.key.unit = Unit::length;
   const Value* parameter = parameter_at(v.place, scene);

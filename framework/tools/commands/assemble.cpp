@@ -53,9 +53,9 @@ const Fields<Assembled>& assemble_fields() {
   static const Fields<OpenJoint> kOpen{{"joint", "", "joint", &OpenJoint::joint}, {"gap", "m", "by", &OpenJoint::gap}};
   static const Fields<Report> kReport{{"before", "m", "constraint error of the given poses", &Report::before},
                                       {"after", "m", "  after assembly", &Report::after},
-                                      {"before_v", "m/s", "", &Report::before_v},
-                                      {"after_v", "m/s", "", &Report::after_v},
-                                      {"iterations", "", "", &Report::iterations},
+                                      {"before_v", "m/s", "velocity error before", &Report::before_v, json_only},
+                                      {"after_v", "m/s", "  after", &Report::after_v, json_only},
+                                      {"iterations", "", "iterations", &Report::iterations, json_only},
                                       {"largest_move", "m", "largest move", &Report::largest_move},
                                       {"moved_most", "", "  of", &Report::moved_most},
                                       {"largest_turn", "rad", "largest rotation", &Report::largest_turn},

@@ -146,7 +146,7 @@ const Fields<std::vector<OwnedChannel>>& channel_fields() {
   using Owned = OwnedChannel;
   static const Fields<Owned> kChannel{{"name", "", "name", [](const Owned& c) { return c.channel.name; }},
                                       {"unit", "", "unit", [](const Owned& c) { return c.channel.unit; }},
-                                      {"of", "", "", &Owned::owner},
+                                      {"of", "", "of", &Owned::owner, json_only},
                                       {"help", "", "what it is", [](const Owned& c) { return c.channel.help; }}};
   static const Fields<std::vector<Owned>> kFields{
       Field<std::vector<Owned>>("channels", "channels", std::identity(), kChannel).whole()};
