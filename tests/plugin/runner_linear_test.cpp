@@ -91,12 +91,12 @@ TEST_CASE("modes rejects a state that is no equilibrium, with the next move", "[
   CHECK_FALSE(value_of(alone.text, "A").empty());
   CHECK(value_of(alone.text, "B").empty());
   check_refused(call("modes '" + scene + "' --frozen --spin 1,2"), 2,
-                {"--spin: \"1,2\" is not a vector; write three numbers"});
+                {"--spin: \"1,2\" is not a vector; write three finite numbers"});
   for (const char* spin : {"nan,0,0", "0,inf,0"}) {
     const Called endless = call("modes '" + scene + "' --frozen --spin " + spin);
     INFO(endless.text);
     CHECK(endless.exit == 2);
-    for (const char* word : {"--spin", spin, "not finite"}) CHECK(contains(endless.text, word));
+    for (const char* word : {"--spin", spin, "write three finite numbers"}) CHECK(contains(endless.text, word));
   }
   check_refused(call("modes '" + scene + "' --frozen --count none"), 2, {"--count: \"none\" is not a number of modes"});
   check_refused(call("modes '" + scene + "' --frozen --at yesterday"), 2, {"--at: \"yesterday\" is not a time"});

@@ -138,7 +138,7 @@ UnitFactor unit_factor(std::string_view unit, std::string& problem) {
     const int power = take_power(name);
     const std::optional<UnitFactor> factor = name == "1" && divided ? std::nullopt : symbol(name);
     if (!factor || power == 0) {
-      problem = written.empty() ? "a symbol is missing in the unit"
+      problem = written.empty() ? "a symbol is missing in the unit; a formula begins with \"=\""
                                 : "unknown unit \"" + written + "\"" + unit_meant(written);
       return total;
     }

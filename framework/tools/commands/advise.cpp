@@ -187,9 +187,8 @@ Command advise_command() {
                  Option{"--of", "WHAT", "kind of error: position (m), velocity (m/s), energy (J), reaction (N)"}.among(
                      "position,velocity,energy,reaction")}}),
           advise,
-          "Measures like `lockstep chart`. First every integrator runs in the formulation of the scene, until two runs "
-          "meet\n"
-          "the error; then all other combinations run that may be cheaper. Exit code 1: no run met the error.\n\n"
+          "Measures like `lockstep chart`. First every integrator runs in the formulation of the scene, until two\n"
+          "meet the error; then all other combinations run that may be cheaper. Exit code 1: no run met the error.\n\n"
           "Example:\n  lockstep advise samples/scenes/double_pendulum.json --error 1e-6 --until 2",
           {&advise_fields().schema()}};
 }

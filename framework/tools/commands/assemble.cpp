@@ -88,8 +88,8 @@ const Fields<Branches>& branch_fields() {
   static const Fields<Placed> kPlaced{
       {"found", "", "starts that lead here", [](const Placed& p) { return p.branch.found; }},
       {"freedoms", "", "remaining degrees of freedom", [](const Placed& p) { return p.branch.freedoms; }},
-      {"distance", "m", "distance from the first", [](const Placed& p) { return p.branch.distance; }},
-      {"farthest", "", "  of", [](const Placed& p) { return p.branch.farthest; }},
+      {"distance", "m", "", [](const Placed& p) { return p.branch.distance; }},
+      {"farthest", "", "farthest from the first", [](const Placed& p) { return p.branch.farthest; }},
       {"bodies", "bodies", &Placed::poses, pose_fields()}};
   static const Fields<Branches> kFields{{"starts", "", "starts", [](const Branches& b) { return b.report.starts; }},
                                         {"failed", "", "  failed", [](const Branches& b) { return b.report.failed; }},

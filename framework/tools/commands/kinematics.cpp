@@ -51,8 +51,7 @@ std::vector<std::string> fill_masses(Scene& scene) {
       body.object()->push_back({"mass", Value(1.0), body.where});
       if (body.find("inertia") == nullptr)
         body.object()->push_back({"inertia", Value(Value::List{1.0, 1.0, 1.0}), body.where});
-      const std::string* name = text_under(body, "name");
-      names.push_back(name != nullptr ? *name : "?");
+      if (const std::string* name = text_under(body, "name")) names.push_back(*name);
     }
   };
   if (scene.root.object() != nullptr) change_root(scene, fill);
@@ -163,12 +162,15 @@ const Fields<Motion>& kinematics_fields() {
   return kFields;
 }
 
-// Without the time, and without columns that are zero throughout.
-std::string text_of_motion(Motion motion) {
+// Without the time, columns that are zero throughout, and reactions that the scene records by another name.
+std::string text_of_motion(Motion motion, const Mechanism& m) {
   std::map<std::string, double> largest;  // by units
   for (const Peak& p : motion.peaks) largest[p.column.unit] = std::max(largest[p.column.unit], std::abs(p.value));
+  largest["N m"] = std::max(largest["N m"], m.system.length() * largest["N"]);
   std::erase_if(motion.peaks, [&](const Peak& p) {
-    return p.column.name == "t" || number_text(p.value, largest[p.column.unit]) == "0";
+    const auto is_of = [&](const ChannelRequest& r) { return r.channel == p.column.name && r.column() != r.channel; };
+    return p.column.name == "t" || std::ranges::any_of(m.run.record, is_of) ||
+           number_text(p.value, largest[p.column.unit]) == "0";
   });
   return text_of(kinematics_fields().schema(), kinematics_fields()(motion));
 }
@@ -256,7 +258,7 @@ Result follow(const Arguments& args, bool inverse) {
   Motion found{assembled.is_moved() ? assembled.text() : "", recorder->table().n_rows(), motion.steps(), seconds,
                peaks_of(recorder->table())};
   Result result(loaded, kinematics_fields(), found);
-  result.brief = text_of_motion(std::move(found));
+  result.brief = text_of_motion(std::move(found), m);
   result.files = {csv};
   return result;
 }
@@ -286,7 +288,7 @@ Command kinematics_command() {
 Command inverse_command() {
   return driven_command(
       "inverse", [](const Arguments& args) { return follow(args, true); },
-      "Columns: those of the scene, then all drives and reactions; the text omits those that are zero throughout.\n\n"
+      "Columns: those of the scene, then all drives and reactions. Text omits zeros and repetitions.\n\n"
       "Example:\n  lockstep inverse samples/scenes/four_bar.json --until 0.2");
 }
 

@@ -16,10 +16,8 @@ Vec3 read_spin(const std::string& text) {
   Vec3 x;
   for (int k = 0; k < 3; ++k) {
     const std::optional<double> number = parts.size() == 3 ? number_in<double>(parts[k]) : std::nullopt;
-    if (!number) throw UsageError("--spin: \"" + text + "\" is not a vector; write three numbers, as in --spin 0,0,8");
-    if (!std::isfinite(*number))
-      throw UsageError("--spin: \"" + text + "\": number " + std::to_string(k + 1) +
-                       " of the vector is not finite; write three finite numbers, as in --spin 0,0,8");
+    if (!number || !std::isfinite(*number))
+      throw UsageError("--spin: \"" + text + "\" is not a vector; write three finite numbers, as in --spin 0,0,8");
     x[k] = *number;
   }
   return x;
@@ -53,16 +51,17 @@ MechanismAt motion_state(std::unique_ptr<Mechanism> mechanism, const Registry& r
 }
 
 const Fields<StateFound>& state_fields() {
-  static const Fields<StateFound> kState{
-      {"spin", "rad/s", "spin of the axes", [](const StateFound& s) { return s.spin; }},
-      {"still", "", "at rest there", [](const StateFound& s) { return s.unrest.is_still(); }},
-      {"acceleration", "m/s^2", "residual acceleration", [](const StateFound& s) { return s.unrest.acceleration; },
+  static const Fields<Unrest> kUnrest{
+      {"still", "", "at rest there", &Unrest::is_still},
+      {"acceleration", "m/s^2", "residual acceleration", &Unrest::acceleration,
        [](const Json& a) { return a < kRoundOff ? std::string("0 m/s^2") : number_text(a) + " m/s^2"; }},
-      {"acceleration_limit", "m/s^2", "  limit", [](const StateFound& s) { return s.unrest.acceleration_limit; }},
-      {"accelerates", "", "  of", [](const StateFound& s) { return s.unrest.accelerates; }},
-      {"speed", "m/s", "residual speed", [](const StateFound& s) { return s.unrest.speed; }},
-      {"speed_limit", "m/s", "  limit", [](const StateFound& s) { return s.unrest.speed_limit; }},
-      {"moves", "", "  of", [](const StateFound& s) { return s.unrest.moves; }}};
+      {"acceleration_limit", "m/s^2", "  limit", &Unrest::acceleration_limit, json_only},
+      {"accelerates", "", "  of", &Unrest::accelerates, json_only},
+      {"speed", "m/s", "residual speed", &Unrest::speed},
+      {"speed_limit", "m/s", "  limit", &Unrest::speed_limit, json_only},
+      {"moves", "", "  of", &Unrest::moves, json_only}};
+  static const Fields<StateFound> kState =
+      Fields<StateFound>{{"spin", "rad/s", "spin of the axes", &StateFound::spin}}.with(&StateFound::unrest, kUnrest);
   static const Fields<StateFound> kFields{{"t", "s", "t", &StateFound::t}, {"state", "state", std::identity(), kState}};
   return kFields;
 }

@@ -119,20 +119,20 @@ const Fields<FoundModes>& modes_fields() {
       {"stability", "", "stability", [](const Shown& m) { return stability_of(m.mode); }},
       {"moves", "", "shape", [](const Shown& m) { return shape_words(m.mode, m.length); }},
       {"shape", "", [](const Shown& m) { return m.mode.shape; }, kShape}};
-  static const Fields<Modes> kModes{{"freedoms", "", "remaining degrees of freedom", &Modes::freedoms},
-                                    {"zeros", "", "zero eigenvalues", &Modes::zeros},
-                                    {"zero_bound", "1/s", "  zero below", &Modes::zero_bound},
-                                    {"complete", "", "all modes", &Modes::complete},
-                                    {"length", "m", "", &Modes::length},
-                                    {"modes", "modes",
+  static const Fields<Modes> kModes{{"modes", "modes",
                                      [](const Modes& m) {
                                        std::vector<Shown> all;
                                        for (const Mode& each : m.modes) all.push_back({all.size() + 1, each, m.length});
                                        return all;
                                      },
-                                     kMode}};
+                                     kMode},
+                                    {"length", "m", "1 rad counts as", &Modes::length},
+                                    {"freedoms", "", "remaining degrees of freedom", &Modes::freedoms},
+                                    {"zeros", "", "zero eigenvalues", &Modes::zeros},
+                                    {"zero_bound", "1/s", "  zero below", &Modes::zero_bound},
+                                    {"complete", "", "all modes", &Modes::complete}};
   static const Fields<FoundModes> kFields =
-      Fields<FoundModes>{}.with(&FoundModes::state, state_fields()).with(&FoundModes::found, kModes);
+      Fields<FoundModes>{}.with(&FoundModes::found, kModes).with(&FoundModes::state, state_fields());
   return kFields;
 }
 
@@ -203,8 +203,8 @@ Command modes_command() {
              {"--report", "FILE.html", "one HTML file that animates each mode"}}}),
       analyse_modes,
       R"(The state must be an equilibrium (--equilibrium finds one) or a steady rotation. Modes are in space, also
-of a planar motion, unless the key "planar" or --planar gives a plane. The largest rotation of a shape, or translation
-over the length of the mechanism, is 1. The pendulum of the example hangs, because gravity acts along its arm.
+of a planar motion, unless the key "planar" or --planar gives a plane. The largest rotation of a shape is 1 rad, or its
+largest translation the length that counts as 1 rad. The pendulum of the example hangs, because gravity acts along its arm.
 
 Example:
   lockstep modes samples/scenes/pendulum.json --set gravity.0=9.81 --set gravity.1=0)",

@@ -179,7 +179,7 @@ const Fields<AtRest>& rest_fields() {
        [](const Json& v) { return v.get<bool>() ? std::string() : "none: damping may decide the stability"; }},
       {"unstable", "unstable motions", &Stability::unstable, kMotion},
       {"not_held", "neutral motions", &Stability::neutral, kNeutral}};
-  static const Fields<Report> kReport = Fields<Report>{
+  static const Fields<Report> kReport{
       {"method", "", "found by", &Report::method},
       {"by_friction", "", "held by friction", &Report::by_friction},
       {"relaxed", "", "", &Report::relaxed},
@@ -191,19 +191,19 @@ const Fields<AtRest>& rest_fields() {
       {"largest_force", "N", "largest force on a body", &Report::largest_force},
       {"largest_move", "m", "largest move", &Report::largest_move},
       {"moved_most", "", "  of", &Report::moved_most},
-      {"friction", "friction", &Report::grips, kGrip},
+      {"friction", "friction at the start", &Report::grips, kGrip},
       {"left", "", "left an unstable pose along", &Report::left},
       {"pressed", "", "in contact", &Report::pressed},
-      {"free", "", "free (one-sided)",
-       &Report::free}}.with(&Report::stability, kStability);
+      {"free", "", "free (one-sided)", &Report::free}};
   static const Fields<AtRest> kFields =
       Fields<AtRest>{}
-          .with(&AtRest::report, kReport)
+          .with([](const AtRest& r) -> const Stability& { return r.report.stability; }, kStability)
           .with({{"energy", "J", "potential energy", [](const AtRest& r) { return r.report.energy; }},
                  {"found", "", "starts that lead here", &AtRest::found, unless_zero},
                  {"bodies", "bodies", &AtRest::poses, pose_fields()},
                  {"quantities", "forces and recorded quantities", &AtRest::quantities, number_fields()},
-                 {"reactions", "reactions at P, world", &AtRest::reactions, reaction_fields()}});
+                 {"reactions", "reactions at P, world", &AtRest::reactions, reaction_fields()}})
+          .with(&AtRest::report, kReport);
   return kFields;
 }
 
@@ -455,16 +455,17 @@ Command statics_command() {
                 .repeated(),
             {"--record", "FILE.csv", "write poses, reactions, loads of forces and recorded quantities as CSV"}}}),
       find_rest,
-      "Newton's method reduces the potential energy; if it fails, dynamic relaxation follows. Velocities are zero, "
-      "drives hold their coordinates.\n\n"
-      "Each value of --vary begins at the equilibrium of the value before. With several --vary each line of the grid\n"
-      "begins at the start of the scene. A row with the status `another branch` does not lead back to the row before.\n"
-      "Columns of the CSV: `stable` is 1, 0 if neutral, -1 if unstable. `lowest_eigenvalue` is the square of the "
-      "lowest\n"
-      "natural angular frequency. `move` is the largest displacement of a body. --record adds poses, reactions, and\n"
-      "`unbalanced`, the remaining force relative to the largest.\n"
-      "`stable` and --all do not consider friction.\n\n"
-      "Example:\n  lockstep statics samples/scenes/double_pendulum.json",
+      R"(Newton's method reduces the potential energy; if it fails, dynamic relaxation follows. Velocities are zero, drives
+hold their coordinates.
+
+Each value of --vary begins at the equilibrium of the value before. With several --vary each line of the grid
+begins at the start of the scene. A row with the status `another branch` does not lead back to the row before.
+Columns of the CSV: `stable` is 1, 0 if neutral, -1 if unstable. `lowest_eigenvalue` is the square of the lowest
+natural angular frequency. `move` is the largest displacement of a body. --record adds poses, reactions, and
+`unbalanced`, the remaining force relative to the largest. `stable` and --all do not consider friction.
+
+Example:
+  lockstep statics samples/scenes/double_pendulum.json)",
       {&rest_fields().schema(), &all_fields().schema(), &varied_fields().schema()}};
 }
 

@@ -109,7 +109,8 @@ class Sweep {
   void tell_findings() const {
     std::size_t n_told = 0;
     for (const auto& [kind, of] : tally_.reasons) {
-      tell_error(fmt::format("{} failed: {}", plan_.runs_text(of.second), of.first));
+      tell_error(fmt::format("{} failed{}: {}", plan_.runs_text(of.second),
+                             of.second.size() > 1 ? ", the first by" : "", of.first));
       n_told += of.second.size();
     }
     if (n_told < static_cast<std::size_t>(tally_.failed - kept_.failed))

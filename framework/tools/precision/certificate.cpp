@@ -12,7 +12,7 @@
 namespace lockstep {
 namespace {
 
-constexpr double kMostDigits = 17, kFewDigits = 6, kNothing = 1e-9, kSameInstant = 1e-9;  // of the run's length
+constexpr double kMostDigits = 15, kFewDigits = 6, kNothing = 1e-9, kSameInstant = 1e-9;  // of the run's length
 
 // The largest of n numbers, or of their differences from others; infinite if one is not finite.
 double largest(const std::vector<double>& values, std::size_t n, const std::vector<double>* others = nullptr) {
