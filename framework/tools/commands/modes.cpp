@@ -204,7 +204,7 @@ Command modes_command() {
       analyse_modes,
       R"(The state must be an equilibrium (--equilibrium finds one) or a steady rotation. Modes are in space, also
 of a planar motion, unless the key "planar" or --planar gives a plane. The largest rotation of a shape is 1 rad, or its
-largest translation the length that counts as 1 rad. The pendulum of the example hangs, because gravity acts along its arm.
+largest translation the length that counts as 1 rad. The pendulum of the example hangs: gravity is along its arm.
 
 Example:
   lockstep modes samples/scenes/pendulum.json --set gravity.0=9.81 --set gravity.1=0)",
