@@ -16,7 +16,6 @@
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
 #include <lockstep/recorder.h>
-#include "framework/dynamics/simulate/detail_observer.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"
@@ -275,11 +274,9 @@ TEST_CASE("an exception of an observer has a name, and the run continues as with
 namespace {
 
 /// Looks before jumps; the one that is to throw does so once.
-struct Looker final : DetailObserver {
+struct Looker final : Observer {
   bool throws = false;
   std::vector<double> before, after;
-  double spacing() const override { return HUGE_VAL; }
-  void between(const Sample&) override {}
   void before_jump(const Sample& s) override {
     if (throws) throws = false, throw 7;
     before.push_back(s.state.t);

@@ -5,14 +5,12 @@
 #include <string>
 #include <typeinfo>
 
-#include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/user_code.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
 
-DetailObserver::~DetailObserver() = default;
-
+InsideStep::~InsideStep() = default;
 Observer::~Observer() = default;
 
 Sample::Sample(Dynamics& dynamics, const State& s, const StepReport& r, const Inputs* known)

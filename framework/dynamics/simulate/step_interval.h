@@ -36,6 +36,10 @@ class StepInterval {
   /// The state at t inside the step, on the constraints, valid until the next call: by dense output, or for a method
   /// without it by a shorter step.
   const State& at(double t);
+  /// Work of the method for the states inside the step, which is one of the run if it has outputs there.
+  void prepare(double t) {
+    if (has_dense_ && t > from_.t) named(method_, t, [&] { return method_.dense(t, inside_); });
+  }
   /// Puts the method back to the end of the step, if shorter ones were made.
   void put_back_method();
   /// The state at t becomes the end of the step.

@@ -9,7 +9,6 @@
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/simulate/consistency.h"
-#include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/keep_state.h"
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
@@ -101,7 +100,6 @@ void StepLoop::add_observer(Observer& observer) {
     ++parts_->started;
   }
   observers_.push_back(&observer);
-  if (auto* detailed = dynamic_cast<DetailObserver*>(&observer)) parts_->detailed.push_back(detailed);
 }
 
 Event& StepLoop::add_event(Event event) {
@@ -309,7 +307,7 @@ const Inputs* StepLoop::end_step(double wanted) {
     std::optional<AssemblyError> refusal = jump ? cross_jump(target.t) : std::nullopt;
     const Inputs* const seen = dynamics_.accept(state_);
     if (landed || met || touched) p.clock.set_anchor(state_.t);
-    p.fall_due(Due::rows);
+    p.fall_due(Due::inside);
     if (touched || met || jump)
       p.change = {true, jump, touched ? "an impact" : jump ? p.jumping : "", std::move(refusal)};
     return seen;

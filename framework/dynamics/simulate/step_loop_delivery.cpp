@@ -9,7 +9,6 @@
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/dynamics/integrate/culprit.h"
-#include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 #include "framework/dynamics/simulate/step_rules.h"
 #include "framework/dynamics/simulate/uncounted.h"
@@ -41,6 +40,26 @@ void tell(const std::vector<Observer*>& observers, Delivery& now, double t, cons
   }
 }
 
+/// The last step of a loop. What is looked at is no work of the run.
+class LastStep final : public InsideStep {
+ public:
+  LastStep(Dynamics& dynamics, StepInterval& interval, const Sample& end)
+      : dynamics_(dynamics), interval_(interval), end_(end) {}
+  double begin() const override { return interval_.from().t; }
+  const Sample& end() const override { return end_; }
+  bool has_states() const override { return interval_.has_dense(); }
+  Sample at(double t) const override {
+    const auto looking = uncounted(dynamics_);
+    return {dynamics_, interval_.at(t), interval_.report()};
+  }
+  bool along_laws() const override { return end_.state.coordinates && end_.state.coordinates->n_v() == 0; }
+
+ private:
+  Dynamics& dynamics_;
+  StepInterval& interval_;
+  const Sample& end_;
+};
+
 // The body that keeps steps short in joint coordinates in any state; "" if there is none.
 std::string below_rounding(const System& system, const State& state, double tolerance) {
   const auto* tree = dynamic_cast<const JointTree*>(state.coordinates.get());
@@ -63,6 +82,13 @@ void StepLoop::deliver(const Sample& sample) {
 void StepLoop::hand_over(Delivery& now, const Sample& sample) {
   Parts& p = *parts_;
   switch (now.what) {
+    case Due::inside: {
+      if (p.clock.next_output() < state_.t) p.interval.prepare(p.clock.next_output());
+      const auto looking = uncounted(dynamics_);
+      const LastStep step(dynamics_, p.interval, sample);
+      tell(observers_, now, state_.t, [&](Observer& o) { o.inside(step); });
+      return sample.forget();
+    }
     case Due::rows:
       return output_inside(now);
     case Due::step:
@@ -76,10 +102,8 @@ void StepLoop::hand_over(Delivery& now, const Sample& sample) {
       report_.stopped_by = "the caller";
       return;
     case Due::before_jump:
-      if (p.detailed.empty() || !p.acts(state_.t)) return;
-      return tell(observers_, now, state_.t, [&](Observer& o) {
-        if (auto* const detailed = dynamic_cast<DetailObserver*>(&o)) detailed->before_jump(sample);
-      });
+      if (!p.acts(state_.t)) return;
+      return tell(observers_, now, state_.t, [&](Observer& o) { o.before_jump(sample); });
     case Due::jump:
       if (!p.change.jump) return;
       if (p.change.refusal) throw AssemblyError(*p.change.refusal);
@@ -114,28 +138,12 @@ void StepLoop::output_inside(Delivery& now) {
       output(now, Sample(dynamics_, interval.at(t), interval.report()));
     else
       clock.pass_output();
-  if (interval.has_dense())
-    for (DetailObserver* o : parts_->detailed) parts_->show_inside(*o, dynamics_, t0, state_.t);
 }
 
 void StepLoop::output(Delivery& now, const Sample& sample) {
   const double t = sample.state.t;
   tell(observers_, now, t, [&](Observer& o) { o.output(sample); });
   parts_->clock.note_output(t);
-}
-
-// On the grid of its spacing. A state that cannot be made is left out: no result depends on it.
-void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1) {
-  const double h = to.spacing();
-  if (!std::isfinite(h)) return;
-  const auto looking = uncounted(dynamics);
-  for (double k = std::floor(t0 / h) + 1; k * h < t1; ++k) {
-    if (!(k * h > t0)) continue;
-    succeeds([&] {
-      const Sample sample(dynamics, interval.at(k * h), interval.report());
-      to.between(sample);
-    });
-  }
 }
 
 // Links and forces are compared over ten steps. In long steps all of them change.

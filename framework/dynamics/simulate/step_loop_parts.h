@@ -22,15 +22,14 @@
 
 namespace lockstep {
 
-class DetailObserver;
-
 /// What is due after a step, one after the other up to `jumped`, or a row alone. It is done with when it did not throw.
 enum class Due {
-  rows,         ///< the outputs inside the step, and what lies between them
+  inside,       ///< Observer::inside
+  rows,         ///< the outputs inside the step
   step,         ///< Observer::step
   row,          ///< the output at its end
   progress,     ///< StepLoop::progress, asked once
-  before_jump,  ///< DetailObserver::before_jump, if something acts
+  before_jump,  ///< Observer::before_jump, if something acts
   jump,         ///< velocities and coordinates after the jump of a law
   events,       ///< the events that fall due
   contacts,     ///< impacts, contacts and releases
@@ -78,7 +77,6 @@ struct StepLoop::Parts {
 
   const Event* by_call = nullptr;  // what a call switches
 
-  std::vector<DetailObserver*> detailed;  // of the observers
   /// From now on this is due, and what follows it.
   void fall_due(Due first, StateChange at_end) { change = std::move(at_end), due = {first}; }
   /// Likewise, and nothing changed the state.
@@ -100,8 +98,6 @@ struct StepLoop::Parts {
   void to_slots(Dynamics& dynamics, State& state) {
     if (state.coordinates) keep_state(state, before_change), dynamics.to_slots(state);
   }
-  /// Shows states inside of the last step, from t0 to t1.
-  void show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1);
   /// Why the last steps do not reach the end of the run: the one-sided joints that cut them; its length, if something
   /// rotates by kLongStep rad in the next step, or moves by as much of its size; else the body whose rotation cannot
   /// meet this relative tolerance (infinite for fixed steps), and what varies most. Ends a message: "" or "; ...".

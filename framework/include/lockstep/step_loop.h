@@ -45,6 +45,8 @@ class LOCKSTEP_API Sample {
   /// Force and moment that a joint exerts on the body of one of its markers, by Reactions::on_body_of; computed once
   /// for consecutive channels.
   const LinkWrench& wrench(const Lock& link, const Marker& at, int part = Reactions::kJoint) const;
+  /// Solves again at the next call of values() or accelerations(), after the dynamics was used for another state.
+  void forget() const { values_ = nullptr, a_ = nullptr, last_ = {}; }
   Dynamics& dynamics() const { return dynamics_; }  ///< by which values() solves
 
  private:
@@ -62,6 +64,20 @@ class LOCKSTEP_API Sample {
   mutable Asked last_;
 };
 
+/// The last step of a run, with the states inside it. A run is the same whether observers look at them or not.
+class LOCKSTEP_API InsideStep {
+ public:
+  virtual ~InsideStep();
+  virtual double begin() const = 0;       ///< time of its start, s
+  virtual const Sample& end() const = 0;  ///< the state at its end
+  virtual bool has_states() const = 0;    ///< whether the method has dense output
+  /// The state at t, begin() < t < end().state.t, valid until the next call. Only if has_states(). Throws StepError if it
+  /// cannot be projected.
+  virtual Sample at(double t) const = 0;
+  /// Whether laws alone move the mechanism: the error of the method then does not limit the step.
+  virtual bool along_laws() const = 0;
+};
+
 /// Base of observers of a run: it is called with accepted states and never changes them. By default all calls do
 /// nothing.
 class LOCKSTEP_API Observer {
@@ -69,8 +85,12 @@ class LOCKSTEP_API Observer {
   virtual ~Observer();
   /// Called once at the start of a run.
   virtual void start(const Sample&) {}
+  /// Called after every accepted step, before the outputs inside it and before step().
+  virtual void inside(const InsideStep&) {}
   /// Called after every accepted step, with the state at its end.
   virtual void step(const Sample&) {}
+  /// Called after step() with the state on which an event, an impact or the jump of a law then acts.
+  virtual void before_jump(const Sample&) {}
   /// Called after step() if an event, an impact or the jump of a law acted at its end: at the same time, with the state
   /// from which the run continues.
   virtual void jumped(const Sample&) {}
@@ -86,7 +106,7 @@ class LOCKSTEP_API Observer {
   virtual void load(SnapshotReader&) {}
   /// Whether save() writes all that it keeps from call to call; false: runs with it have no checkpoints. Default: true.
   virtual bool saves_all() const { return true; }
-  /// Whether it keeps rows: a call of output(), jumped() or DetailObserver::before_jump() that threw is then repeated
+  /// Whether it keeps rows: a call of output(), jumped() or before_jump() that threw is then repeated
   /// when the run continues, so that no row is lost. Default: false, since an error may be meant to stop the run.
   virtual bool keeps_rows() const { return false; }
 };

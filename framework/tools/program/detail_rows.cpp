@@ -6,6 +6,7 @@
 #include <lockstep/error.h>
 #include <lockstep/finding.h>
 #include "framework/dynamics/simulate/uncounted.h"
+#include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
 namespace {
@@ -34,8 +35,12 @@ void PictureRows::step(const Sample& sample) {
   if (n_between_ == 0 && sample.state.t - last_ >= spacing_) add(sample, false);
 }
 
-void PictureRows::between(const Sample& sample) {
-  if (add(sample, false)) ++n_between_;
+// On the grid of its spacing. A state that cannot be made is left out.
+void PictureRows::inside(const InsideStep& step) {
+  const double h = spacing_, from = step.begin(), to = step.end().state.t;
+  if (!std::isfinite(h) || !step.has_states()) return;
+  for (double k = std::floor(from / h) + 1; k * h < to; ++k)
+    if (k * h > from) succeeds([&] { n_between_ += add(step.at(k * h), false) ? 1 : 0; });
 }
 
 void PictureRows::save(Snapshot& out) const {

@@ -18,10 +18,9 @@ class PictureRows final : public RowsAtJumps {
   /// `own`: a recorder of the columns that are drawn, which `rows` has, too. `spacing`: of the rows, s; infinity: at
   /// jumps only.
   PictureRows(std::unique_ptr<Recorder> own, const Recorder& rows, double spacing);
-  double spacing() const override { return spacing_; }
   void start(const Sample&) override;
+  void inside(const InsideStep&) override;
   void step(const Sample&) override;
-  void between(const Sample&) override;
   bool keeps_rows() const override { return false; }
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;

@@ -3,23 +3,19 @@
 #pragma once
 
 #include <functional>
-#include <limits>
 #include <utility>
 
 #include <lockstep/recorder.h>
-#include "framework/dynamics/simulate/detail_observer.h"
 
 namespace lockstep {
 
 /// Adds rows just before and just after events, impacts and jumps of laws: "at_jumps" of "run". Add it to the run after the
 /// recorder.
-class LOCKSTEP_API RowsAtJumps : public DetailObserver {
+class LOCKSTEP_API RowsAtJumps : public Observer {
  public:
   /// `add`: adds a row of this state to `rows`. If the last of them is of the instant of the jump, as at an output, it is
   /// the one before.
   RowsAtJumps(std::function<void(const Sample&)> add, const Recorder& rows) : add_(std::move(add)), rows_(rows) {}
-  double spacing() const override { return std::numeric_limits<double>::infinity(); }
-  void between(const Sample&) override {}
   void before_jump(const Sample& sample) override {
     acted_ = sample.state.t;
     if (rows_.last_instant() != acted_) add_(sample);
