@@ -190,15 +190,6 @@ TEST_CASE("a constant that a formula names brings its unit", "[mutants][expressi
   CHECK_THROWS_AS(expression::check_dimensions("2*L", {}, length, Dimension{.kg = 1}), ModelError);
 }
 
-TEST_CASE("a formula may have as many characters as documented", "[mutants][expression]") {
-  const auto gravity = [](int blanks) {
-    return made("\"gravity\": [0, 0, \"=" + std::string(static_cast<std::size_t>(blanks), ' ') + "9.5\"]")
-        .system.gravity();
-  };
-  CHECK(gravity(3996).z() == 9.5);  // with its sign "="
-  CHECK_THROWS_AS(gravity(3997), SceneError);
-}
-
 TEST_CASE("a marker that a law rotates about the normal stays in the plane", "[mutants][plane]") {
   MarkerFrame frame;
   frame.rotation_law = laws::axis_rotation(Vec3(0, 0, 1), laws::law([](auto t) { return t; }));

@@ -70,7 +70,7 @@ void check_dimensions(const std::string& formula, const std::vector<MeasuredVari
   };
   const auto is_variable = [&](const std::string& name) { return std::ranges::find(names, name) != names.end(); };
   const std::string hint = "; this formula has a unit, so all its quantities have units" + words_of_variables(read);
-  const Amount q = dimension_of(e, amount, is_variable, hint);
+  const Amount q = dimension_of(e, e.root(), amount, is_variable, hint);
   if (!value || !q.measured || q.any || !q.with_unit || fits(q.dimension, exponents_of(*value))) return;
   e.refuse(e.node(e.root()),
            "its value is " + article_name_of(q) + "; " + lockstep::article_name_of(*value) + " is expected" + hint);

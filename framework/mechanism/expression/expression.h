@@ -13,9 +13,7 @@
 
 namespace lockstep::expression {
 
-inline constexpr int kMostNesting = 64;               ///< brackets, signs and choices within one another
-inline constexpr std::size_t kMostNodes = 400;        ///< numbers, names and operations of a formula
-inline constexpr std::size_t kMostCharacters = 4000;  ///< of a formula
+inline constexpr int kMostNesting = 256;  ///< brackets, signs and choices within one another
 
 /// What a node of a formula is.
 enum class Operation {
@@ -68,13 +66,20 @@ enum class Function {
   hypot,
   norm,
   dot,
-  cross
+  cross,
+  // of the motion so far, in columns
+  mean,
+  rms,
+  integral,
+  at,
+  last,
+  rate
 };
 
 /// What a function takes: numbers of any dimension, or of one.
 enum class Takes { any, pure, angle, alike, vectors };
 /// The dimension of what it gives: that of its arguments, their root or product, ...
-enum class Gives { number, sign, angle, alike, root, product };
+enum class Gives { number, sign, angle, alike, root, product, times_time, by_time };
 
 /// A function of formulas.
 struct Signature {
@@ -99,14 +104,21 @@ struct Node {
   std::vector<int> children{};
 };
 
+/// How a formula writes names.
+enum class Naming {
+  words,    ///< "A", "rod.to"; of a point, "A.x" is a component
+  channels  ///< with points: "B.force_on_p_world.x", "P.x@Q"; in quotes with any characters: 'left wheel.rz'
+};
+
 /// A formula. Precedence, from the loosest: ? :, ||, &&, one comparison, + -, * /, signs and !, ^ (from the right),
 /// components .x .y .z. A unit follows its number directly, as far as symbols of units go: "9.81 m/s^2". A name
-/// with ".at", ".from" or ".to" behind it, "rod.to", is one name: a place of a body.
+/// with ".at", ".from" or ".to" behind it, "rod.to", is one name: a place of a body. Of channels there are functions of the
+/// motion too: min and max of one argument, mean, rms, integral, at, last, rate.
 class LOCKSTEP_API Expression {
  public:
   /// Reads a formula, with or without "=" before it. `variables`: names that stand for no unit, so that "2 t" is no two
   /// tonnes, and "1 s/t" a second by t. Throws ModelError with the formula, the column and what was expected.
-  explicit Expression(std::string text, std::span<const std::string> variables = {});
+  explicit Expression(std::string text, std::span<const std::string> variables = {}, Naming = Naming::words);
 
   const std::string& text() const { return text_; }
   const Node& node(int i) const { return nodes_[i]; }
@@ -126,9 +138,16 @@ class LOCKSTEP_API Expression {
 /// The names that a formula reads, each once; "rod.to" is one of them, "A" is that of "A.x".
 LOCKSTEP_API std::vector<std::string> names_in(const Expression&);
 
+/// The channels that a column reads: the column itself, or the names of its formula "=..."; one without a last part stands
+/// for three, with "_x", "_y", "_z". Throws ModelError as Expression.
+LOCKSTEP_API std::vector<std::string> channels_in(const std::string& column);
+
 /// Why it may not name a parameter, which is a letter or '_', then letters, digits and '_', and no function or constant;
 /// "" if it may.
 LOCKSTEP_API std::string name_fault(std::string_view word);
+
+/// Whether a call is of the motion so far, not of an instant: min(x), mean(x), ...
+LOCKSTEP_API bool is_of_motion(const Node&);
 
 /// Whether it is true or false.
 constexpr bool is_condition(Operation o) { return o >= Operation::negation && o <= Operation::disjunction; }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -35,6 +36,17 @@ struct Constant {
   Dimension dimension{};   ///< of a number that was given with a unit; else without exponents
 };
 
+/// What a name of a formula stands for: a number or a vector, of variables or constant.
+struct Meaning {
+  bool is_vector = false;
+  int variable = -1;              ///< the first of them; -1: constant
+  std::array<double, 3> value{};  ///< of a constant
+};
+/// The meaning of the name of a node; throws ModelError if there is none.
+using Meanings = std::function<Meaning(const Node&)>;
+/// The variable that holds the value of a call of the motion.
+using OfMotion = std::function<int(const Node&)>;
+
 /// A formula compiled once. All numbers are SI. Evaluation allocates nothing and never throws; what has no value is NaN.
 /// At an instant at which a comparison meets equality, it holds as it does just afterwards: jets with equal values are
 /// compared by their rates.
@@ -44,6 +56,9 @@ class LOCKSTEP_API FormulaFunction {
   /// `variables` in the order of operator(). Throws ModelError with formula, column and problem.
   FormulaFunction(const std::string& text, const std::vector<std::string>& variables,
                   const std::vector<Constant>& constants = {});
+
+  /// The number that this node of an expression gives. Without `of_motion` functions of the motion are rejected.
+  FormulaFunction(const Expression&, int node, const Meanings&, const OfMotion& of_motion = {});
 
   const std::string& text() const { return text_; }
   /// Whether it reads this variable.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <utility>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -14,7 +15,7 @@ namespace {
 
 constexpr std::size_t kAny = 16;
 // In the order of Function.
-constexpr std::array<Signature, 25> kFunctions{{{"sin", 1, 1, Takes::angle},
+constexpr std::array<Signature, 31> kFunctions{{{"sin", 1, 1, Takes::angle},
                                                 {"cos", 1, 1, Takes::angle},
                                                 {"tan", 1, 1, Takes::angle},
                                                 {"asin", 1, 1, Takes::pure, Gives::angle},
@@ -38,18 +39,30 @@ constexpr std::array<Signature, 25> kFunctions{{{"sin", 1, 1, Takes::angle},
                                                 {"hypot", 2, kAny, Takes::alike, Gives::alike},
                                                 {"norm", 1, 1, Takes::vectors, Gives::alike},
                                                 {"dot", 2, 2, Takes::vectors, Gives::product},
-                                                {"cross", 2, 2, Takes::vectors, Gives::product}}};
+                                                {"cross", 2, 2, Takes::vectors, Gives::product},
+                                                {"mean", 1, 1, Takes::any, Gives::alike},
+                                                {"rms", 1, 1, Takes::any, Gives::alike},
+                                                {"integral", 1, 1, Takes::any, Gives::times_time},
+                                                {"at", 2, 2, Takes::any, Gives::alike},
+                                                {"last", 2, 2, Takes::any, Gives::alike},
+                                                {"rate", 1, 1, Takes::any, Gives::by_time}}};
 
-const Signature* signature(std::string_view name) {
-  for (const Signature& s : kFunctions)
+// Those that may be called: of columns, of the motion too.
+std::span<const Signature> functions_of(Naming naming) {
+  const auto of_instant = static_cast<std::size_t>(Function::mean);
+  return std::span(kFunctions).first(naming == Naming::channels ? kFunctions.size() : of_instant);
+}
+
+const Signature* signature(std::string_view name, Naming naming) {
+  for (const Signature& s : functions_of(naming))
     if (s.name == name) return &s;
   return nullptr;
 }
 
 // "sin", "cos", ..., then "pi".
-std::vector<std::string> names_of_functions() {
+std::vector<std::string> names_of_functions(Naming naming) {
   std::vector<std::string> names;
-  for (const Signature& s : kFunctions) names.emplace_back(s.name);
+  for (const Signature& s : functions_of(naming)) names.emplace_back(s.name);
   names.emplace_back("pi");
   return names;
 }
@@ -72,7 +85,7 @@ constexpr std::array<Binary, 12> kBinary{{{"||", Operation::disjunction, 1},
                                           {"-", Operation::subtract, 4},
                                           {"*", Operation::multiply, 5},
                                           {"/", Operation::divide, 5}}};
-constexpr int kComparison = 3, kSigns = 6;
+constexpr int kComparison = 3, kSigns = 6, kChain = 64;
 constexpr std::array<std::string_view, 3> kPlacesOfBodies{"at", "from", "to"};
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
@@ -92,11 +105,8 @@ std::size_t end_of_name(std::string_view text, std::size_t from) {
 // Recursive descent; every descent counts against kMostNesting.
 class ExpressionParser {
  public:
-  ExpressionParser(Expression& e, std::span<const std::string> variables)
-      : e_(e), text_(e.text_), variables_(variables) {
-    if (text_.size() > kMostCharacters)
-      fail(0, "it has " + std::to_string(text_.size()) + " characters, the limit is " +
-                  std::to_string(kMostCharacters) + "; define parts as parameters");
+  ExpressionParser(Expression& e, std::span<const std::string> variables, Naming naming)
+      : e_(e), text_(e.text_), variables_(variables), naming_(naming) {
     skip_blanks();
     if (at_ < text_.size() && text_[at_] == '=') ++at_;
   }
@@ -138,8 +148,6 @@ class ExpressionParser {
   }
 
   int put(Operation operation, std::size_t at, std::vector<int> children = {}) {
-    if (e_.nodes_.size() == kMostNodes)
-      fail(at, "it has more than " + std::to_string(kMostNodes) + " parts; define parts as parameters");
     Node node;
     node.operation = operation, node.at = at, node.children = std::move(children);
     e_.nodes_.push_back(std::move(node));
@@ -165,17 +173,44 @@ class ExpressionParser {
     return nullptr;
   }
 
+  // A chain of operations from the left. Behind the first kChain it is a tree of as few levels as possible, so that what
+  // walks over a long formula does not descend once for each part: a - b + c is a + ((-b) + c), a / b * c is
+  // a * ((1 / b) * c).
   int binary(int level) {
     if (level == kSigns) return signs();
     int left = binary(level + 1);
+    std::vector<std::pair<int, int>> rest;  // trees and their levels, which fall
+    int length = 0;
     for (const Binary* b = sign_at(level); b != nullptr; b = sign_at(level)) {
       const std::size_t at = at_;
       at_ += b->sign.size();
-      left = put(b->operation, at, {left, binary(level + 1)});
+      const int right = binary(level + 1);
+      if (++length <= kChain) {
+        left = put(b->operation, at, {left, right});
+      } else {
+        rest.emplace_back(as_part(b->operation, at, right), 0);
+        while (rest.size() > 1 && rest[rest.size() - 2].second == rest.back().second) join_last(rest, level, at);
+      }
       if (level == kComparison && sign_at(level) != nullptr)
         fail(at_, "one comparison follows another; write \"a < b && b < c\"");
     }
-    return left;
+    while (rest.size() > 1) join_last(rest, level, at_);
+    return rest.empty() ? left : put(joining(level), at_, {left, rest[0].first});
+  }
+  static Operation joining(int level) {
+    return std::ranges::find(kBinary, level, &Binary::level)->operation;  // ||, &&, ..., +, *
+  }
+  int as_part(Operation o, std::size_t at, int node) {
+    if (o == Operation::subtract) return put(Operation::negate, at, {node});
+    if (o != Operation::divide) return node;
+    const int one = put(Operation::number, at);
+    last().value = 1;
+    return put(Operation::divide, at, {one, node});
+  }
+  void join_last(std::vector<std::pair<int, int>>& trees, int level, std::size_t at) {
+    const auto [right, levels] = trees.back();
+    trees.pop_back();
+    trees.back() = {put(joining(level), at, {trees.back().first, right}), std::max(levels, trees.back().second) + 1};
   }
 
   int signs() {
@@ -200,7 +235,7 @@ class ExpressionParser {
 
   int components() {
     int of = primary();
-    if (e_.node(of).operation == Operation::name && place_of_body()) of = e_.root();
+    if (naming_ == Naming::words && e_.node(of).operation == Operation::name && place_of_body()) of = e_.root();
     while (at_ + 1 < text_.size() && text_[at_] == '.') {
       const std::size_t at = at_;
       const std::size_t k = std::string_view("xyz").find(text_[at_ + 1]);
@@ -234,6 +269,7 @@ class ExpressionParser {
     const std::size_t at = at_;
     if (is_digit(c) || (c == '.' && at_ + 1 < text_.size() && is_digit(text_[at_ + 1]))) return number();
     if (begins_name(c)) return name();
+    if (c == '\'' && naming_ == Naming::channels) return quoted_name();
     if (take("(")) {
       const int inside = choice();
       expect(")", at, "bracket");
@@ -263,25 +299,45 @@ class ExpressionParser {
 
   std::string_view word() { return std::string_view(text_).substr(at_, end_of_name(text_, at_) - at_); }
 
+  int put_name(std::size_t at, std::string_view called) {
+    put(Operation::name, at);
+    last().name = called;
+    return e_.root();
+  }
+
+  // A channel: words with points between them, and with "@" and more of them in a pair's.
+  std::string_view path() {
+    std::size_t end = at_ + word().size();
+    while (end + 1 < text_.size() && (text_[end] == '.' || text_[end] == '@') && in_name(text_[end + 1]))
+      end = end_of_name(text_, end + 1);
+    return std::string_view(text_).substr(at_, end - at_);
+  }
+
+  int quoted_name() {
+    const std::size_t at = at_, end = text_.find('\'', at + 1);
+    if (end == std::string::npos) fail(at, "the name in quotes does not end");
+    at_ = end + 1;
+    return put_name(at, std::string_view(text_).substr(at + 1, end - at - 1));
+  }
+
   int name() {
     const std::size_t at = at_;
-    const std::string called(word());
+    const std::string called(naming_ == Naming::channels ? path() : word());
     at_ += called.size();
-    if (next() != '(') {
-      put(Operation::name, at);
-      last().name = called;
-      return e_.root();
-    }
-    const Signature* s = signature(called);
-    if (s == nullptr) fail(at, "unknown function \"" + called + "\"" + text::suggestion(called, names_of_functions()));
+    if (next() != '(') return put_name(at, called);
+    const Signature* s = signature(called, naming_);
+    if (s == nullptr)
+      fail(at, "unknown function \"" + called + "\"" + text::suggestion(called, names_of_functions(naming_)));
     const std::size_t open = at_++;
     std::vector<int> arguments = list(")", open, "bracket");
-    if (arguments.size() < s->least || arguments.size() > s->most)
+    const auto f = static_cast<Function>(s - kFunctions.data());
+    const bool of_motion = naming_ == Naming::channels && (f == Function::min || f == Function::max);
+    if (arguments.size() < (of_motion ? 1 : s->least) || arguments.size() > s->most)
       fail(at, called + " takes " + std::to_string(s->least) + (s->most > s->least ? " or more" : "") +
                    (s->most == 1 ? " argument" : " arguments") + ", and " + std::to_string(arguments.size()) +
                    (arguments.size() == 1 ? " is given" : " are given"));
     put(Operation::call, at, std::move(arguments));
-    last().function = static_cast<Function>(s - kFunctions.data());
+    last().function = f;
     return e_.root();
   }
 
@@ -306,6 +362,7 @@ class ExpressionParser {
       if (begin == rest.size() || !begins_name(rest[begin])) break;
       end = end_of_name(rest, begin);
       if (is_variable(rest.substr(begin, end - begin))) break;
+      if (begin > 0 && rest.substr(begin, end - begin) == "l") break;  // "10 N/l" divides by a length
       const bool power =
           end + 1 < rest.size() && rest[end] == '^' &&
           (is_digit(rest[end + 1]) || (rest[end + 1] == '-' && end + 2 < rest.size() && is_digit(rest[end + 2])));
@@ -353,12 +410,14 @@ class ExpressionParser {
   Expression& e_;
   const std::string& text_;
   std::span<const std::string> variables_;
+  Naming naming_;
   std::size_t at_ = 0;
   int depth_ = 0;
 };
 
-Expression::Expression(std::string text, std::span<const std::string> variables) : text_(std::move(text)) {
-  ExpressionParser(*this, variables).parse();
+Expression::Expression(std::string text, std::span<const std::string> variables, Naming naming)
+    : text_(std::move(text)) {
+  ExpressionParser(*this, variables, naming).parse();
 }
 
 void Expression::refuse(std::size_t at, const std::string& problem) const {
@@ -389,10 +448,23 @@ std::vector<std::string> names_in(const Expression& e) {
   return names;
 }
 
+std::vector<std::string> channels_in(const std::string& column) {
+  if (!column.starts_with('=')) return {column};
+  std::vector<std::string> all;
+  for (const std::string& name : names_in(Expression(column, {}, Naming::channels)))
+    for (const char* axis : {"", "_x", "_y", "_z"}) all.push_back(name + axis);
+  return all;
+}
+
 std::string name_fault(std::string_view word) {
-  if (signature(word) != nullptr || word == "pi") return "it is a function or constant of formulas";
+  if (signature(word, Naming::words) != nullptr || word == "pi") return "it is a function or constant of formulas";
   const bool plain = !word.empty() && begins_name(word.front()) && end_of_name(word, 0) == word.size();
   return plain ? "" : "a name has letters, digits and '_', and does not begin with a digit";
+}
+
+bool is_of_motion(const Node& n) {
+  const bool least_or_most = n.function == Function::min || n.function == Function::max;
+  return n.operation == Operation::call && (n.function >= Function::mean || (least_or_most && n.children.size() == 1));
 }
 
 const Signature& signature_of(Function f) { return kFunctions[static_cast<std::size_t>(f)]; }

@@ -40,8 +40,8 @@ Exponents without_radian(Exponents e) {
 class Evaluation {
  public:
   Evaluation(const Expression& e, const Names& names, const Known& known, const Varies* varies = nullptr,
-             std::string hint = {})
-      : e_(e), names_(names), known_(known), varies_(varies), hint_(std::move(hint)) {}
+             std::string hint = {}, bool strict = false)
+      : e_(e), names_(names), known_(known), varies_(varies), hint_(std::move(hint)), strict_(strict) {}
 
   Amount of(int i) const {
     const Node& n = e_.node(i);
@@ -137,7 +137,8 @@ class Evaluation {
   bool is_free(const Node& n, const Amount& a, const Amount& b) const {
     if (of_values()) return false;
     const bool a_varies = varies(n.children[0]), b_varies = varies(n.children[1]);
-    return (!a.measured && !a_varies && b_varies) || (!b.measured && !b_varies && a_varies);
+    return (!a.measured && !a_varies && b_varies && !(strict_ && b.with_unit)) ||
+           (!b.measured && !b_varies && a_varies && !(strict_ && a.with_unit));
   }
 
   // The dimension of both sides of a choice.
@@ -283,6 +284,8 @@ class Evaluation {
     q.any = a[0].any && (f.takes == Takes::alike || f.gives == Gives::alike || f.gives == Gives::root);
     if (f.gives == Gives::alike) q.dimension = a[0].dimension;
     if (f.gives == Gives::root) q.dimension = scaled(a[0].dimension, 0.5);
+    if (f.gives == Gives::times_time) q.dimension = product(a[0].dimension, {0, 0, 1, 0}, 1);
+    if (f.gives == Gives::by_time) q.dimension = product(a[0].dimension, {0, 0, 1, 0}, -1);
     if (f.gives == Gives::product) q.dimension = product(a[0].dimension, a[1].dimension, 1);
     if (f.gives == Gives::angle) q.dimension = {0, 0, 0, 1}, q.measured = true;
     if (f.gives == Gives::sign) q.measured = false;
@@ -317,6 +320,7 @@ class Evaluation {
   const Known& known_;
   const Varies* varies_;
   std::string hint_;
+  bool strict_;
 };
 
 }  // namespace
@@ -328,10 +332,16 @@ Amount evaluate(const Expression& e, const Names& names, const Known& known) {
   return q;
 }
 
-Amount dimension_of(const Expression& e, const Names& names, const Varies& varies, const std::string& hint) {
-  Amount q = Evaluation(e, names, {}, &varies, hint).of(e.root());
+Amount dimension_of(const Expression& e, int node, const Names& names, const Varies& varies, const std::string& hint,
+                    bool strict) {
+  Amount q = Evaluation(e, names, {}, &varies, hint, strict).of(node);
   q.dimension = settled(q.dimension);
   return q;
+}
+
+std::string unit_of(const Amount& q) {
+  const Dimension d = whole(settled(q.dimension)).value_or(Dimension{});
+  return d == Dimension{} ? "" : si_unit(d);
 }
 
 Value value_of(const Amount& q) {

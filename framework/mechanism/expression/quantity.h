@@ -55,12 +55,17 @@ using Varies = std::function<bool(const std::string&)>;
 /// The dimension of a formula of variables, whatever their values: of each choice both sides are looked at, nothing is
 /// out of range, and the radian is the number 1 in sums and comparisons, and before functions of pure numbers. What
 /// variables and plain numbers make without a unit is a number in SI; a plain number times what varies may be of any
-/// dimension, as 3 in sin(3 t). The values of the result mean nothing. Throws ModelError as evaluate(), with `hint` behind what is wrong.
-LOCKSTEP_API Amount dimension_of(const Expression&, const Names&, const Varies&, const std::string& hint);
+/// dimension, as 3 in sin(3 t). The values of the result mean nothing. `strict`: a plain
+/// number times what has a unit has that unit. Throws ModelError as evaluate(), with `hint` behind what is wrong.
+LOCKSTEP_API Amount dimension_of(const Expression&, int node, const Names&, const Varies&, const std::string& hint,
+                                 bool strict = false);
 
 /// As a scene holds it: a number where no unit took part, else a text such as "0.12 m", of a vector a list of three.
 /// Throws ModelError for a dimension that has no unit, and for what is not finite.
 LOCKSTEP_API Value value_of(const Amount&);
+
+/// "m", "N m"; "" of a pure number, and of a dimension without a unit.
+LOCKSTEP_API std::string unit_of(const Amount&);
 
 /// "0.12 m", "[0, 1, 0] m"; for messages and lists.
 LOCKSTEP_API std::string words_of(const Amount&);
