@@ -293,7 +293,7 @@ TEST_CASE("a resumed sweep ends with 9 for the wrong runs of its first part", "[
   INFO(r.text);
   CHECK(r.exit == 9);
   CHECK(contains(r.text, "done before "));
-  CHECK(contains(r.text, "300 wrong (energy or constraints)"));
+  CHECK(contains(r.text, "300 wrong (energy, constraints or requirements)"));
   CHECK_FALSE(contains(bytes_of(file), ",ok\n"));
 }
 

@@ -60,6 +60,8 @@ std::vector<Provoked> all() {
   return {
       {"energy-not-conserved", kRun,
        kFalling + R"(, "run": {"integrator": "dopri5", "tolerance": 10, "until": 20, "output": 0.1})"},
+      {"requirement-broken", kRun,
+       kFalling + R"(, "require": [{"up": "=A.rz > -30 deg"}])" + until + R"("record": ["arm.x"]})"},
       {"constraints-drifted", kRun,
        kFalling + R"(, "run": {"integrator": "rk4", "step": 0.1, "until": 20, "formulation": "omega",
          "stabilization": "none", "violation_limit": "1 um"})"},

@@ -39,7 +39,7 @@ TEST_CASE("run writes the columns and reports the moved bodies", "[runner]") {
   CHECK_FALSE(value_of(full.text, "work of drives").empty());
   const Called table_of_all = call("run '" + kFourBar + "' --record bar.csv --summary --verbose");
   INFO(table_of_all.text);
-  CHECK(contains(table_of_all.text, "extremes at the output times:\n"));
+  CHECK(contains(table_of_all.text, "extremes of the motion:\n"));
   CHECK(row_of(table_of_all.text, "column") == "column unit least at t [s] greatest at t [s]");
   CHECK(row_of(table_of_all.text, "theta") == "theta rad 0.3 0 7.3 0.7");
   CHECK(row_of(table_of_all.text, "theta_d").starts_with("theta_d rad/s 10 "));

@@ -148,7 +148,7 @@ TEST_CASE("a checkpoint that is damaged, cut or of another layout is rejected") 
                               std::to_string(kCheckpointLayout) + ":";
   CHECK(says(refusal(later), {numbers.c_str(), "run the scene again from its start"}));
   std::string first = whole;
-  first[20] = '1';  // which said nothing of the layout
+  first.replace(20, std::to_string(kCheckpointLayout).size(), "1");  // which said nothing of the layout
   CHECK(says(refusal(first), {"has layout 1 instead of "}));
   CHECK(says(refusal("lockstep checkpoint "), {"has no layout number"}));
   CHECK(says(refusal("lockstep checkpoint 2"), {"has no layout number"}));
@@ -164,7 +164,7 @@ TEST_CASE("a checkpoint of another version, simulation or kind is rejected by na
 
   std::string bytes = bytes_of(folder / "run");
   const double other_digit = '7';  // the version's first letter, as a number after its length
-  std::memcpy(bytes.data() + 22 + 8 + 8, &other_digit, 8);
+  std::memcpy(bytes.data() + bytes.find('\n') + 1 + 8 + 8, &other_digit, 8);
   const std::uint64_t hash = hash_of(std::string_view(bytes).substr(0, bytes.size() - 8));
   std::memcpy(bytes.data() + bytes.size() - 8, &hash, 8);
   write_bytes(folder / "version", bytes);

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include <lockstep/analysis.h>
 #include <lockstep/author/registry.h>
@@ -155,23 +154,6 @@ TEST_CASE("other columns, no end and no output are failures or gaps, not numbers
   const SweepRun off = sweep_run(places, registry, columns, [](const State&) { return false; });
   CHECK(off.broken_off);
   CHECK_FALSE(off.failed);
-}
-
-TEST_CASE("sweep: a column that holds a NaN has no range, wherever the NaN is", "[unit][sweep]") {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t where = 0; where < 4; ++where) {
-    std::vector<double> values = {3, -2, 7, 5};
-    Table whole, holed;
-    for (Table* t : {&whole, &holed}) t->add_column("t", "s"), t->add_column("x", "m");
-    for (std::size_t i = 0; i < 4; ++i) {
-      whole.add_row(std::array{0.1 * double(i), values[i]});
-      holed.add_row(std::array{0.1 * double(i), i == where ? nan : values[i]});
-    }
-    const ColumnRange r = recorded_run(whole).columns.front(), h = recorded_run(holed).columns.front();
-    CHECK((r.last == 5 && r.least == -2 && r.most == 7));
-    CHECK((std::isnan(h.least) && std::isnan(h.most)));
-    CHECK(std::isnan(h.last) == (where == 3));
-  }
 }
 
 }  // namespace sweep_test

@@ -18,6 +18,8 @@
 #include "framework/dynamics/tree/tree_layout.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
+#include "framework/mechanism/expression/function.h"
+#include "framework/mechanism/expression/quantity.h"
 #include "framework/mechanism/system/rows_at_start.h"
 
 namespace lockstep {
@@ -215,6 +217,7 @@ void Builder::doubt_centers() const {
 void Builder::build() {
   const Params root = params_of(scene_.root, "scene", "scene", &registry_);
   set_gravity(root);
+  define_numbers();
   out_.run = scene_.run;
   all(root, "bodies", "body", &Builder::body, &Builder::stand_in);
   all(root, "markers", "marker", &Builder::marker, nullptr);
@@ -225,11 +228,54 @@ void Builder::build() {
   errors_.attempt(of_no_thing, [&] { make_integrator(out_.run, registry_); });
   errors_.attempt(of_no_thing, [&] { make_solver(out_.run, registry_); });
   errors_.attempt(of_no_thing, [&] { check_assembled(); });
+  errors_.attempt(of_no_thing, [&] { check_requirements(); });
   if (!errors_.empty() && also_) also_(out_, errors_);
   errors_.raise();
   doubt_centers();
   set_merge(root.text("merge"));
   set_up(root);
+}
+
+// Parameters and points, for formulas of channels.
+void Builder::define_numbers() {
+  for (const char* key : {"parameters", "points"})
+    if (const Value* object = scene_.root.find(key))
+      for (const expression::Constant& c : expression::read_constants(*object, part_of("scene", key)))
+        system_.define({c.name,
+                        {c.value, c.value + (c.is_vector ? 3 : 1)},
+                        c.dimension == Dimension{} ? "" : si_unit(c.dimension)});
+}
+
+// Those of numbers alone; those of channels are looked at during runs.
+void Builder::check_requirements() const {
+  std::map<std::string, expression::Amount> known;
+  for (const NamedNumbers& n : system_.defined()) {
+    expression::Amount& q = known[n.name];
+    q.is_vector = n.values.size() == 3, q.measured = !n.unit.empty();
+    q.dimension = expression::exponents_of(n.unit.empty() ? Dimension{} : *dimension_of(n.unit));
+    for (std::size_t k = 0; k < n.values.size(); ++k) {
+      q.v[k] = n.values[k];
+      if (!q.is_vector) continue;
+      expression::Amount& part = known[n.name + "." + "xyz"[k]] = expression::Amount::number(n.values[k]);
+      part.dimension = q.dimension, part.measured = q.measured;
+    }
+  }
+  for (const ChannelRequest& r : out_.run.require) {
+    const expression::Expression e(r.channel, {}, expression::Naming::channels);
+    const std::vector<std::string> names = expression::names_in(e);
+    if (!std::ranges::all_of(names, [&](const std::string& n) { return n == "pi" || known.contains(n); })) continue;
+    placed(r.where, "scene.require", [&] {
+      const auto amount = [&](const std::string& name) {
+        const auto found = known.find(name);
+        return found != known.end() ? &found->second : nullptr;
+      };
+      if (expression::evaluate(e, amount).v[0] != 0) return;
+      std::string words;
+      for (const std::string& n : names)
+        if (n != "pi") words += (words.empty() ? "; " : ", ") + n + " = " + expression::words_of(known.at(n));
+      throw ModelError("\"" + r.column() + "\" does not hold" + words);
+    });
+  }
 }
 
 // Initial conditions of joints need assembly.
@@ -247,9 +293,12 @@ void Builder::check_assembled() const {
 void Builder::set_merge(const std::string& how) {
   if (how != "auto") return;
   std::vector<std::string> named;  // channels, joints and forces
-  for (const ChannelRequest& r : out_.run.record) named.push_back(r.channel);
+  const auto name = [&](const std::string& column) {
+    for (std::string& channel : expression::channels_in(column)) named.push_back(std::move(channel));
+  };
+  for (const ChannelRequest& r : out_.run.record) name(r.channel);
   for (const EventRequest& e : out_.events) {
-    named.push_back(e.channel);
+    name(e.channel);
     for (const auto* names : {&e.event.activate, &e.event.deactivate})
       named.insert(named.end(), names->begin(), names->end());
   }

@@ -155,6 +155,8 @@ class Builder {
   void event(const Value& object, const std::string& owner);
   std::vector<std::string> switched_by(const Params& event, const std::string& key);
   void check_assembled() const;
+  void define_numbers();
+  void check_requirements() const;
   void set_merge(const std::string& how);
   void set_gravity(const Params& root);
   void doubt_centers() const;

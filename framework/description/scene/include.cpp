@@ -129,6 +129,7 @@ void note_left_out(const Value& root, SceneReading& reading) {
   for (const auto& [key, same] : {std::pair{"planar", "auto"}, {"merge", "off"}})
     if (const Value* word = root.find(key); word != nullptr && word->text() != nullptr && *word->text() != same)
       note(key, *word, "\"" + *word->text() + "\"");
+  if (const Value* conditions = root.find("require")) note("require", *conditions, shown(*conditions));
 }
 
 Value read_included(const Params& p, Definitions& outer, SceneReading& reading, Formulas& formulas) {

@@ -47,6 +47,8 @@ LOCKSTEP_API void rename_old_keys(std::string& path);
 
 /// The settings of a scene, with defaults for what it leaves out (or null). Throws SceneError.
 LOCKSTEP_API RunSettings read_run(const Value&);
+/// The conditions "require" of a scene.
+std::vector<ChannelRequest> read_require(const Params& scene);
 /// By its name in scenes: project, baumgarte or none.
 LOCKSTEP_API Stabilization::Kind stabilization_from(const std::string& word);
 

@@ -77,7 +77,7 @@ class Resolver {
     Value::Object& root = *scene_.root.object();
     wrong_.attempt([&] { scene_.parameters = definitions_.all(); });
     for (Value::Member& m : root) {
-      static const std::vector<std::string> kTexts = {"$schema", "title", "description", "requires"};
+      static const std::vector<std::string> kTexts = {"$schema", "title", "description", "requires", "require"};
       if (std::find(kTexts.begin(), kTexts.end(), m.key) != kTexts.end()) continue;
       if (m.key == "parameters" || m.key == "points")
         settle(m);
@@ -164,7 +164,7 @@ class Resolver {
     const Value* type = v.find("type");
     const Texts texts = type != nullptr && type->text() != nullptr ? texts_of_type(*type->text()) : Texts{};
     const auto is_text = [&](const std::string& key) {
-      return key == "name" || key == "type" || key == "record" || key == "draw" ||
+      return key == "name" || key == "type" || key == "record" || key == "draw" || key == "channel" ||
              std::find(texts.keys.begin(), texts.keys.end(), key) != texts.keys.end();
     };
     for (Value::Member& m : *v.object())

@@ -6,6 +6,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
+#include "framework/mechanism/expression/expression.h"
 #include "framework/mechanism/params/refusals.h"
 
 namespace lockstep {
@@ -55,35 +56,43 @@ std::vector<double> read_times(const Params& run) {
   return times;
 }
 
-void add_request(std::vector<ChannelRequest>& all, ChannelRequest request) {
+void add_request(std::vector<ChannelRequest>& all, ChannelRequest request, const std::string& owner) {
   const std::string& column = request.column();
   if (column.empty() || request.channel.empty())
-    refuse(request.where, "run.record", "the name of a channel is empty; give it one");
+    refuse(request.where, owner, "the name of a channel is empty; give it one");
   if (std::any_of(column.begin(), column.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
-    refuse(request.where, "run.record",
-           "the name of a column contains a line end or another control character; remove it");
+    refuse(request.where, owner, "the name of a column contains a line end or another control character; remove it");
+  placed(request.where, owner, [&] { expression::channels_in(request.channel); });
   if (std::ranges::find(all, column, &ChannelRequest::column) != all.end())
-    refuse(request.where, "run.record", "column \"" + column + "\" is requested twice; rename one of them");
+    refuse(request.where, owner, "column \"" + column + "\" is requested twice; rename one of them");
   all.push_back(std::move(request));
 }
 
-std::vector<ChannelRequest> read_record(const Params& run) {
+// Texts, and objects of texts by name. `what`: "channel's name".
+std::vector<ChannelRequest> read_requests(const Value::List& items, const std::string& owner, const std::string& what) {
   std::vector<ChannelRequest> all;
   Refusals wrong;
-  for (const Value& item : items_of(run, "record", "a list of channels")) {
+  for (const Value& item : items) {
     if (item.object() != nullptr)
       for (const Value::Member& m : *item.object())
-        wrong.attempt([&] { add_request(all, {read_text(m.value, "run.record." + m.key), m.key, m.value.where}); });
+        wrong.attempt([&] {
+          add_request(all, {read_text(m.value, owner + "." + m.key), m.key, m.value.where}, owner);
+        });
     else
       wrong.attempt([&] {
         if (item.text() == nullptr)
-          refuse(item.where, "run.record",
-                 "expected a channel's name or {\"own name\": \"channel\"}, got " + shown(item));
-        add_request(all, {*item.text(), "", item.where});
+          refuse(item.where, owner,
+                 "expected a " + what + " or {\"own name\": \"" + what.substr(0, what.find('\'')) + "\"}, got " +
+                     shown(item));
+        add_request(all, {*item.text(), "", item.where}, owner);
       });
   }
   wrong.raise();
   return all;
+}
+
+std::vector<ChannelRequest> read_record(const Params& run) {
+  return read_requests(items_of(run, "record", "a list of channels"), "run.record", "channel's name");
 }
 
 // A panel: names that are recorded.
@@ -224,6 +233,15 @@ RunSettings read_run(const Value& v) {
   }
   wrong.raise();
   return run;
+}
+
+std::vector<ChannelRequest> read_require(const Params& scene) {
+  std::vector<ChannelRequest> all =
+      read_requests(items_of(scene, "require", "a list of conditions"), "scene.require", "condition");
+  for (const ChannelRequest& r : all)
+    if (!r.channel.starts_with('='))
+      refuse(r.where, "scene.require", "\"" + r.channel + "\" is no formula; write \"=" + r.channel + "\"");
+  return all;
 }
 
 Stabilization::Kind stabilization_from(const std::string& word) {

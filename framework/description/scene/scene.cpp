@@ -39,8 +39,10 @@ void check_format(const Value& root) {
 
 void read_root(Scene& scene) {
   Refusals wrong;
+  std::vector<ChannelRequest> require;
   wrong.attempt([&] {
     const Params p = params_of(scene.root, "scene", "scene", nullptr);
+    wrong.attempt([&] { require = read_require(p); });
     if (p.has("title")) scene.title = p.text("title");
     if (p.has("description")) scene.description = p.text("description");
     for (const std::pair<std::string, SourceLocation>& plugin : texts_of(p, "requires")) {
@@ -51,6 +53,7 @@ void read_root(Scene& scene) {
   const Value* run = scene.root.find("run");
   wrong.attempt([&] { scene.run = with_formulas(scene, [&] { return read_run(run != nullptr ? *run : Value()); }); });
   wrong.raise();
+  scene.run.require = std::move(require);
 }
 
 Scene scene_from(Value root, std::string file) { return scene_from(std::move(root), std::move(file), {}); }

@@ -18,6 +18,10 @@ inline constexpr FindingKind constraints_drifted{
     "The constraint violation exceeds the limit; without projection it accumulates.",
     "Project after each step: \"stabilization\": \"project\"."};
 
+inline constexpr FindingKind requirement_broken{
+    "requirement-broken", Severity::wrong, "A condition of \"require\" does not hold at some time of the run.",
+    "Look at the reported time, by a report; change the mechanism, or the condition."};
+
 // -- the result may be wrong
 inline constexpr FindingKind tolerance_not_reached{
     "tolerance-not-reached", Severity::doubt,

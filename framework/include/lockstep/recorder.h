@@ -25,6 +25,10 @@ struct Channel {
   std::function<double(const Sample&)> value;  ///< its value at a state of a run
   /// Called at the start of a run and after every accepted step, if present: counts rejected attempts.
   std::function<void(const Sample&)> track{};
+  /// Called after every accepted step, before its rows and before track(), if present.
+  std::function<void(const InsideStep&)> inside{};
+  /// Called after track() if something acted on the state, with the state from which the run continues, if present.
+  std::function<void(const Sample&)> jumped{};
   /// Called at the start of a run before track(), if present: forgets an earlier run.
   std::function<void()> restart{};
   /// Write and read the data of track(), for a checkpoint, if present.
@@ -39,7 +43,10 @@ struct ChannelHelp {
       help;          ///< description
 };
 
-/// Makes the channel of this name. The system is set up if it was not (a joint's rows have names only then). Channels
+/// Makes the channel of this name, or of a formula of channels: "=norm(B.force_on_p_world)". Names without the last part,
+/// as "B.force_on_p_world", are vectors of three channels; numbers of System::define() are known, and the time t. Functions
+/// of the motion up to a row: min(x), max(x), mean(x), rms(x), integral(x), at(x, time); mean(last(x, T)) is of the last
+/// T seconds. rate(x) is the derivative by time. The system is set up if it was not (a joint's rows have names only then). Channels
 /// of works and angles add states to the system, shared by all that ask for them, so make channels before the run
 /// (before the StepLoop takes the start). From then on the system must not be moved in memory. Throws ModelError
 /// with the closest name and with all quantities of the object.
@@ -47,6 +54,8 @@ LOCKSTEP_API Channel make_channel(System&, const std::string& name);
 
 /// All channels of a system except those of pairs ("M.x@N"); those of constraints only if it is set up.
 LOCKSTEP_API std::vector<ChannelHelp> channel_help(const System&);
+
+class Extremes;
 
 // Recorder: an observer that fills a table. Names become functions once; an output is one row of numbers.
 
@@ -68,6 +77,10 @@ class LOCKSTEP_API Recorder : public Observer {
   /// Reserves memory for n rows in all; beyond them the table grows geometrically.
   void reserve(std::size_t n) { table_.reserve(n); }
   const Table& table() const { return table_; }  ///< recorded so far
+  /// From the next start on it looks for the extremes of all columns, also between rows and within steps.
+  void find_extremes();
+  /// Of the columns after the time, so far; none without find_extremes(), or before the start.
+  std::span<const ColumnRange> ranges() const;
   /// Time of the last row, s, also if the table does not keep it; infinity: there is none.
   double last_instant() const { return last_; }
   /// Passes each new row to `tell`: one number per column, the time first, valid during the call. The table then keeps
@@ -79,7 +92,9 @@ class LOCKSTEP_API Recorder : public Observer {
 
   /// Begins a new table: removes the rows of an earlier run.
   void start(const Sample&) override;
+  void inside(const InsideStep&) override;
   void step(const Sample&) override;
+  void jumped(const Sample&) override;
   void output(const Sample&) override;
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;
@@ -88,13 +103,21 @@ class LOCKSTEP_API Recorder : public Observer {
   void drop_rows() { table_.clear_rows(); }
 
  private:
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+  void read(const Sample&, std::span<double> values);
+  void begin_part(const Sample&);
+
   Table table_;
   std::vector<Channel> channels_;  // of the columns after the first
   std::vector<Channel> followed_;
   std::vector<double> row_;
+  std::unique_ptr<Extremes> extremes_;  // null: not looked for
+  std::vector<double> at_end_;          // values at the end of the last step,
+  double read_ = kNone;                 // its time; kNone: they are not those
+  bool is_continuous_ = false;          // from the last state that was seen
   std::function<void(std::span<const double>)> tell_;
   bool keeps_ = true;
-  double last_ = std::numeric_limits<double>::infinity();
+  double last_ = kNone;
 };
 
 // EnergyAudit: an observer that checks whether a run conserved energy and satisfied its constraints.

@@ -49,6 +49,7 @@ struct RunSettings {
   bool assemble = true;                          ///< the start is assembled
   NearlyRedundant nearly_redundant = NearlyRedundant::automatic;  ///< treatment of nearly dependent constraints
   std::vector<ChannelRequest> record{};          ///< channels to record
+  std::vector<ChannelRequest> require{};         ///< "require" of the scene: conditions, formulas of channels
   /// Panels of the picture: the recorded names in each. Empty: one panel per unit.
   std::vector<std::vector<std::string>> draw{};
   SourceLocation where{};  ///< place of the object in the file

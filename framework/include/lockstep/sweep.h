@@ -14,16 +14,9 @@ namespace lockstep {
 
 // Sweep: many runs of one mechanism, one row of results per run.
 
-/// Last and extreme values of one recorded column, in its unit.
-struct ColumnRange {
-  double last = 0,  ///< in the last row
-      least = 0,    ///< smallest; NaN if any row holds a NaN
-      most = 0;     ///< largest; NaN if any row holds a NaN
-};
-
 /// Results of one run.
 struct SweepRun {
-  std::vector<ColumnRange> columns;  ///< of the columns after the time; none when nothing was recorded
+  std::vector<ColumnRange> columns;  ///< of the columns after the time, over the motion; none when nothing was recorded
   double t = 0;                      ///< last recorded time, s
   long steps = 0;                    ///< accepted steps
   double cpu = 0;                    ///< CPU time of this thread, from building to the end, s
@@ -57,9 +50,6 @@ LOCKSTEP_API Table recorded_columns(const Scene&, const Registry&);
 /// the recorded table is written to `history`, if given.
 LOCKSTEP_API SweepRun sweep_run(const Scene&, const Registry&, const Table& like,
                                 const std::function<bool(const State&)>& go_on = {}, Table* history = nullptr);
-
-/// Results of a finished run from its table, with status "ok" and without steps and cpu, which are not in the table.
-LOCKSTEP_API SweepRun recorded_run(const Table&);
 
 /// Header of the CSV file of a sweep, with a line end:
 /// "run,bodies.rod.mass [kg],t final [s],x final [m],x min [m],x max [m],

@@ -57,6 +57,13 @@ class LOCKSTEP_API StateEditor {
   State& state_;
 };
 
+/// A number with a name, or a vector of three.
+struct NamedNumbers {
+  std::string name;            ///< "crank"
+  std::vector<double> values;  ///< one or three, SI
+  std::string unit;            ///< "m"; "" without dimension, or in SI without a unit
+};
+
 // ControlInput: a number that a host sets between the steps of a run.
 
 /// A named number that a host sets while a mechanism runs, as a controller does, and that forces and laws read by
@@ -154,6 +161,9 @@ class LOCKSTEP_API System final : public AngleCounter {
   /// Adds a number that a host sets, for forces and laws that take the reference. `unit`: for readers. Throws ModelError for
   /// a name that is empty or taken, ParameterError for a value that is not finite.
   ControlInput& add_input(const std::string& name, double value = 0, const std::string& unit = {});
+  /// Names numbers, which formulas of channels read (make_channel). In place of an earlier one of this name.
+  void define(NamedNumbers);
+  const std::vector<NamedNumbers>& defined() const { return defined_; }  ///< by define()
   /// A joint of type L between two bodies, with new markers "<name>.P" and "<name>.S" at one pose in the world. `args`
   /// go to the constructor of L after the markers.
   template <class L, class... Args>
@@ -333,6 +343,7 @@ class LOCKSTEP_API System final : public AngleCounter {
   std::vector<std::unique_ptr<CountedAngle>> angles_;
   std::unordered_map<std::string, CountedAngle*> angle_of_;
   std::deque<ControlInput> inputs_;
+  std::vector<NamedNumbers> defined_;
   Body* ground_ = nullptr;
   // A thing whose name is taken, by the hash of the name, which the thing keeps itself.
   enum class Kind : unsigned char { none, body, marker, link, force, input };

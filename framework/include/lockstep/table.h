@@ -53,6 +53,16 @@ class LOCKSTEP_API Table {
   std::vector<Column> columns_;
 };
 
+/// Last and extreme values of a column, in its unit.
+struct ColumnRange {
+  double last = 0,       ///< in the last row
+      least = 0,         ///< smallest; NaN if a NaN was found
+      most = 0,          ///< largest; NaN if a NaN was found
+      t_least = 0,       ///< when it was smallest first, s
+      t_most = 0;        ///< when it was largest first, s
+  bool resolved = true;  ///< false: between the instants at which it was computed it may be smaller or larger
+};
+
 /// Title of a column: "Bx [N]", or its name alone when the unit is "".
 LOCKSTEP_API std::string column_title(const Column&);
 

@@ -59,20 +59,38 @@ struct Symbol {
 };
 
 constexpr double kTurn = kTwoPi;
-constexpr std::array<Symbol, 25> kSymbols{{
-    {"m", true, {1, 1, 0, {1, 0, 0, 0}}},           {"g", true, {1, 1, -3, {0, 1, 0, 0}}},
-    {"s", true, {1, 1, 0, {0, 0, 1, 0}}},           {"N", true, {1, 1, 0, {1, 1, -2, 0}}},
-    {"Nm", true, {1, 1, 0, {2, 1, -2, 0}}},         {"J", true, {1, 1, 0, {2, 1, -2, 0}}},
-    {"W", true, {1, 1, 0, {2, 1, -3, 0}}},          {"Hz", true, {1, 1, 0, {0, 0, -1, 0}}},
-    {"rad", true, {1, 1, 0, {0, 0, 0, 1}}},         {"deg", false, {kPi, 180, 0, {0, 0, 0, 1}}},
-    {"\u00b0", false, {kPi, 180, 0, {0, 0, 0, 1}}}, {"rev", false, {kTurn, 1, 0, {0, 0, 0, 1}}},
-    {"turn", false, {kTurn, 1, 0, {0, 0, 0, 1}}},   {"rpm", false, {kTurn, 60, 0, {0, 0, -1, 1}}},
-    {"min", false, {60, 1, 0, {0, 0, 1, 0}}},       {"h", false, {3600, 1, 0, {0, 0, 1, 0}}},
-    {"t", false, {1, 1, 3, {0, 1, 0, 0}}},          {"in", false, {254, 1, -4, {1, 0, 0, 0}}},
-    {"ft", false, {3048, 1, -4, {1, 0, 0, 0}}},     {"inch", false, {254, 1, -4, {1, 0, 0, 0}}},
-    {"sec", false, {1, 1, 0, {0, 0, 1, 0}}},        {"degree", false, {kPi, 180, 0, {0, 0, 0, 1}}},
-    {"Nmm", false, {1, 1, -3, {2, 1, -2, 0}}},      {"degrees", false, {kPi, 180, 0, {0, 0, 0, 1}}},
+constexpr std::array<Symbol, 31> kSymbols{{
+    {"m", true, {1, 1, 0, {1, 0, 0, 0}}},
+    {"g", true, {1, 1, -3, {0, 1, 0, 0}}},
+    {"s", true, {1, 1, 0, {0, 0, 1, 0}}},
+    {"N", true, {1, 1, 0, {1, 1, -2, 0}}},
+    {"Nm", true, {1, 1, 0, {2, 1, -2, 0}}},
+    {"J", true, {1, 1, 0, {2, 1, -2, 0}}},
+    {"W", true, {1, 1, 0, {2, 1, -3, 0}}},
+    {"Hz", true, {1, 1, 0, {0, 0, -1, 0}}},
+    {"rad", true, {1, 1, 0, {0, 0, 0, 1}}},
+    {"deg", false, {kPi, 180, 0, {0, 0, 0, 1}}},
+    {"\u00b0", false, {kPi, 180, 0, {0, 0, 0, 1}}},
+    {"rev", false, {kTurn, 1, 0, {0, 0, 0, 1}}},
+    {"turn", false, {kTurn, 1, 0, {0, 0, 0, 1}}},
+    {"rpm", false, {kTurn, 60, 0, {0, 0, -1, 1}}},
+    {"min", false, {60, 1, 0, {0, 0, 1, 0}}},
+    {"h", false, {3600, 1, 0, {0, 0, 1, 0}}},
+    {"t", false, {1, 1, 3, {0, 1, 0, 0}}},
+    {"in", false, {254, 1, -4, {1, 0, 0, 0}}},
+    {"ft", false, {3048, 1, -4, {1, 0, 0, 0}}},
+    {"inch", false, {254, 1, -4, {1, 0, 0, 0}}},
+    {"sec", false, {1, 1, 0, {0, 0, 1, 0}}},
+    {"degree", false, {kPi, 180, 0, {0, 0, 0, 1}}},
+    {"Nmm", false, {1, 1, -3, {2, 1, -2, 0}}},
+    {"degrees", false, {kPi, 180, 0, {0, 0, 0, 1}}},
     {"kgm2", false, {1, 1, 0, {2, 1, 0, 0}}},
+    {"Pa", true, {1, 1, 0, {-1, 1, -2, 0}}},
+    {"bar", true, {1, 1, 5, {-1, 1, -2, 0}}},
+    {"l", true, {1, 1, -3, {3, 0, 0, 0}}},
+    {"kgf", false, {980665, 1, -5, {1, 1, -2, 0}}},
+    {"hp", false, {745.69987158227022, 1, 0, {2, 1, -3, 0}}},
+    {"psi", false, {44482216152605, 64516, -5, {-1, 1, -2, 0}}},
 }};
 
 struct Prefix {
@@ -284,6 +302,9 @@ std::string si_unit(const Dimension& d) {
   if (d == Dimension{}) return "1";
   for (const UnitWords& w : kWords)
     if (w.unit != Unit::any && w.dimension == d) return w.si;
+  for (const auto& [name, of] :
+       {std::pair{"W", Dimension{2, 1, -3, 0}}, {"Pa", {-1, 1, -2, 0}}, {"N s", {1, 1, -1, 0}}})
+    if (of == d) return name;
   std::string product, divisors;
   for (const auto& [name, power] : {std::pair{"kg", d.kg}, {"m", d.m}, {"s", d.s}, {"rad", d.rad}}) {
     if (power == 0) continue;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/system.h>
 
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
 #include <array>
 
 #include <lockstep/author/force.h>
@@ -225,6 +228,13 @@ ControlInput::ControlInput(std::string name, double value, std::string unit)
 void ControlInput::refuse(double value) const {
   throw ParameterError({.kind = "input", .name = name_}, "value",
                        "is " + text::brief(value) + "; must be a finite number, it stays " + text::brief(value_));
+}
+
+void System::define(NamedNumbers numbers) {
+  if (numbers.values.size() != 1 && numbers.values.size() != 3)
+    throw ModelError(fmt::format("\"{}\" has {} values; give one or three", numbers.name, numbers.values.size()));
+  const auto same = std::ranges::find(defined_, numbers.name, &NamedNumbers::name);
+  (same != defined_.end() ? *same : defined_.emplace_back()) = std::move(numbers);
 }
 
 ControlInput& System::add_input(const std::string& name, double value, const std::string& unit) {

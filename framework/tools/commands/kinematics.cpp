@@ -16,6 +16,7 @@
 #include "framework/dynamics/simulate/contacts.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
+#include "framework/mechanism/expression/expression.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/check_dependencies.h"
@@ -66,8 +67,10 @@ std::string quantity_of(const std::string& channel, const System& system) {
 
 void refuse_columns_of_masses(const Mechanism& m, const std::vector<std::string>& without) {
   for (const ChannelRequest& request : m.run.record)
-    for (const char* word : kOfMasses)
-      if (quantity_of(request.channel, m.system).find(word) != std::string::npos)
+    for (const std::string& channel : expression::channels_in(request.channel))
+      if (std::ranges::any_of(kOfMasses, [quantity = quantity_of(channel, m.system)](const char* word) {
+            return quantity.find(word) != std::string::npos;
+          }))
         refuse(request.where, "run.record",
                "\"" + request.channel + "\" depends on masses, and " + text::join(without) +
                    (without.size() == 1 ? " has none" : " have none") + "; add them, or leave out the column");
@@ -124,10 +127,32 @@ std::vector<double> pose_times(const RunSettings& run) {
   return times;
 }
 
-/// A column, and its largest value.
+/// The motion between two poses, by one that goes its own way: the poses of the table do not depend on it.
+class BetweenPoses final : public InsideStep {
+ public:
+  BetweenPoses(const DrivenMotion& from, Dynamics& dynamics, const Sample& end)
+      : begin_(from.state().t), motion_(from), dynamics_(dynamics), end_(end) {}
+  double begin() const override { return begin_; }
+  const Sample& end() const override { return end_; }
+  bool has_states() const override { return true; }
+  Sample at(double t) const override {
+    motion_.to(t), end_.forget();
+    return {dynamics_, motion_.state(), end_.report};
+  }
+  bool along_laws() const override { return true; }
+
+ private:
+  const double begin_;
+  mutable DrivenMotion motion_;
+  Dynamics& dynamics_;
+  const Sample& end_;
+};
+
+/// A column, and its largest value over the motion.
 struct Peak {
   Column column;
   double value = 0, t = 0;
+  bool resolved = true;
 };
 struct Motion {
   std::string assembled{};  // "" if assembly moved nothing
@@ -136,14 +161,16 @@ struct Motion {
   double seconds = 0;
   std::vector<Peak> peaks;
 };
-std::vector<Peak> peaks_of(const Table& table) {
-  std::vector<Peak> all;
-  for (const Column& column : table.columns()) {
-    Peak& peak = all.emplace_back(Peak{column});
-    for (std::size_t i = 0; i < column.values.size(); ++i)
-      if (std::abs(column.values[i]) > (1 + kNegligible) * std::abs(peak.value))  // of equal ones the first
-        peak.value = column.values[i], peak.t = table.columns().front().values[i];
+std::vector<Peak> peaks_of(const Recorder& recorder) {
+  std::vector<Peak> all{{recorder.table().columns().front()}};
+  for (const ColumnRange& r : recorder.ranges()) {
+    const double most_size = std::abs(r.most), least_size = std::abs(r.least);
+    const bool equal = std::abs(most_size - least_size) <= kNegligible * most_size;  // then the first
+    const bool most = equal ? r.t_most <= r.t_least : most_size > least_size;
+    all.push_back(
+        {recorder.table().columns()[all.size()], most ? r.most : r.least, most ? r.t_most : r.t_least, r.resolved});
   }
+  all.front().value = all.front().t = all.front().column.values.back();
   return all;
 }
 
@@ -152,6 +179,7 @@ const Fields<Motion>& kinematics_fields() {
                                   {"unit", "", "unit", [](const Peak& p) { return p.column.unit; }},
                                   {"peak", "", "peak", &Peak::value},
                                   {"t", "s", "at t", &Peak::t},
+                                  {"resolved", "", "resolved between poses", &Peak::resolved, only_if_false},
                                   {"values", "", "", [](const Peak& p) { return p.column.values; }}};
   static const Fields<Motion> kFields{
       {"assembled", "", "assembled", &Motion::assembled},
@@ -218,6 +246,7 @@ Result follow(const Arguments& args, bool inverse) {
   check_overwrites(csv, loaded.scene);
   GrowingFile file(csv);
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
+  recorder->find_extremes();
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   for (const EventRequest& e : m.events)
     tell(fmt::format("warning: event '{}' has no effect without a simulation\n", e.event.name));
@@ -236,12 +265,13 @@ Result follow(const Arguments& args, bool inverse) {
   PassedStops stops(m);
   try {
     for (const double& t : times) {
+      const DrivenMotion before = motion;
       motion.to(t);
       const Sample sample(dynamics, motion.state(), report);
       if (&t == &times.front())
         recorder->start(sample), rows.begin(), doubts.start(sample);
       else
-        recorder->step(sample);
+        recorder->inside(BetweenPoses(before, dynamics, sample)), recorder->step(sample);
       recorder->output(sample), rows.take(), doubts.output(sample), stops.look(dynamics, motion.state());
     }
   } catch (const Error& error) {
@@ -256,7 +286,7 @@ Result follow(const Arguments& args, bool inverse) {
   stops.tell();
   CommandFindings::add(doubts.findings(motion.steps(), motion.state().t));
   Motion found{assembled.is_moved() ? assembled.text() : "", recorder->table().n_rows(), motion.steps(), seconds,
-               peaks_of(recorder->table())};
+               peaks_of(*recorder)};
   Result result(loaded, kinematics_fields(), found);
   result.brief = text_of_motion(std::move(found), m);
   result.files = {csv};

@@ -327,7 +327,7 @@ std::string summary(const Tally& t) {
   std::string text = fmt::format("  {} run{}", t.asked, t.asked == 1 ? "" : "s");
   if (t.done < t.asked) text += fmt::format(", {} done", t.done);
   if (t.failed > 0) text += fmt::format(", {} failed", t.failed);
-  if (t.wrong > 0) text += fmt::format(", {} wrong (energy or constraints)", t.wrong);
+  if (t.wrong > 0) text += fmt::format(", {} wrong (energy, constraints or requirements)", t.wrong);
   if (t.done == t.asked && t.failed + t.wrong == 0) text += ", all succeeded";
   if (t.in_lanes > 0)
     text += t.in_lanes < t.done ? fmt::format(" (vectorised: {} of {})", t.in_lanes, t.done) : " (vectorised)";

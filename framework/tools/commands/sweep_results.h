@@ -26,7 +26,8 @@ class SweepResults {
     for (std::size_t k = 0; k < columns.size(); ++k) {
       const ColumnRange& range = columns[k];
       const Column& column = plan_.columns.columns()[k + 1];  // after t
-      if (k == ends_.size()) ends_.push_back({{range, number, number}, column.name, column.unit});
+      if (k == ends_.size())
+        ends_.push_back({{range.last, range.least, range.most, number, number}, column.name, column.unit});
       ColumnEnds& ends = ends_[k];
       if (range.least < ends.least) ends.least = range.least, ends.t_least = number;
       if (range.most > ends.most) ends.most = range.most, ends.t_most = number;

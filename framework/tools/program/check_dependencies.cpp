@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/foundation/support/finding_kinds.h"
+#include "framework/mechanism/expression/expression.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -89,7 +90,9 @@ void note_not_unique(const UniquenessReport& reactions) {
 std::vector<std::string> columns_not_unique(const RunSettings& run, const UniquenessReport& reactions) {
   std::vector<std::string> names;
   for (const ChannelRequest& request : run.record)
-    if (!reactions.unique(request.channel)) names.push_back(request.column());
+    if (!std::ranges::all_of(expression::channels_in(request.channel),
+                             [&](const std::string& channel) { return reactions.unique(channel); }))
+      names.push_back(request.column());
   return names;
 }
 

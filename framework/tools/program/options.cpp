@@ -82,7 +82,7 @@ Options run_outputs() {
       {{"--record", "FILE.csv",
         "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, messages to standard "
         "error"},
-       {"--summary", "", "print the extremes of all recorded columns at the output times, and when they occur"},
+       {"--summary", "", "print the extremes of all recorded columns over the motion, and when they occur"},
        {"--verbose,-v", "", "also print assembly, method and energy by source"},
        {"--quiet", "", "print errors only"},
        kJson.without("--quiet,--certify"),

@@ -241,6 +241,8 @@ std::string number_text(const Json&, double largest = 0);
 std::string time_text(double seconds);
 /// A number as text, "" of 0.
 std::string unless_zero(const Json&);
+/// "no", or no text.
+inline std::string only_if_false(const Json& b) { return b == false ? "no" : ""; }
 /// No text, so that only JSON and its schema have the field, with its label.
 inline std::string json_only(const Json&) { return ""; }
 /// "[1, 0, 0]": numbers as text prints them; those that are rounding next to the largest, its own or this one, as 0.

@@ -2,19 +2,8 @@
 #include "framework/tools/program/row_envelope.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace lockstep {
-
-namespace {
-
-void widen(RowRange& range, double x, double t) {
-  range.last = x;
-  if (!(range.least <= x) && !std::isnan(range.least)) range.least = x, range.t_least = t;  // a NaN stays
-  if (!(range.most >= x) && !std::isnan(range.most)) range.most = x, range.t_most = t;
-}
-
-}  // namespace
 
 RowEnvelope::RowEnvelope(const Table& columns, std::size_t most) : width_(columns.n_columns()), most_(most) {
   for (const Column& c : columns.columns()) columns_.add_column(c.name, c.unit);
@@ -27,15 +16,10 @@ RowEnvelope::RowEnvelope(const Table& columns, std::size_t most) : width_(column
 void RowEnvelope::clear() {
   kept_.clear(), path_.clear();
   per_pair_ = path_every_ = 1, n_rows_ = n_open_ = 0;
-  ranges_.assign(width_, {});
 }
 
 void RowEnvelope::add(const Table& table, std::size_t i) {
-  for (std::size_t k = 0; k < width_; ++k) {
-    const double x = last_[k] = table.columns()[k].values[i], t = last_[0];
-    if (n_rows_ == 0) ranges_[k] = {{x, x, x}, t, t};
-    widen(ranges_[k], x, t);
-  }
+  for (std::size_t k = 0; k < width_; ++k) last_[k] = table.columns()[k].values[i];
   ++n_rows_;
   if (per_pair_ == 1) {
     kept_.insert(kept_.end(), last_.begin(), last_.end());
@@ -117,16 +101,12 @@ void RowEnvelope::save(Snapshot& out) const {
   for (const long n : {per_pair_, path_every_, n_rows_, n_open_}) out.put(static_cast<double>(n));
   for (const std::vector<double>* v : {&kept_, &path_, &least_, &most_of_, &last_}) out.put_all(*v);
   for (const std::vector<long>* v : {&least_at_, &most_at_}) out.put_all(*v);
-  for (const RowRange& r : ranges_)
-    for (const double x : {r.last, r.least, r.most, r.t_least, r.t_most}) out.put(x);
 }
 
 void RowEnvelope::load(SnapshotReader& in) {
   for (long* n : {&per_pair_, &path_every_, &n_rows_, &n_open_}) *n = in.get_count();
   for (std::vector<double>* v : {&kept_, &path_, &least_, &most_of_, &last_}) in.get_all(*v);
   for (std::vector<long>* v : {&least_at_, &most_at_}) in.get_all(*v);
-  for (RowRange& r : ranges_)
-    for (double* x : {&r.last, &r.least, &r.most, &r.t_least, &r.t_most}) *x = in.get();
 }
 
 }  // namespace lockstep

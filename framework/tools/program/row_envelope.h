@@ -3,18 +3,11 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
 #include <vector>
 
 #include <lockstep/recorder.h>
-#include <lockstep/sweep.h>
 
 namespace lockstep {
-
-/// Those of a column over the rows, and the times of the rows that have the extremes first, s.
-struct RowRange : ColumnRange {
-  double t_least = 0, t_most = 0;
-};
 
 /// The rows of a table while they are few. Beyond kMost, each column's least and largest value over equal numbers of
 /// rows, in the order in which they came: a curve over time through them covers what a curve through all rows would.
@@ -35,8 +28,7 @@ class RowEnvelope {
   /// Whole rows, for curves of one column against another: one in path_every(), and the last.
   Table path_table() const;
   long path_every() const { return path_every_; }  ///< 1: all rows
-  /// Of each column after the time, over all rows; none without a row.
-  std::span<const RowRange> ranges() const { return {ranges_.data() + 1, n_rows_ == 0 ? 0 : width_ - 1}; }
+  std::size_t n_columns() const { return width_; }  ///< with the time
 
   void save(Snapshot&) const;
   void load(SnapshotReader&);
@@ -56,7 +48,6 @@ class RowEnvelope {
   long n_open_ = 0;
   std::vector<double> least_, most_of_, last_;
   std::vector<long> least_at_, most_at_;
-  std::vector<RowRange> ranges_;  // of all columns
 };
 
 }  // namespace lockstep

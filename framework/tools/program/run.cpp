@@ -30,6 +30,7 @@
 #include "framework/tools/program/run_words.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/rank/cause.h"
+#include "framework/tools/scene_run/requirements.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
 #include "framework/tools/scene_run/run_findings.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -175,6 +176,7 @@ class ProgramRun {
         m_(build_observed(loaded_.scene, loaded_.registry)),
         csv_(table_of(m_, loaded_, args)),
         recorder_(make_recorder(m_)),
+        requirements_(m_.run.require.empty() ? nullptr : make_requirements(m_)),
         outputs_(checked_outputs(loaded_, args, recorder_->table(), csv_)),
         file_(csv_),
         checkpoints_(args, loaded_, file_),
@@ -191,6 +193,7 @@ class ProgramRun {
 
   Result go() {
     checkpoints_.refuse_unsaved(sim_.integrator());
+    recorder_->find_extremes();
     State start = assembled_start();
     report_.mark(dynamics_, start);
     add_observers(start);
@@ -201,6 +204,8 @@ class ProgramRun {
     end_.formulation = formulation_.name(sim_, m_.run.formulation);
     end_.missed = missed_events(m_, sim_);
     end_.findings = run_findings(sim_, end_.audit, doubts_, singular_);
+    if (requirements_)
+      for (Finding& f : broken_requirements(m_, *requirements_)) end_.findings.push_back(std::move(f));
     end_.near = decided(near_.all, m_.run.nearly_redundant);
     for (const MissedEvent& e : end_.missed) end_.findings.push_back(finding_of(e));
     for (Finding& f : suspects_of(end_, system_of(m_), singular_.n_passed())) end_.findings.push_back(std::move(f));
@@ -268,6 +273,7 @@ class ProgramRun {
   void add_observers(const State& start) {
     sim_.add_observer(*recorder_);
     if (m_.run.at_jumps) sim_.add_observer(at_jumps_);
+    if (requirements_) sim_.add_observer(*requirements_);
     sim_.add_observer(rows_);
     sim_.add_observer(formulation_);
     if (judged()) sim_.add_observer(doubts_);
@@ -407,6 +413,7 @@ class ProgramRun {
   Mechanism m_;
   const std::string csv_;
   const std::unique_ptr<Recorder> recorder_;
+  std::unique_ptr<Recorder> requirements_;  // null: none
   const RunOutputs outputs_;
   std::string uncertified_;  // columns without a digit verified by --certify
   GrowingFile file_;
@@ -424,7 +431,7 @@ class ProgramRun {
   Doubts doubts_;
   NearRows near_;
   State started_;
-  EndedRun end_{sim_, m_.run, rows_.rows(), singular_.passed(), frames_taken(loaded_.scene)};
+  EndedRun end_{sim_, m_.run, rows_.rows(), *recorder_, singular_.passed(), frames_taken(loaded_.scene)};
 };
 
 Result resume_run(const Arguments& args) {

@@ -112,17 +112,20 @@ const Fields<MissedEvent>& missed_fields() {
 const Fields<ColumnEnds>& column_fields() {
   constexpr auto number = +[](const Json& x) { return number_text(x); };  // units differ by column
   static const Fields<ColumnEnds> kFields{
-      {"name", "", "column", &ColumnEnds::name},    {"unit", "", "unit", &ColumnEnds::unit},
-      {"final", "", "", &ColumnEnds::last},         {"min", "", "least", &ColumnEnds::least, number},
-      {"t_min", "s", "at t", &ColumnEnds::t_least}, {"max", "", "greatest", &ColumnEnds::most, number},
-      {"t_max", "s", "at t", &ColumnEnds::t_most}};
+      {"name", "", "column", &ColumnEnds::name},
+      {"unit", "", "unit", &ColumnEnds::unit},
+      {"final", "", "", &ColumnEnds::last},
+      {"min", "", "least", &ColumnEnds::least, number},
+      {"t_min", "s", "at t", &ColumnEnds::t_least},
+      {"max", "", "greatest", &ColumnEnds::most, number},
+      {"t_max", "s", "at t", &ColumnEnds::t_most},
+      {"resolved", "", "resolved between steps", &ColumnEnds::resolved, only_if_false}};
   return kFields;
 }
 std::vector<ColumnEnds> columns_of(const EndedRun& run) {
   std::vector<ColumnEnds> all;
-  const Table table = run.rows.table();
-  for (const RowRange& range : run.rows.ranges()) {
-    const Column& column = table.columns()[all.size() + 1];
+  for (const ColumnRange& range : run.recorder.ranges()) {
+    const Column& column = run.recorder.table().columns()[all.size() + 1];
     all.push_back({range, column.name, column.unit});
   }
   return all;
@@ -200,7 +203,7 @@ std::vector<ColumnEnds> rounded_columns(const EndedRun& run) {
 std::string summary_of(const EndedRun& run) {
   using Columns = std::vector<ColumnEnds>;
   static const Fields<Columns> kTable{
-      Field<Columns>("columns", "extremes at the output times", std::identity(), column_fields()).whole()};
+      Field<Columns>("columns", "extremes of the motion", std::identity(), column_fields()).whole()};
   Columns columns = rounded_columns(run);
   for (ColumnEnds& c : columns)
     if (c.most - c.least <= run.settings.tolerance.relative * std::abs(c.most)) c.t_least = c.t_most = NAN;
@@ -221,7 +224,8 @@ void drop_rounding(std::vector<ColumnEnds>& columns, double tolerance) {
 
 std::string range_text(const ColumnEnds& c) {
   const std::string least = fmt::format("{:.4g}", c.least), most = fmt::format("{:.4g}", c.most);
-  return least == most ? least : least + c.at_least + " ... " + most + c.at_most;
+  const std::string words = least == most ? least : least + c.at_least + " ... " + most + c.at_most;
+  return c.resolved || least == most ? words : words + " at least";
 }
 
 std::string results_text(const std::vector<ColumnEnds>& columns, const std::string& all) {
@@ -260,7 +264,9 @@ const Fields<EndedRun>& run_fields() {
                                   {"limit", "m", "", [](const Run& r) { return r.audit.limits.violation; }},
                                   {"drifted", "", "", [](const Run& r) { return r.audit.drifted; }}};
   constexpr auto status = [](const Run& r) {
-    return r.interrupted ? "interrupted" : r.audit.is_wrong() ? "wrong" : "ok";
+    const bool wrong =
+        std::ranges::any_of(r.findings, [](const Finding& f) { return f.severity() == Severity::wrong; });
+    return r.interrupted ? "interrupted" : wrong ? "wrong" : "ok";
   };
   constexpr auto method = +[](const Json& m) {
     return m["integrator"].get<std::string>() + ", formulation " + m["formulation_used"].get<std::string>();

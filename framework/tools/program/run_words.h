@@ -29,6 +29,7 @@ struct EndedRun {
   StepLoop& sim;
   const RunSettings& settings;
   const RowEnvelope& rows;                    ///< its table
+  const Recorder& recorder;                   ///< its columns and their extremes
   const std::vector<PassedPosition>& passed;  ///< the first singular configurations passed without projected stages
   std::vector<std::string> frames_taken;      ///< places assumed
   Audit audit{};
@@ -49,7 +50,7 @@ struct EndedRun {
 inline constexpr std::size_t kResultsWidth = 88;  // letters of a line of results
 
 /// The extremes of a column, in its unit.
-struct ColumnEnds : RowRange {
+struct ColumnEnds : ColumnRange {
   std::string name, unit;
   std::string at_least{}, at_most{};  ///< behind the numbers: " (crank = 50 mm)"
 };

@@ -237,6 +237,7 @@ std::pair<std::string, std::string> owner_of(const std::string& channel, const S
 Channel make_channel(System& system, const std::string& name) {
   using namespace channels;
   if (!system.ready()) system.setup();
+  if (name.starts_with('=')) return computed_channel(system, name);
   const Entries of_all = totals();
   if (const Entry* e = find(of_all, name)) return made(system, name, *e);
   if (const auto at = name.find('@'); at != std::string::npos) return make_pair_channel(system, name, at);

@@ -3,11 +3,13 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <exception>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/user_code.h"
 #include "framework/foundation/support/thrown.h"
+#include "framework/tools/record/extremes.h"
 
 namespace lockstep {
 
@@ -88,19 +90,64 @@ void load_rows(Table& table, SnapshotReader& in) {
 
 }  // namespace
 
+void Recorder::find_extremes() { extremes_ = std::make_unique<Extremes>(); }
+
+std::span<const ColumnRange> Recorder::ranges() const {
+  return extremes_ ? extremes_->ranges() : std::span<const ColumnRange>();
+}
+
+void Recorder::read(const Sample& sample, std::span<double> values) {
+  for (std::size_t k = 0; k < channels_.size(); ++k)
+    values[k] = user_code("channel", channels_[k].name, sample.state.t, [&] { return channels_[k].value(sample); });
+}
+
+// A state at which a column cannot be computed is left out: the rows report the reason.
+void Recorder::begin_part(const Sample& sample) {
+  read_ = kNone;
+  if (!extremes_) return;
+  at_end_.resize(channels_.size());
+  is_continuous_ = succeeds([&] { read(sample, at_end_), extremes_->begin_part(sample.state.t, at_end_); });
+}
+
 void Recorder::start(const Sample& sample) {
-  table_.clear_rows(), last_ = std::numeric_limits<double>::infinity();
+  table_.clear_rows(), last_ = kNone;
   call(&Channel::restart, channels_, followed_);
   step(sample);
+  if (extremes_) extremes_->begin(table_.columns());
+  begin_part(sample);
+}
+
+void Recorder::inside(const InsideStep& step) {
+  constexpr int kAlongLaws = 20;  // looks at least between two rows
+  call(&Channel::inside, channels_, followed_, step);
+  if (!extremes_) return;
+  const Sample& end = step.end();
+  if (!is_continuous_) return begin_part(end);
+  is_continuous_ = succeeds([&] { read(end, at_end_); });
+  if (!is_continuous_) return;
+  read_ = end.state.t;
+  const Extremes::Look look = [&](double t, std::span<double> values) {
+    return succeeds([&] { read(step.at(t), values); });
+  };
+  extremes_->add_step(read_, at_end_, step.along_laws() ? kAlongLaws : 1, step.has_states() ? look : Extremes::Look());
 }
 
 void Recorder::step(const Sample& sample) { call_at(sample, &Channel::track, channels_, followed_); }
 
+void Recorder::jumped(const Sample& sample) {
+  call_at(sample, &Channel::jumped, channels_, followed_);
+  begin_part(sample);
+}
+
 // A row is added whole. One that cannot be made is requested again when the run continues, as it is lost otherwise.
 void Recorder::output(const Sample& sample) {
   row_[0] = sample.state.t;
-  for (std::size_t k = 0; k < channels_.size(); ++k)
-    row_[k + 1] = user_code("channel", channels_[k].name, sample.state.t, [&] { return channels_[k].value(sample); });
+  const std::span<double> values(row_.begin() + 1, row_.end());
+  if (read_ == row_[0])
+    std::ranges::copy(at_end_, values.begin());
+  else
+    read(sample, values);
+  if (extremes_) extremes_->take_row(row_);
   if (tell_) function_code("on_row", tell_, sample.state.t, std::span<const double>(row_));
   if (keeps_) table_.add_row(row_);
   last_ = row_[0];
@@ -108,13 +155,15 @@ void Recorder::output(const Sample& sample) {
 
 void Recorder::save(Snapshot& out) const {
   save_rows(table_, out);
-  out.put(last_);
+  out.put(last_), out.put(is_continuous_ ? 1 : 0);
+  if (extremes_) extremes_->save(out);
   call(&Channel::save, channels_, followed_, out);
 }
 
 void Recorder::load(SnapshotReader& in) {
   load_rows(table_, in);
-  last_ = in.get();
+  last_ = in.get(), is_continuous_ = in.get_flag();
+  if (extremes_) extremes_->load(in);
   call(&Channel::load, channels_, followed_, in);
 }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A Simulation of a scene: what the program runs, as one object.
+#include <algorithm>
+
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/rank/singular_watch.h"
+#include "framework/tools/scene_run/requirements.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
 #include "framework/tools/scene_run/run_findings.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -30,10 +33,14 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
     return lockstep::make_solver(settings, *mechanism.methods);
   }
   Channel channel(const std::string& name) override { return channel_of(mechanism, name); }
-  void before() override { audit = std::make_unique<EnergyAudit>(system, settings.limits); }
+  void before() override {
+    if (!settings.require.empty()) requirements = make_requirements(mechanism);
+    audit = std::make_unique<EnergyAudit>(system, settings.limits);
+  }
   State begin(Dynamics& by, StepLoop& run, AssemblyReport& report) override {
     State start = assembled_start(by, mechanism, &report);
     if (settings.at_jumps) run.add_observer(at_jumps);
+    if (requirements) run.add_observer(*requirements);
     run.add_observer(*audit);
     const bool adaptive = run.integrator().info().adaptive;
     doubts = std::make_unique<Doubts>(records_reactions(settings), adaptive ? settings.tolerance.relative : 0.0);
@@ -45,7 +52,10 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
   RunVerdict verdict() const override {
     if (!loop) throw ModelError("simulation: verdict() was called before the start of the run; call it after run()");
     RunVerdict found{audit->result(), run_findings(*loop, audit->result(), *doubts, singular)};
-    found.right = !found.audit.is_wrong();
+    if (requirements)
+      for (Finding& f : broken_requirements(mechanism, *requirements)) found.findings.push_back(std::move(f));
+    found.right =
+        std::ranges::none_of(found.findings, [](const Finding& f) { return f.severity() == Severity::wrong; });
     return found;
   }
 
@@ -56,6 +66,7 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
   std::vector<Event> events;
   RowsAtJumps at_jumps;
   SingularWatch singular;
+  std::unique_ptr<Recorder> requirements;  // null: none
   std::unique_ptr<EnergyAudit> audit;
   std::unique_ptr<Doubts> doubts;
 };

@@ -14,6 +14,7 @@
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/rank/singular_watch.h"
+#include "framework/tools/scene_run/requirements.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
 #include "framework/tools/scene_run/scene_run.h"
 #include "framework/tools/sweep/watched_run.h"
@@ -21,25 +22,17 @@
 namespace lockstep {
 namespace {
 
-// A column that holds a NaN has no range.
-ColumnRange range_of(const std::vector<double>& values) {
-  ColumnRange range{values.back(), values.front(), values.front()};
-  for (const double x : values) {
-    if (std::isnan(x)) return {values.back(), x, x};
-    range.least = std::min(range.least, x), range.most = std::max(range.most, x);
-  }
-  return range;
-}
-
 void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
               const std::function<bool(const State&)>& go_on, Observer* at_jumps, Observer* besides) {
   std::vector<Event> events = make_events(m, recorder);
   EnergyAudit audit(system_of(m), m.run.limits);
+  const std::unique_ptr<Recorder> requirements = m.run.require.empty() ? nullptr : make_requirements(m);
   Dynamics dynamics = make_dynamics(m, registry);
   State start = assembled_start(dynamics, m);
   StepLoop sim(dynamics, make_integrator(m.run, registry), loop_options(m.run));
   sim.add_observer(recorder);
   if (at_jumps != nullptr) sim.add_observer(*at_jumps);
+  if (requirements) sim.add_observer(*requirements);
   sim.add_observer(audit);
   Doubts doubts(records_reactions(m.run), sim.integrator().info().adaptive ? m.run.tolerance.relative : 0.0);
   sim.add_observer(doubts);
@@ -65,6 +58,9 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
     result.passed = singular.n_passed(), result.first_passed = singular.passed().front().t;
   result.findings = doubts.findings(report.steps, sim.state().t);
   judge(audit.result(), result);
+  if (requirements)
+    for (Finding& f : broken_requirements(m, *requirements))
+      result.findings.push_back(std::move(f)), result.wrong = true;
   if (report.stopped && !result.broken_off) result.status = "stopped by '" + report.stopped_by + "'";
 }
 
@@ -81,7 +77,7 @@ std::string SweepRun::outcome() const {
     all += "; passed " + std::to_string(passed) + " singular configuration" + (passed == 1 ? "" : "s") +
            " with unprojected stages, first at t = " + text::brief(first_passed) + " s";
   for (const Finding& f : findings)
-    if (f.severity() == Severity::doubt) all += "; doubtful: " + f.text();
+    if (f.severity() >= Severity::doubt) all += (f.severity() == Severity::doubt ? "; doubtful: " : "; ") + f.text();
   return all;
 }
 
@@ -100,12 +96,14 @@ void judge(const Audit& audit, SweepRun& run) {
   run.wrong = audit.is_wrong();
 }
 
-SweepRun recorded_run(const Table& table) {
+SweepRun recorded_run(const Table& rows, const Recorder& recorder) {
   SweepRun run;
   run.status = "ok";
-  if (table.n_rows() == 0) return run;
-  run.t = table.columns().front().values.back();
-  for (std::size_t k = 1; k < table.n_columns(); ++k) run.columns.push_back(range_of(table.columns()[k].values));
+  if (rows.n_rows() == 0) return run;
+  const std::span<const ColumnRange> ranges = recorder.ranges();
+  run.columns.assign(ranges.begin(), ranges.end());
+  run.t = rows.columns().front().values.back();
+  for (std::size_t k = 0; k < run.columns.size(); ++k) run.columns[k].last = rows.columns()[k + 1].values.back();
   return run;
 }
 
@@ -130,6 +128,7 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     Mechanism m = build_mechanism(scene, registry);
     record_places(m);
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
+    recorder->find_extremes();
     // Rows at jumps are those of the history alone: results do not depend on whether it is kept.
     Table outputs = recorder->table();
     bool jumps = false;
@@ -156,7 +155,7 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
       end();
       throw;
     }
-    SweepRun recorded = recorded_run(at_jumps ? outputs : recorder->table());
+    SweepRun recorded = recorded_run(at_jumps ? outputs : recorder->table(), *recorder);
     result.columns = std::move(recorded.columns), result.t = recorded.t;
     end();
   } catch (const std::exception& error) {

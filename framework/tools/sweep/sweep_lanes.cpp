@@ -7,6 +7,7 @@
 #include <lockstep/batch.h>
 #include <lockstep/error.h>
 #include "framework/dynamics/tree/rows_in_plane.h"
+#include "framework/mechanism/expression/expression.h"
 #include "framework/tools/precision/work_precision.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -17,13 +18,28 @@ namespace {
 
 const StepReport kNoReport{};  // a vectorised batch reports no steps
 
+/// A step of a lane, which has no states inside it.
+class LaneStep final : public InsideStep {
+ public:
+  LaneStep(double begin, const Sample& end) : begin_(begin), end_(end) {}
+  double begin() const override { return begin_; }
+  const Sample& end() const override { return end_; }
+  bool has_states() const override { return false; }
+  Sample at(double) const override { return end_; }
+  bool along_laws() const override { return false; }
+
+ private:
+  double begin_;
+  const Sample& end_;
+};
+
 /// One run, at a fixed address.
 struct Lane {
   Mechanism mechanism;
   std::unique_ptr<Recorder> recorder{};
   std::unique_ptr<EnergyAudit> audit{};  // none if laws do work, which lanes do not integrate
   std::unique_ptr<Doubts> doubts{};
-  bool follows_steps = false;            // columns or the audit look at every step
+  double t = 0;  // of the last step, s
   std::unique_ptr<Dynamics> dynamics{};
   State start{};
   double violation = 0;  // largest |C| at an output, m
@@ -47,11 +63,13 @@ std::string unsuited(const RunSettings& run) {
 
 std::string unsuited(Mechanism& m) {
   if (!m.events.empty()) return "the scene has events";
+  if (!m.run.require.empty()) return "the scene has requirements";
   for (const ChannelRequest& request : m.run.record) {
-    if (request.channel == "step" || request.channel == "rejected" || request.channel == "evaluations" ||
-        request.channel.starts_with("solver."))
-      return "column \"" + request.channel + "\" exists only for single runs";
-    make_channel(system_of(m), request.channel);  // works add their states to the system
+    for (const std::string& channel : expression::channels_in(request.channel))
+      if (channel == "step" || channel == "rejected" || channel == "evaluations" || channel.starts_with("solver."))
+        return "column \"" + request.column() + "\" exists only for single runs";
+    if (make_channel(system_of(m), request.channel).inside)  // works add their states to the system
+      return "column \"" + request.column() + "\" is of the whole motion";
   }
   return Copies::unsuited(system_of(m), m.run.formulation);
 }
@@ -84,10 +102,8 @@ std::vector<double> output_times(const RunSettings& run) {
 void prepare(Lane& lane, const Registry& registry) {
   Mechanism& m = lane.mechanism;
   lane.recorder = make_recorder(m);
+  lane.recorder->find_extremes();
   if (!may_have_laws(m.system)) lane.audit = std::make_unique<EnergyAudit>(system_of(m), m.run.limits);
-  lane.follows_steps = lane.audit != nullptr || std::ranges::any_of(m.run.record, [&](const ChannelRequest& request) {
-                         return make_channel(system_of(m), request.channel).track != nullptr;
-                       });
   lane.dynamics = std::make_unique<Dynamics>(system_of(m), make_solver(m.run, registry),
                                              DynamicsOptions{m.run.formulation, m.run.stabilization});
   lane.start = assembled_start(*lane.dynamics, m);
@@ -123,17 +139,20 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
     if (const double now = lane.dynamics->violation(state); !(now <= lane.violation)) lane.violation = now;
     lane.found.insert(lane.found.end(), scope.found.begin(), scope.found.end());
   };
-  Copies::Step step;
-  if (std::ranges::any_of(lanes, [](const auto& lane) { return lane->follows_steps; }))
-    step = [&](int copy, const State& state, bool jumped) {
-      Lane& lane = *lanes[copy];
-      Sample sample(*lane.dynamics, state, kNoReport);
-      const FindingScope scope;
-      if (jumped) sample.cause = "the jump of a law";
-      if (!jumped) lane.recorder->step(sample);
-      if (lane.audit) jumped ? lane.audit->jumped(sample) : lane.audit->step(sample);
-      lane.found.insert(lane.found.end(), scope.found.begin(), scope.found.end());
-    };
+  const auto step = [&](int copy, const State& state, bool jumped) {
+    Lane& lane = *lanes[copy];
+    Sample sample(*lane.dynamics, state, kNoReport);
+    const FindingScope scope;
+    if (jumped) {
+      sample.cause = "the jump of a law";
+      lane.recorder->jumped(sample);
+    } else {
+      lane.recorder->inside(LaneStep(lane.t, sample)), lane.recorder->step(sample);
+    }
+    if (lane.audit) jumped ? lane.audit->jumped(sample) : lane.audit->step(sample);
+    lane.t = state.t;
+    lane.found.insert(lane.found.end(), scope.found.begin(), scope.found.end());
+  };
   return copies.run(starts, times, output, step, go_on);
 }
 
@@ -204,7 +223,7 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
       runs.back().cpu += cpu;
       continue;
     }
-    SweepRun run = recorded_run(lanes[i]->recorder->table());
+    SweepRun run = recorded_run(lanes[i]->recorder->table(), *lanes[i]->recorder);
     run.steps = reports[i].steps, run.cpu = cpu;
     judge(*lanes[i], run);
     lanes[i]->doubts->take(reports[i].unmet);

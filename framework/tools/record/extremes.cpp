@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "framework/tools/record/extremes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/foundation/math/limits.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kPart = 1e-5;    // of the range of a column: the error of its extremes
+constexpr double kMisfit = 0.1;   // likewise: by how much a value may differ from the parabola through others
+constexpr int kDeepest = 3;       // a step is halved so often at most
+constexpr long kMostNoisy = 8;    // unresolved steps; of a column with more, only the ends of steps count
+constexpr int kMostVertices = 8;  // looks at one extreme
+
+struct Point {
+  double t, v;
+};
+Point point(const std::vector<double>& row, std::size_t k) { return {row[0], row[k + 1]}; }
+
+/// a.v + d (t - a.t) + c (t - a.t) (t - m.t), through three points.
+struct Parabola {
+  Point a, m;
+  double d, c;
+  Parabola(const Point& first, const Point& middle, const Point& last)
+      : a(first), m(middle), d((m.v - a.v) / (m.t - a.t)), c(((last.v - m.v) / (last.t - m.t) - d) / (last.t - a.t)) {}
+  double at(double t) const { return a.v + (d + c * (t - m.t)) * (t - a.t); }
+  double vertex() const { return 0.5 * (a.t + m.t - d / c); }
+};
+
+// How far v is outside of a range.
+double beyond(const ColumnRange& range, double v) { return std::max(v - range.most, range.least - v); }
+
+}  // namespace
+
+void Extremes::begin(const std::vector<Column>& columns) {
+  width_ = columns.size();
+  std::vector<std::string> units;
+  unit_.clear();
+  for (std::size_t k = 1; k < width_; ++k) {
+    unit_.push_back(static_cast<std::size_t>(std::ranges::find(units, columns[k].unit) - units.begin()));
+    if (unit_.back() == units.size()) units.push_back(columns[k].unit);
+  }
+  largest_.assign(units.size(), 0), unresolved_.assign(width_ - 1, 0), off_.assign(width_ - 1, 0), values_.resize(width_ - 1);
+  ranges_.clear(), before_.clear(), last_.clear();
+}
+
+void Extremes::widen(double t, std::span<const double> values) {
+  if (ranges_.empty())
+    for (const double x : values) ranges_.push_back({x, x, x, t, t});
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    ColumnRange& range = ranges_[k];
+    const double x = values[k];
+    if (!(range.least <= x) && !std::isnan(range.least)) range.least = x, range.t_least = t;  // a NaN stays
+    if (!(range.most >= x) && !std::isnan(range.most)) range.most = x, range.t_most = t;
+    largest_[unit_[k]] = std::max(largest_[unit_[k]], std::abs(x));
+  }
+}
+
+void Extremes::take_row(std::span<const double> row) {
+  widen(row[0], row.subspan(1));
+  for (std::size_t k = 0; k + 1 < width_; ++k) ranges_[k].last = row[k + 1];
+}
+
+const Extremes::Row& Extremes::add_row(double t, std::span<const double> values) {
+  widen(t, values);
+  if (n_rows_ == rows_.size()) rows_.emplace_back();
+  Row& row = rows_[n_rows_++];
+  row.assign(1, t);
+  row.insert(row.end(), values.begin(), values.end());
+  return row;
+}
+
+const Extremes::Row* Extremes::look_at(double t, const Look& look) {
+  return look(t, values_) ? &add_row(t, values_) : nullptr;
+}
+
+void Extremes::begin_part(double t, std::span<const double> values) {
+  n_rows_ = 0;
+  last_ = add_row(t, values), before_.clear();
+}
+
+void Extremes::add_step(double t, std::span<const double> values, int n, const Look& look) {
+  n_rows_ = 0;
+  const Row& end = add_row(t, values);
+  if (!look) {
+    join_ends(end);
+  } else if (n > 1) {
+    const Row *a = nullptr, *m = &last_;
+    for (int i = 1; i <= n; ++i) {
+      const Row* const b = i == n ? &end : look_at(last_[0] + (t - last_[0]) * i / n, look);
+      if (b == nullptr) continue;
+      for (std::size_t k = 0; a != nullptr && k + 1 < width_; ++k) refine(k, *a, *m, *b, look);
+      a = m, m = b;
+    }
+  } else {
+    bool turns = false;
+    for (std::size_t k = 0; k + 1 < width_ && !turns; ++k) turns = is_seen(k) && may_turn(k, end);
+    if (turns) divide(before_.empty() ? nullptr : &before_, last_, end, 0, look);
+  }
+  std::swap(before_, last_);
+  last_ = end;
+  for (std::size_t k = 0; k + 1 < width_; ++k) ranges_[k].resolved = off_[k] <= ranges_[k].most - ranges_[k].least;
+}
+
+double Extremes::slack(std::size_t k) const {
+  return std::max(kPart * (ranges_[k].most - ranges_[k].least), kNegligible * largest_[unit_[k]]);
+}
+bool Extremes::is_seen(std::size_t k) const { return unresolved_[k] <= kMostNoisy; }
+
+// Whether the last step may contain an extreme beyond those known: by the parabola through three ends of steps, with
+// four times its height over the chord, and twice its change of slope.
+bool Extremes::may_turn(std::size_t k, const Row& end) const {
+  const Point a = point(last_, k), b = point(end, k);
+  const ColumnRange& range = ranges_[k];
+  if (before_.empty()) return range.most - range.least > slack(k);
+  const double h = b.t - a.t, d = (b.v - a.v) / h, bend = std::abs(Parabola(point(before_, k), a, b).c) * h;
+  const double most = std::max(a.v, b.v) + bend * h, least = std::min(a.v, b.v) - bend * h;
+  return std::max(beyond(range, most), beyond(range, least)) > slack(k) && 2 * bend > std::abs(d);
+}
+
+// Halves a step, and again if a value is not where the parabola through others is.
+void Extremes::divide(const Row* beside, const Row& a, const Row& b, int depth, const Look& look) {
+  const Row* const m = look_at(0.5 * (a[0] + b[0]), look);
+  if (m == nullptr) return;
+  bool misfits = beside == nullptr;
+  for (std::size_t k = 0; k + 1 < width_; ++k) {
+    if (!is_seen(k)) continue;
+    const Point p = point(a, k), q = point(*m, k), r = point(b, k);
+    const double off = beside == nullptr ? 0 : std::abs(Parabola(point(*beside, k), p, r).at(q.t) - q.v);
+    if (off > kMisfit * (ranges_[k].most - ranges_[k].least) + slack(k)) {
+      misfits = true;
+      if (depth == kDeepest) ++unresolved_[k], off_[k] = std::max(off_[k], off / kMisfit);
+    }
+    refine(k, a, *m, b, look);
+  }
+  if (misfits && depth < kDeepest) divide(&b, a, *m, depth + 1, look), divide(&a, *m, b, depth + 1, look);
+}
+
+void Extremes::refine(std::size_t k, const Row& first, const Row& middle, const Row& last, const Look& look) {
+  Point a = point(first, k), m = point(middle, k), b = point(last, k);
+  for (int n = 0; n < kMostVertices; ++n) {
+    const Parabola p(a, m, b);
+    const double t = p.vertex(), v = p.at(t);
+    if (!(a.t < t && t < b.t && beyond(ranges_[k], v) > slack(k))) return;
+    const Row* const found = t == m.t ? nullptr : look_at(t, look);
+    if (found == nullptr) return;
+    const Point at = point(*found, k);
+    if (std::abs(at.v - v) <= slack(k)) return;
+    const Point &left = t < m.t ? at : m, &right = t < m.t ? m : at;
+    const bool first_is_better = p.c < 0 ? left.v >= right.v : left.v <= right.v;
+    if (first_is_better)
+      b = right, m = left;
+    else
+      a = left, m = right;
+  }
+  off_[k] = std::max(off_[k], std::abs(m.v - a.v) / kMisfit);
+}
+
+void Extremes::join_ends(const Row& end) {
+  constexpr double kCoarse = 1e-2;  // of the range: a parabola this high over the ends of steps is inaccurate
+  for (std::size_t k = 0; !before_.empty() && k + 1 < width_; ++k) {
+    const Point a = point(before_, k), m = point(last_, k), b = point(end, k);
+    if ((m.v - a.v) * (b.v - m.v) > 0) continue;
+    const Parabola p(a, m, b);
+    const double t = p.vertex(), v = p.at(t);
+    ColumnRange& range = ranges_[k];
+    if (!(beyond(range, v) > slack(k))) continue;
+    off_[k] = std::max(off_[k], beyond(range, v) / kCoarse);
+    if (v > range.most)
+      range.most = v, range.t_most = t;
+    else
+      range.least = v, range.t_least = t;
+  }
+}
+
+void Extremes::save(Snapshot& out) const {
+  out.put(static_cast<double>(ranges_.size()));
+  for (const ColumnRange& r : ranges_)
+    for (const double x : {r.last, r.least, r.most, r.t_least, r.t_most, r.resolved ? 1.0 : 0.0}) out.put(x);
+  for (const Row* row : {&before_, &last_, &largest_, &off_}) out.put_all(*row);
+  out.put_all(unresolved_);
+}
+
+void Extremes::load(SnapshotReader& in) {
+  ranges_.resize(static_cast<std::size_t>(in.get_count()));
+  for (ColumnRange& r : ranges_) {
+    for (double* x : {&r.last, &r.least, &r.most, &r.t_least, &r.t_most}) *x = in.get();
+    r.resolved = in.get_flag();
+  }
+  for (Row* row : {&before_, &last_, &largest_, &off_}) in.get_all(*row);
+  in.get_all(unresolved_);
+}
+
+}  // namespace lockstep

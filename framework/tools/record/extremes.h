@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Extremes: the extremes of columns over a motion, not only over its rows.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <lockstep/recorder.h>
+
+namespace lockstep {
+
+/// The extremes of columns over a motion that is seen at the ends of its steps, and inside the steps that may contain one.
+/// The parabola through three instants about an extreme gives the next instant, until it predicts the value found there.
+/// Without states inside steps, the vertex of the parabola through three ends of steps is the extreme.
+class LOCKSTEP_API Extremes {
+ public:
+  /// Values of all columns at an instant inside a step; false if they cannot be computed.
+  using Look = std::function<bool(double t, std::span<double> values)>;
+
+  /// Begins a motion of these columns, the first of which is the time.
+  void begin(const std::vector<Column>& columns);
+  /// Begins a part of it that is continuous: at its start, and after a jump.
+  void begin_part(double t, std::span<const double> values);
+  /// Adds a row of the table, the time first.
+  void take_row(std::span<const double> row);
+  /// Adds the step that ends at t. `n`: parts into which it is divided in any case. `look` may be empty.
+  void add_step(double t, std::span<const double> values, int n, const Look& look);
+
+  std::span<const ColumnRange> ranges() const { return ranges_; }  ///< of the columns after the time
+  void save(Snapshot&) const;
+  void load(SnapshotReader&);
+
+ private:
+  void widen(double t, std::span<const double> values);
+  using Row = std::vector<double>;  // as of a table
+  const Row& add_row(double t, std::span<const double> values);
+  const Row* look_at(double t, const Look&);
+  double slack(std::size_t k) const;
+  bool is_seen(std::size_t k) const;
+  bool may_turn(std::size_t k, const Row& end) const;
+  void divide(const Row* beside, const Row& a, const Row& b, int depth, const Look&);
+  void refine(std::size_t k, const Row& a, const Row& m, const Row& b, const Look&);
+  void join_ends(const Row& end);
+
+  std::size_t width_ = 0;          // of a row
+  std::vector<std::size_t> unit_;  // of each column, a number
+  std::vector<double> largest_;    // of each unit
+  std::vector<ColumnRange> ranges_;
+  std::vector<long> unresolved_;  // in so many steps, by column
+  std::vector<double> off_;       // by how much each may be off, as a range of which that is resolved
+  Row before_, last_, values_;    // the ends of the two last steps; before_: empty after a jump
+  std::deque<Row> rows_;          // of the present step
+  std::size_t n_rows_ = 0;
+};
+
+}  // namespace lockstep

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Columns by formulas of channels: against closed forms, and against channels that say the same.
+#include <cmath>
+
+#include <lockstep/author/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/simulation.h>
+#include <lockstep/sweep.h>
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+
+namespace computed_test {
+
+using namespace lockstep;
+using namespace lockstep::testing;
+
+namespace {
+
+// A pendulum, and a crank that is driven at 4 rad/s.
+const char* const kScene = R"({"lockstep": 1, "gravity": [0, -9.81, 0],
+  "parameters": {"r": "0.2 m", "plain": 3, "w": "4 rad/s"}, "points": {"Q": [1, 2, 2]},
+  "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}},
+             {"name": "crank", "rod": {"mass": 2, "from": [3, 0, 0], "to": [3.2, 0, 0]}}],
+  "joints": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0]},
+             {"name": "big end", "type": "revolute", "p": "crank", "s": "ground", "at": [3, 0, 0],
+              "drive": {"axis": "rz", "law": {"type": "formula", "y": "=4*t"}}}],
+  "run": {"integrator": "dopri5", "tolerance": 1e-10, "until": 2, "output": 0.25, "record": [)";
+
+Table run_with(const std::string& record) {
+  Simulation run(build_mechanism(scene_from_text(kScene + record + "]}}", "columns.json"), builtin_registry()));
+  run.run();
+  return run.table();
+}
+
+void agree(const Table& table, const std::string& a, const std::string& b, double margin) {
+  for (std::size_t i = 0; i < table.n_rows(); ++i) {
+    INFO(a << " and " << b << ", row " << i);
+    CHECK(table[a][i] == Approx(table[b][i]).margin(margin));
+  }
+}
+
+std::string refusal(const std::string& record) {
+  return message_of<SceneError>([&] { run_with(record); });
+}
+
+}  // namespace
+
+TEST_CASE("a column may be a formula of channels, vectors among them, with its unit", "[unit][record]") {
+  const Table t = run_with(R"~("A.force_on_p_world_x", "A.force_on_p_world_y", "A.force_on_p_world_z",
+      {"F": "=norm(A.force_on_p_world)"}, {"Fy": "=A.force_on_p_world.y"}, {"dot": "=dot(rod.v, [0, 1, 0])"}, "rod.vy",
+      {"power": "=A.rz_d*A.force_on_p_world_x*r"}, {"ratio": "=A.rz_d/'big end.rz_d'"}, {"w": "=A.rz_d/w"},
+      {"Qz": "=Q.z"}, {"M": "=cross(rod - Q, A.force_on_p_world).z"}, "=t*plain")~");
+  for (std::size_t i = 0; i < t.n_rows(); ++i) {
+    const double x = t["A.force_on_p_world_x"][i], y = t["A.force_on_p_world_y"][i];
+    CHECK(t["F"][i] == Approx(std::hypot(x, y, t["A.force_on_p_world_z"][i])).epsilon(1e-14));
+    CHECK(t["Fy"][i] == y);
+    CHECK(t["Qz"][i] == 2);
+    CHECK(t["ratio"][i] == Approx(t["w"][i]).epsilon(1e-12));
+    CHECK(t["=t*plain"][i] == 3 * t["t"][i]);
+  }
+  agree(t, "dot", "rod.vy", 1e-15);
+  CHECK(t.column("F").unit == "N");
+  CHECK(t.column("M").unit == "N m");
+  CHECK(t.column("power").unit == "W");
+  CHECK(t.column("ratio").unit.empty());
+  CHECK(t.column("Qz").unit == "m");
+}
+
+TEST_CASE("the rate of a recorded quantity is its derivative", "[unit][record]") {
+  const Table t = run_with(R"~("A.rz_d", "A.rz_dd", "rod.ax", {"d": "=rate(A.rz)"}, {"dd": "=rate(A.rz_d)"},
+      {"ax": "=rate(rod.vx)"})~");
+  agree(t, "d", "A.rz_d", 1e-10);
+  agree(t, "dd", "A.rz_dd", 1e-8);
+  agree(t, "ax", "rod.ax", 1e-8);
+  CHECK(t.column("d").unit == "rad/s");
+}
+
+TEST_CASE("functions of the motion are those of its closed form", "[unit][record]") {
+  const Table t =
+      run_with(R"~({"turn": "=integral('big end.rz_d')"}, "big end.rz", {"mean": "=mean(sin('big end.rz'))"},
+      {"rms": "=rms(sin('big end.rz'))"}, {"most": "=max(sin('big end.rz'))"}, {"least": "=min(sin('big end.rz'))"},
+      {"at": "=at('big end.rz', 0.3 s)"}, {"last": "=mean(last(sin('big end.rz')^2, 0.5*pi/w))"},
+      {"swing": "=(max(A.rz) - min(A.rz))/2"}, {"impulse": "=integral(A.force_on_p_world_y - 9.81 N)"}, "rod.vy")~");
+  agree(t, "turn", "big end.rz", 1e-12);
+  for (std::size_t i = 1; i < t.n_rows(); ++i) {
+    const double x = 4 * t["t"][i];
+    INFO("t = " << t["t"][i]);
+    CHECK(t["mean"][i] == Approx((1 - std::cos(x)) / x).epsilon(1e-7));
+    CHECK(t["rms"][i] == Approx(std::sqrt(0.5 - std::sin(2 * x) / (4 * x))).epsilon(1e-7));
+    CHECK(t["most"][i] == Approx(x < kPi / 2 ? std::sin(x) : 1).epsilon(1e-6));
+    CHECK(t["least"][i] == Approx(x < kPi ? 0 : x < 1.5 * kPi ? std::sin(x) : -1).margin(1e-6));
+    CHECK(t["at"][i] == Approx(std::min(x, 1.2)).epsilon(1e-9));
+  }
+  CHECK(t.last("last") == Approx(0.5 + 0.5 * (std::sin(16 - kPi) - std::sin(16)) / kPi).epsilon(1e-7));
+  CHECK(t.last("swing") == Approx(kPi / 2).epsilon(1e-5));
+  agree(t, "impulse", "rod.vy", 1e-7);
+  CHECK(t.column("turn").unit == "rad");
+  CHECK(t.column("impulse").unit == "N s");
+}
+
+TEST_CASE("wrong formulas of columns name the place and what is wrong", "[unit][record]") {
+  check_words(refusal(R"~("=A.rz + rod.x")~"), {"run.record", "an angle", "a length", "added"});
+  check_words(refusal(R"~("=rod.x - 0.2")~"), {"a length", "give the number a unit"});
+  check_words(refusal(R"~("=norm(A.rz)")~"), {"norm", "vector"});
+  check_words(refusal(R"~("=A.force_on_p_world")~"), {"use a component"});
+  check_words(refusal(R"~("=A.forc + 1")~"), {"A.forc", "has no \"forc\""});
+  check_words(refusal(R"~("=mean(max(A.rz))")~"), {"of the motion"});
+  check_words(refusal(R"~("=last(A.rz, 1 s)")~"), {"argument of min"});
+  check_words(refusal(R"~("=at(A.rz, t)")~"), {"constant time"});
+  check_words(refusal(R"~("=mean(A.rz")~"), {"expected \")\""});
+}
+
+TEST_CASE("a requirement of numbers is checked when a scene is read", "[unit][record]") {
+  const auto scene = [](const std::string& require) {
+    const std::string text = kScene + std::string(R"~("rod.x"]}, "require": [)~") + require + "]}";
+    build_mechanism(scene_from_text(text, "require.json"), builtin_registry());
+  };
+  CHECK_NOTHROW(scene(R"~("=r > 0 m", {"far": "=norm(Q) < 4 m"}, "=A.rz > 0 rad")~"));
+  const auto refused = [&](const std::string& require) { return message_of<SceneError>([&] { scene(require); }); };
+  check_words(refused(R"~("=r < 10 cm")~"),
+              {"require.json", "scene.require", "=r < 10 cm", "does not hold", "r = 0.2 m"});
+  check_words(refused(R"~({"near": "=Q.x > 2 m"})~"), {"\"near\" does not hold", "Q.x = 1 m"});
+  check_words(refused(R"~("=r > 2 kg")~"), {"compared"});
+  check_words(refused(R"~("r > 2")~"), {"is no formula", "\"=r > 2\""});
+}
+
+TEST_CASE("a requirement of channels is checked over the motion, and its worst instant is found", "[unit][record]") {
+  const auto broken = [](const std::string& require, double output) {
+    const std::string text = kScene + std::string(R"~("rod.x"]}, "require": [)~") + require + "]}";
+    Scene scene = scene_from_text(text, "require.json");
+    scene.run.output = output;
+    return sweep_run(scene, builtin_registry(), recorded_columns(scene, builtin_registry()));
+  };
+  CHECK_FALSE(broken(R"~("=norm(A.force_on_p_world) < 25 N")~", 0.7).wrong);
+  const SweepRun run = broken(R"~({"bearing": "=norm(A.force_on_p_world) < 24 N"}, "=rod.y > -2 m")~", 0.7);
+  CHECK(run.wrong);
+  CHECK_FALSE(run.failed);
+  // 2.5 m g of a slender rod at its lowest point, which it passes after a quarter of its period
+  check_words(run.outcome(), {"wrong; requirement \"bearing\"", "does not hold by 0.52", "t = 0.483"});
+}
+
+}  // namespace computed_test
