@@ -408,4 +408,24 @@ TEST_CASE("extremes are those of the motion, not only of the recorded times", "[
   CHECK(std::abs(by_laws - peak) < 1e-4 * 2 * peak);
 }
 
+TEST_CASE("prescribed motions check the conditions of a scene, and reject those of unknown masses", "[runner]") {
+  const auto scene = [](const std::string& mass, const std::string& condition) {
+    return "'" + scene_file("conditions", R"~("bodies": [{"name": "arm")~" + mass + R"~(}], "links": [{"name": "A",
+      "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0],
+      "drive": {"axis": "rz", "law": {"type": "formula", "y": "=sin(3*t)"
+  }
+}
+}], "require": [")~" + condition + R"~("], "run": {"until": 2, "output": 0.5, "record": ["A.rz"]})~") +
+           "'";
+  };
+  const Called holds = call("kinematics " + scene("", "=A.rz < 1.001 rad"));
+  CHECK(holds.exit == 0);
+  const Called fails = call("kinematics " + scene("", "=A.rz < 0.9 rad"));
+  CHECK(fails.exit == 9);
+  CHECK(contains(fails.text, "does not hold by 0.1 rad, worst at t = 0.52"));
+  const Called masses = call("kinematics " + scene("", "=A.force_on_p_world.x < 1 N"));
+  CHECK(masses.exit == 3);
+  CHECK(contains(masses.text, "depends on masses"));
+}
+
 }  // namespace sweep_test

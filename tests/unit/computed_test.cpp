@@ -98,6 +98,37 @@ TEST_CASE("functions of the motion are those of its closed form", "[unit][record
   CHECK(t.column("impulse").unit == "N s");
 }
 
+TEST_CASE("an event may watch a formula of channels", "[unit][record]") {
+  const std::string text = kScene + std::string(R"~({"F": "=norm(A.force_on_p_world)"}]}, "events": [
+      {"name": "heavy", "when": {"channel": "=norm(A.force_on_p_world)", "crosses": "20 N"}, "stop": true}]})~");
+  Simulation run(build_mechanism(scene_from_text(text, "events.json"), builtin_registry()));
+  run.run();
+  CHECK(run.loop().report().stopped_by == "heavy");
+  CHECK(run.table().last("F") == Approx(20).epsilon(1e-8));
+}
+
+TEST_CASE("functions of the motion and extremes continue from a checkpoint to the last bit", "[unit][record]") {
+  const std::string text = kScene + std::string(R"~({"mean": "=mean(A.rz)"}, {"most": "=max(A.rz_d)"},
+      {"last": "=rms(last(A.rz, 0.5 s))"}, {"at": "=at(A.rz, 0.7 s)"}]}})~");
+  const auto run_of = [&] {
+    Simulation run(build_mechanism(scene_from_text(text, "saved.json"), builtin_registry()));
+    run.recorder().find_extremes();
+    return run;
+  };
+  Simulation whole = run_of(), first = run_of(), rest = run_of();
+  Snapshot saved;
+  first.advance(1.1), first.loop().save(saved);
+  whole.advance(1.1);
+  rest.loop().load(SnapshotReader(saved));
+  for (Simulation* run : {&whole, &rest}) run->run();
+  REQUIRE(whole.table().n_rows() == rest.table().n_rows());
+  for (std::size_t k = 0; k < 5; ++k) CHECK(whole.table().columns()[k].values == rest.table().columns()[k].values);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const ColumnRange a = whole.recorder().ranges()[k], b = rest.recorder().ranges()[k];
+    CHECK((a.least == b.least && a.most == b.most && a.t_most == b.t_most && a.resolved == b.resolved));
+  }
+}
+
 TEST_CASE("wrong formulas of columns name the place and what is wrong", "[unit][record]") {
   check_words(refusal(R"~("=A.rz + rod.x")~"), {"run.record", "an angle", "a length", "added"});
   check_words(refusal(R"~("=rod.x - 0.2")~"), {"a length", "give the number a unit"});
@@ -136,6 +167,11 @@ TEST_CASE("a requirement of channels is checked over the motion, and its worst i
   CHECK(run.wrong);
   CHECK_FALSE(run.failed);
   // 2.5 m g of a slender rod at its lowest point, which it passes after a quarter of its period
+  Simulation single(build_mechanism(
+      scene_from_text(kScene + std::string(R"~("rod.x"]}, "require": ["=A.rz > -1 rad"]})~"), "require.json"),
+      builtin_registry()));
+  single.run();
+  CHECK_FALSE(single.verdict().right);
   check_words(run.outcome(), {"wrong; requirement \"bearing\"", "does not hold by 0.52", "t = 0.483"});
 }
 

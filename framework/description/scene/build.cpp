@@ -273,7 +273,7 @@ void Builder::check_requirements() const {
       std::string words;
       for (const std::string& n : names)
         if (n != "pi") words += (words.empty() ? "; " : ", ") + n + " = " + expression::words_of(known.at(n));
-      throw ModelError("\"" + r.column() + "\" does not hold" + words);
+      throw ModelError("\"" + r.column() + "\" does not hold" + words + "; change them, or the condition");
     });
   }
 }

@@ -27,6 +27,7 @@
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/record/channel_entry.h"
+#include "framework/tools/scene_run/requirements.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
@@ -65,27 +66,35 @@ std::string quantity_of(const std::string& channel, const System& system) {
   return owner.empty() ? channel : channel.substr(owner.size() + 1, channel.find('@', owner.size()) - owner.size() - 1);
 }
 
+// What the scene asks for: visit(request, where it stands).
+template <class Visit>
+void each_request(const Mechanism& m, const Visit& visit) {
+  for (const ChannelRequest& r : m.run.record) visit(r, "run.record");
+  for (const ChannelRequest& r : m.run.require) visit(r, "scene.require");
+}
+
 void refuse_columns_of_masses(const Mechanism& m, const std::vector<std::string>& without) {
-  for (const ChannelRequest& request : m.run.record)
+  each_request(m, [&](const ChannelRequest& request, const char* owner) {
     for (const std::string& channel : expression::channels_in(request.channel))
       if (std::ranges::any_of(kOfMasses, [quantity = quantity_of(channel, m.system)](const char* word) {
             return quantity.find(word) != std::string::npos;
           }))
-        refuse(request.where, "run.record",
+        refuse(request.where, owner,
                "\"" + request.channel + "\" depends on masses, and " + text::join(without) +
                    (without.size() == 1 ? " has none" : " have none") + "; add them, or leave out the column");
+  });
 }
 
 /// Nothing is integrated here: a column of a work is an error.
 void refuse_integrated_columns(Mechanism& m) {
-  for (const ChannelRequest& request : m.run.record) {
+  each_request(m, [&](const ChannelRequest& request, const char* owner) {
     const std::size_t before = m.system.auxiliaries().size();
     make_channel(system_of(m), request.channel);
     for (std::size_t k = before; k < m.system.auxiliaries().size(); ++k)
-      refuse(request.where, "run.record",
+      refuse(request.where, owner,
              "\"" + request.channel + "\" needs '" + m.system.auxiliaries()[k]->name() +
                  "', which is integrated over time; use lockstep run, or leave out the column");
-  }
+  });
 }
 
 /// Columns of all drives and reactions, in addition to those that the scene records under these names.
@@ -247,6 +256,7 @@ Result follow(const Arguments& args, bool inverse) {
   GrowingFile file(csv);
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   recorder->find_extremes();
+  const std::unique_ptr<Recorder> requirements = make_requirements(m);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   for (const EventRequest& e : m.events)
     tell(fmt::format("warning: event '{}' has no effect without a simulation\n", e.event.name));
@@ -268,10 +278,12 @@ Result follow(const Arguments& args, bool inverse) {
       const DrivenMotion before = motion;
       motion.to(t);
       const Sample sample(dynamics, motion.state(), report);
-      if (&t == &times.front())
-        recorder->start(sample), rows.begin(), doubts.start(sample);
-      else
-        recorder->inside(BetweenPoses(before, dynamics, sample)), recorder->step(sample);
+      if (&t == &times.front()) rows.begin(), doubts.start(sample);
+      for (Recorder* each : {requirements.get(), recorder.get()})
+        if (each != nullptr && &t == &times.front())
+          each->start(sample);
+        else if (each != nullptr)
+          each->inside(BetweenPoses(before, dynamics, sample)), each->step(sample);
       recorder->output(sample), rows.take(), doubts.output(sample), stops.look(dynamics, motion.state());
     }
   } catch (const Error& error) {
@@ -285,11 +297,14 @@ Result follow(const Arguments& args, bool inverse) {
   file.commit();
   stops.tell();
   CommandFindings::add(doubts.findings(motion.steps(), motion.state().t));
+  const std::vector<Finding> broken = broken_requirements(m, requirements.get());
+  CommandFindings::add(broken);
   Motion found{assembled.is_moved() ? assembled.text() : "", recorder->table().n_rows(), motion.steps(), seconds,
                peaks_of(*recorder)};
   Result result(loaded, kinematics_fields(), found);
   result.brief = text_of_motion(std::move(found), m);
   result.files = {csv};
+  result.code = exit_code_of(broken, false);
   return result;
 }
 

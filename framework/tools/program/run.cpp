@@ -176,7 +176,7 @@ class ProgramRun {
         m_(build_observed(loaded_.scene, loaded_.registry)),
         csv_(table_of(m_, loaded_, args)),
         recorder_(make_recorder(m_)),
-        requirements_(m_.run.require.empty() ? nullptr : make_requirements(m_)),
+        requirements_(make_requirements(m_)),
         outputs_(checked_outputs(loaded_, args, recorder_->table(), csv_)),
         file_(csv_),
         checkpoints_(args, loaded_, file_),
@@ -204,8 +204,7 @@ class ProgramRun {
     end_.formulation = formulation_.name(sim_, m_.run.formulation);
     end_.missed = missed_events(m_, sim_);
     end_.findings = run_findings(sim_, end_.audit, doubts_, singular_);
-    if (requirements_)
-      for (Finding& f : broken_requirements(m_, *requirements_)) end_.findings.push_back(std::move(f));
+    for (Finding& f : broken_requirements(m_, requirements_.get())) end_.findings.push_back(std::move(f));
     end_.near = decided(near_.all, m_.run.nearly_redundant);
     for (const MissedEvent& e : end_.missed) end_.findings.push_back(finding_of(e));
     for (Finding& f : suspects_of(end_, system_of(m_), singular_.n_passed())) end_.findings.push_back(std::move(f));

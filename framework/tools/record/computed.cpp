@@ -31,56 +31,37 @@ class OfMotion {
 
   double now(std::span<const double> values) const { return of_(values); }  ///< at the state of these values
 
-  void begin(double t, double v) {
-    pieces_.clear();
-    begin_ = end_ = t, last_ = least_ = most_ = at_ = v, sum_ = squares_ = 0;
-  }
+  void begin(double t, double v) { pieces_.clear(), begin_ = t, last_ = at_ = v, total_ = is_sum() ? 0 : v; }
   void jump(double v) { last_ = v; }
   double last() const { return last_; }  ///< at the end of the last step
   void add(Piece p) {
-    p.v[0] = last_;
-    if (window_ == kWhole) {
-      if (!pieces_.empty()) take(pieces_.back());
-      pieces_.clear();
-    }
+    p.v[0] = last_, last_ = p.v.back();
+    if (p.t0 <= instant_ && instant_ <= p.t1) at_ = p.at(instant_);
+    if (window_ == kWhole && !pieces_.empty())
+      total_ = with(pieces_.front(), begin_, HUGE_VAL, total_), pieces_.clear();
     pieces_.push_back(p);
     while (pieces_.front().t1 < p.t1 - window_) pieces_.pop_front();
-    if (p.t0 <= instant_ && instant_ <= p.t1) at_ = p.at(instant_);
-    last_ = p.v.back(), end_ = p.t1;
   }
   double value(double t, double present) const {
     if (f_ == Function::at) return t < instant_ ? present : at_;
-    const double from = std::max(begin_, t - window_);
-    double sum = sum_, squares = squares_, least = least_, most = most_;
-    if (window_ != kWhole) sum = squares = 0, least = most = present;
-    for (const Piece& p : pieces_) {
-      const double a = std::max(p.t0, from), b = std::min(p.t1, t);
-      if (a < b) widen(p, a, b, sum, squares, least, most);
-    }
-    const double length = t - from;
-    if (f_ == Function::min) return std::min(least, present);
-    if (f_ == Function::max) return std::max(most, present);
-    if (f_ == Function::integral) return sum;
+    const double from = std::max(begin_, t - window_), length = t - from;
+    double total = window_ == kWhole ? total_ : is_sum() ? 0 : present;
+    for (const Piece& p : pieces_) total = with(p, from, t, total);
+    if (!is_sum()) return sign() * std::max(sign() * total, sign() * present);
+    if (f_ == Function::integral) return total;
     if (!(length > 0)) return f_ == Function::rms ? std::abs(present) : present;
-    return f_ == Function::mean ? sum / length : std::sqrt(squares / length);
+    return f_ == Function::mean ? total / length : std::sqrt(total / length);
   }
 
-  template <class Numbers>
-  static void each_number(Numbers&& visit, auto& self) {
-    for (auto* x :
-         {&self.begin_, &self.end_, &self.last_, &self.least_, &self.most_, &self.at_, &self.sum_, &self.squares_})
-      visit(*x);
-  }
   void save(Snapshot& out) const {
-    each_number([&](double x) { out.put(x); }, *this);
-    out.put(static_cast<double>(pieces_.size()));
+    for (const double x : {begin_, last_, at_, total_, static_cast<double>(pieces_.size())}) out.put(x);
     for (const Piece& p : pieces_) {
       out.put(p.t0), out.put(p.t1);
       for (const double x : p.v) out.put(x);
     }
   }
   void load(SnapshotReader& in) {
-    each_number([&](double& x) { x = in.get(); }, *this);
+    for (double* x : {&begin_, &last_, &at_, &total_}) *x = in.get();
     pieces_.resize(static_cast<std::size_t>(in.get_count()));
     for (Piece& p : pieces_) {
       p.t0 = in.get(), p.t1 = in.get();
@@ -91,18 +72,21 @@ class OfMotion {
   static constexpr double kWhole = HUGE_VAL;
 
  private:
-  static void widen(const Piece& p, double a, double b, double& sum, double& squares, double& least, double& most) {
-    sum += p.integral(a, b, [](double v) { return v; });
-    squares += p.integral(a, b, [](double v) { return v * v; });
-    least = std::min(least, p.most(a, b, -1)), most = std::max(most, p.most(a, b, 1));
+  bool is_sum() const { return f_ != Function::min && f_ != Function::max; }
+  double sign() const { return f_ == Function::min ? -1 : 1; }
+  // The integral or the extreme, with that of a piece between two times.
+  double with(const Piece& p, double from, double to, double total) const {
+    const double a = std::max(p.t0, from), b = std::min(p.t1, to);
+    if (!(a < b)) return total;
+    if (!is_sum()) return sign() * std::max(sign() * total, sign() * p.most(a, b, sign()));
+    return total + p.integral(a, b, [&](double v) { return f_ == Function::rms ? v * v : v; });
   }
-  void take(const Piece& p) { widen(p, p.t0, p.t1, sum_, squares_, least_, most_); }
 
   Function f_;
   FormulaFunction of_;
   double window_, instant_;
   std::deque<Piece> pieces_;  // the last, or those of the window
-  double begin_ = 0, end_ = 0, last_ = 0, least_ = 0, most_ = 0, at_ = 0, sum_ = 0, squares_ = 0;  // up to the pieces
+  double begin_ = 0, last_ = 0, at_ = 0, total_ = 0;  // total_: of all before the pieces
 };
 
 /// A formula of channels on the states of a run.

@@ -10,11 +10,11 @@
 
 namespace lockstep {
 
-/// By how much the conditions of a scene hold: an observer of their extremes, which keeps no rows. Make it before the
-/// StepLoop, as the recorder. Throws SceneError with the place in the file of an invalid one.
+/// By how much the conditions of a scene hold: an observer of their extremes, which keeps no rows; null without conditions.
+/// Make it before the StepLoop, as the recorder. Throws SceneError with the place in the file of an invalid one.
 LOCKSTEP_API std::unique_ptr<Recorder> make_requirements(Mechanism&);
 
 /// Those that did not hold in a run, with the worst instant.
-LOCKSTEP_API std::vector<Finding> broken_requirements(const Mechanism&, const Recorder&);
+LOCKSTEP_API std::vector<Finding> broken_requirements(const Mechanism&, const Recorder*);
 
 }  // namespace lockstep

@@ -34,7 +34,7 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
   }
   Channel channel(const std::string& name) override { return channel_of(mechanism, name); }
   void before() override {
-    if (!settings.require.empty()) requirements = make_requirements(mechanism);
+    requirements = make_requirements(mechanism);
     audit = std::make_unique<EnergyAudit>(system, settings.limits);
   }
   State begin(Dynamics& by, StepLoop& run, AssemblyReport& report) override {
@@ -52,8 +52,7 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
   RunVerdict verdict() const override {
     if (!loop) throw ModelError("simulation: verdict() was called before the start of the run; call it after run()");
     RunVerdict found{audit->result(), run_findings(*loop, audit->result(), *doubts, singular)};
-    if (requirements)
-      for (Finding& f : broken_requirements(mechanism, *requirements)) found.findings.push_back(std::move(f));
+    for (Finding& f : broken_requirements(mechanism, requirements.get())) found.findings.push_back(std::move(f));
     found.right =
         std::ranges::none_of(found.findings, [](const Finding& f) { return f.severity() == Severity::wrong; });
     return found;

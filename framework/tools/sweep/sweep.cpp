@@ -26,7 +26,7 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
               const std::function<bool(const State&)>& go_on, Observer* at_jumps, Observer* besides) {
   std::vector<Event> events = make_events(m, recorder);
   EnergyAudit audit(system_of(m), m.run.limits);
-  const std::unique_ptr<Recorder> requirements = m.run.require.empty() ? nullptr : make_requirements(m);
+  const std::unique_ptr<Recorder> requirements = make_requirements(m);
   Dynamics dynamics = make_dynamics(m, registry);
   State start = assembled_start(dynamics, m);
   StepLoop sim(dynamics, make_integrator(m.run, registry), loop_options(m.run));
@@ -58,9 +58,8 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
     result.passed = singular.n_passed(), result.first_passed = singular.passed().front().t;
   result.findings = doubts.findings(report.steps, sim.state().t);
   judge(audit.result(), result);
-  if (requirements)
-    for (Finding& f : broken_requirements(m, *requirements))
-      result.findings.push_back(std::move(f)), result.wrong = true;
+  for (Finding& f : broken_requirements(m, requirements.get()))
+    result.findings.push_back(std::move(f)), result.wrong = true;
   if (report.stopped && !result.broken_off) result.status = "stopped by '" + report.stopped_by + "'";
 }
 
