@@ -9,7 +9,7 @@ namespace {
 // y(t) by a formula, with exact derivatives. If a comparison in it switches, y may jump: a breakpoint.
 class FormulaLaw final : public MotionLaw {
  public:
-  FormulaLaw(const std::string& y, const std::vector<expression::Constant>& constants) : y_(y, {"t"}, constants) {}
+  FormulaLaw(const std::string& y, const std::vector<NamedNumbers>& constants) : y_(y, {"t"}, constants) {}
   LawValue at(double t) const override {
     const Time time(t, 1.0, 0.0), y = y_(std::span<const Time>(&time, 1));
     return {y.v, y.d, y.h};
@@ -30,7 +30,7 @@ void add_formula(LawTypes& types) {
                              "formula of t, as in \"=0.1*sin(3*t)\"; all numbers in SI, or all with units"),
                    expression::constants_key()}},
                  [](const Params& p) -> LawPtr<MotionLaw> {
-                   const std::vector<expression::Constant> constants = expression::read_constants(p, "parameters");
+                   const std::vector<NamedNumbers> constants = expression::read_constants(p, "parameters");
                    try {
                      return std::make_shared<const FormulaLaw>(p.text("y"), constants);
                    } catch (const SceneError&) {

@@ -25,7 +25,7 @@ void formula(Bytes bytes) {
     words_of(amount), article_name_of(amount);
   });
   answered([&] {
-    const FormulaFunction function(text, {"t", "q", "x"}, {{"k", {2, 0, 0}, false}, {"P", {1, 2, 3}, true}});
+    const FormulaFunction function(text, {"t", "q", "x"}, {{"k", {2}}, {"P", {1, 2, 3}}});
     for (const double t : {0.0, -1.5, 1e-300, 3.0}) {
       // NaN and infinity are its users' to refuse.
       const Jet<4> jets[] = {Jet<4>(t), Jet<4>(0.5), Jet<4>(-2.0)};

@@ -23,10 +23,10 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/json.h"
 #include "framework/foundation/support/thrown.h"
-#include "framework/mechanism/expression/dimensions.h"
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/rank/motion_words.h"
 #include "tests/support/catch.h"
+#include "tests/support/dimension_check.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"
 
@@ -180,14 +180,14 @@ TEST_CASE("units have powers up to the sixth", "[mutants][units]") {
 }
 
 TEST_CASE("a constant that a formula names brings its unit", "[mutants][expression]") {
-  const std::vector<expression::Constant> length = {{.name = "L", .value = {2}, .dimension = {.m = 1}}};
+  const std::vector<NamedNumbers> length = {{"L", {2}, "m"}};
   const auto check = [&](Dimension of_x, std::optional<Dimension> value = {}) {
-    expression::check_dimensions("x + L", {{"x", of_x}}, length, value);
+    lockstep::testing::check_dimensions("x + L", {{"x", of_x}}, length, value);
   };
   CHECK_NOTHROW(check({.m = 1}));
   CHECK_THROWS_AS(check({.kg = 1}), ModelError);
   CHECK_THROWS_AS(check({.m = 1}, Dimension{.kg = 1}), ModelError);  // the sum has the unit of one of its parts
-  CHECK_THROWS_AS(expression::check_dimensions("2*L", {}, length, Dimension{.kg = 1}), ModelError);
+  CHECK_THROWS_AS(lockstep::testing::check_dimensions("2*L", {}, length, Dimension{.kg = 1}), ModelError);
 }
 
 TEST_CASE("a marker that a law rotates about the normal stays in the plane", "[mutants][plane]") {

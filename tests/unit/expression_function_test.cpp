@@ -9,16 +9,16 @@
 
 #include <lockstep/error.h>
 #include <lockstep/scene.h>
-#include "framework/mechanism/expression/dimensions.h"
 #include "framework/mechanism/expression/evaluate.h"
 #include "tests/support/catch.h"
+#include "tests/support/dimension_check.h"
 #include "tests/support/messages.h"
 
 namespace expression_function_test {
 
 using namespace lockstep;
 using namespace lockstep::expression;
-using lockstep::testing::message_of;
+using lockstep::testing::check_dimensions, lockstep::testing::MeasuredVariable, lockstep::testing::message_of;
 
 namespace {
 
@@ -187,7 +187,7 @@ TEST_CASE("a unit ends before a variable", "[unit][expression]") {
 }
 
 TEST_CASE("a variable that is a constant as well is rejected at its place", "[unit][expression]") {
-  const expression::Constant t{"t", {5, 0, 0}, false};
+  const NamedNumbers t{"t", {5}};
   const std::string refused = message_of<ModelError>([&] { FormulaFunction("=2*t", {"t"}, {t}); });
   CAPTURE(refused);
   CHECK(refused.find("\"=2*t\", column 4") != std::string::npos);
@@ -197,7 +197,7 @@ TEST_CASE("a variable that is a constant as well is rejected at its place", "[un
 }
 
 TEST_CASE("constants of functions are SI, and unknown names name the nearest", "[unit][expression]") {
-  expression::Constant R{"R", {0.5, 0, 0}, false}, A{"A", {1, 2, 3}, true};
+  const NamedNumbers R{"R", {0.5}}, A{"A", {1, 2, 3}};
   const std::array<Time, 2> v = {Time(2), Time(3, 1, 0)};
   const FormulaFunction f("=x^2/(2*R) + A.y*t + 30 deg*0 + 100 mm", {"x", "t"}, {R, A});
   CHECK_THAT(f(std::span<const Time>(v)).v, Catch::Matchers::WithinULP(4.0 + 6.0 + 0.1, 2));
@@ -220,10 +220,10 @@ TEST_CASE("formulas with units are held against what they read and drive", "[uni
                                  force = dimension_of(Unit::force), torque = dimension_of(Unit::torque);
   const std::vector<MeasuredVariable> variables = {
       {"t", dimension_of(Unit::time)}, {"q", length}, {"rz", angle}, {"e1", Dimension{}}, {"u", std::nullopt}};
-  const std::vector<expression::Constant> constants = {{"L", {0.1, 0, 0}, false, *length},
-                                                       {"w", {3, 0, 0}, false, dimension_of(Unit::angular_speed)},
-                                                       {"n", {2, 0, 0}, false},
-                                                       {"A", {1, 2, 3}, true, *length}};
+  const std::vector<NamedNumbers> constants = {{"L", {0.1}, "m"},
+                                                       {"w", {3}, "rad/s"},
+                                                       {"n", {2}},
+                                                       {"A", {1, 2, 3}, "m"}};
   const auto problem = [&](const char* text, const std::optional<Dimension>& value) {
     return message_of<ModelError>([&] { check_dimensions(text, variables, constants, value); });
   };

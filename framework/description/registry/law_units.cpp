@@ -3,7 +3,7 @@
 
 #include <lockstep/author/registry.h>
 #include "framework/description/registry/shelves.h"
-#include "framework/mechanism/expression/dimensions.h"
+#include "framework/mechanism/expression/scope.h"
 #include "framework/mechanism/params/csv_reader.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
@@ -47,11 +47,11 @@ void check_formula(const Value& formula, const Value* constants, const LawDimens
   Dimension value = dimension_of(law.unit);
   value.s -= law.per_second;
   const auto t = law.of_time ? std::optional(dimension_of(Unit::time)) : std::nullopt;
-  const std::vector<expression::Constant> known =
-      constants != nullptr ? expression::read_constants(*constants, part_of(owner, "parameters"))
-                           : std::vector<expression::Constant>{};
+  expression::Scope scope;
+  scope.add("t", 0, t);
+  if (constants != nullptr) scope.add(expression::read_constants(*constants, part_of(owner, "parameters")));
   try {
-    expression::check_dimensions(*formula.text(), {{"t", t}}, known, value);
+    scope.check(expression::Expression(*formula.text(), std::vector<std::string>{"t"}), value);
   } catch (const ModelError& error) {
     refuse(formula.where, context, error.what());
   }

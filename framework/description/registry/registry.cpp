@@ -43,10 +43,20 @@ LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value& v, const Registry
   return shelf.make(name, Params::unchecked(v.without({"type"})), &laws, owner);
 }
 
+// The tables among the named numbers of its formulas.
+void put_tables(Params& of, const Registry& laws) {
+  if (const Value::Object* const named = of.value("parameters").object())
+    for (const Value::Member& m : *named)
+      if (const std::string key = part_of("parameters", m.key); m.value.object() != nullptr)
+        of.put_law("parameters." + m.key, laws.scalar_law(m.value, part_of(of.owner(), key)));
+}
+
 }  // namespace
 
 Params with_laws(Params of, const Registry* laws) {
   for (const Key& key : of.keys()) {
+    if (key.form == Form::any && key.name == "parameters" && laws != nullptr && of.has(key.name))
+      put_tables(of, *laws);
     const Value v = holds_law(key.form) ? of.given_or_default(key) : Value();
     if (v.is_null() || (laws == nullptr && !of.has(key.name))) continue;
     if (laws == nullptr) of.refuse(key.name, "it holds a law, and no registry is given to make it; pass one");

@@ -19,7 +19,7 @@
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/expression/function.h"
-#include "framework/mechanism/expression/quantity.h"
+#include "framework/mechanism/expression/scope.h"
 #include "framework/mechanism/system/rows_at_start.h"
 
 namespace lockstep {
@@ -236,43 +236,41 @@ void Builder::build() {
   set_up(root);
 }
 
-// Parameters and points, for formulas of channels.
+// Parameters, points and tables, for formulas of channels.
 void Builder::define_numbers() {
   for (const char* key : {"parameters", "points"})
     if (const Value* object = scene_.root.find(key))
-      for (const expression::Constant& c : expression::read_constants(*object, part_of("scene", key)))
-        system_.define({c.name,
-                        {c.value, c.value + (c.is_vector ? 3 : 1)},
-                        c.dimension == Dimension{} ? "" : si_unit(c.dimension)});
+      for (NamedNumbers& n : expression::read_constants(*object, part_of("scene", key))) system_.define(std::move(n));
+  const Value* const tables = scene_.root.find("tables");
+  if (tables == nullptr) return;
+  if (tables->object() == nullptr)
+    refuse(tables->where, "scene.tables", "expected an object of laws by name, got " + shown(*tables));
+  for (const Value::Member& m : *tables->object()) {
+    const std::string place = part_of("scene.tables", m.key);
+    if (const std::string fault = expression::name_fault(m.key); !fault.empty())
+      refuse(m.where, place, "\"" + m.key + "\" is not a valid name: " + fault);
+    if (std::ranges::find(system_.defined(), m.key, &NamedNumbers::name) != system_.defined().end())
+      refuse(m.where, place, "a parameter, a point or another table has this name; choose another one");
+    system_.define({.name = m.key, .table = registry_.scalar_law(m.value, place)});
+  }
 }
 
 // Those of numbers alone; those of channels are looked at during runs.
 void Builder::check_requirements() const {
-  std::map<std::string, expression::Amount> known;
-  for (const NamedNumbers& n : system_.defined()) {
-    expression::Amount& q = known[n.name];
-    q.is_vector = n.values.size() == 3, q.measured = !n.unit.empty();
-    q.dimension = expression::exponents_of(n.unit.empty() ? Dimension{} : *dimension_of(n.unit));
-    for (std::size_t k = 0; k < n.values.size(); ++k) {
-      q.v[k] = n.values[k];
-      if (!q.is_vector) continue;
-      expression::Amount& part = known[n.name + "." + "xyz"[k]] = expression::Amount::number(n.values[k]);
-      part.dimension = q.dimension, part.measured = q.measured;
-    }
-  }
+  expression::Scope scope;
+  scope.add(system_.defined());
   for (const ChannelRequest& r : out_.run.require) {
     const expression::Expression e(r.channel, {}, expression::Naming::channels);
     const std::vector<std::string> names = expression::names_in(e);
-    if (!std::ranges::all_of(names, [&](const std::string& n) { return n == "pi" || known.contains(n); })) continue;
+    const auto is_number = [&](const std::string& n) {
+      return n == "pi" || (scope.find(n) != nullptr && !scope.find(n)->meaning.table);
+    };
+    if (!std::ranges::all_of(names, is_number)) continue;
     placed(r.where, "scene.require", [&] {
-      const auto amount = [&](const std::string& name) {
-        const auto found = known.find(name);
-        return found != known.end() ? &found->second : nullptr;
-      };
-      if (expression::evaluate(e, amount).v[0] != 0) return;
+      if (expression::evaluate(e, [&](const std::string& n) { return scope.amount(n); }).v[0] != 0) return;
       std::string words;
       for (const std::string& n : names)
-        if (n != "pi") words += (words.empty() ? "; " : ", ") + n + " = " + expression::words_of(known.at(n));
+        if (n != "pi") words += (words.empty() ? "; " : ", ") + n + " = " + expression::words_of(*scope.amount(n));
       throw ModelError("\"" + r.column() + "\" does not hold" + words + "; change them, or the condition");
     });
   }

@@ -5,6 +5,7 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/split.h"
+#include "framework/mechanism/system/coordinate_names.h"
 
 namespace lockstep {
 
@@ -34,6 +35,7 @@ void Builder::force(const Value& object, const std::string& owner) {
       p.refuse("link", "a " + parts.type + " acts in its joint, and \"p\" and \"s\" are given as well; remove them");
     if (on_coordinate) where.pairs = {markers_of(p, *where.link, where)};
   }
+  where.coordinate = [this](const std::string& name) { return coordinate_named(system_, name); };
   placed(object.where, [&] {
     Force& added = system_.add(registry_.forces.make_checked(parts.type, where, parts.own));
     if (!p.boolean("active")) added.set_switched(false);

@@ -6,6 +6,7 @@
 #include "framework/description/registry/law_units.h"
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/split.h"
+#include "framework/mechanism/system/coordinate_names.h"
 #include "framework/foundation/support/finding_kinds.h"
 
 namespace lockstep {
@@ -185,6 +186,7 @@ void Builder::link(const Value& object, const std::string& owner) {
   Attachment where;
   try {
     where = p.has("pairs") ? pairs(p, name) : attachment(p, name, true);
+    where.coordinate = [this](const std::string& called) { return coordinate_named(system_, called); };
   } catch (const SceneError&) {  // the keys of its type may be wrong too
     Marker& any = system_.add_marker(unnamed(), system_.body("ground"));
     errors_.within(object, [&] { registry_.links.make_checked(parts.type, {name, {{&any, &any}}}, parts.own); });

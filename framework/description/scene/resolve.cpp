@@ -76,8 +76,9 @@ class Resolver {
   void resolve() {
     Value::Object& root = *scene_.root.object();
     wrong_.attempt([&] { scene_.parameters = definitions_.all(); });
+    if (Value* const tables = member(scene_.root, "tables")) walk(*tables, "scene.tables");
     for (Value::Member& m : root) {
-      static const std::vector<std::string> kTexts = {"$schema", "title", "description", "requires", "require"};
+      static const std::vector<std::string> kTexts = {"$schema", "title", "description", "requires", "require", "tables"};
       if (std::find(kTexts.begin(), kTexts.end(), m.key) != kTexts.end()) continue;
       if (m.key == "parameters" || m.key == "points")
         settle(m);
@@ -179,12 +180,14 @@ class Resolver {
     for (const std::string& name : read) {
       const expression::Amount* amount = nullptr;
       wrong_.attempt([&] { amount = definitions_.find(name); });
-      if (amount == nullptr) continue;
+      const Value* const tables = scene_.root.find("tables");
+      const Value* const table = tables != nullptr ? tables->find(name) : nullptr;
+      if (amount == nullptr && table == nullptr) continue;
       const Value* own = v.find("parameters");
       if (own != nullptr && (own->object() == nullptr || own->find(name) != nullptr))
         continue;  // an error of its reader
       Value& all = made_under(v, "parameters", Value::Object{});
-      all.object()->push_back({name, Definitions::placed_value(*amount, v.where), v.where});
+      all.object()->push_back({name, table != nullptr ? *table : Definitions::placed_value(*amount, v.where), v.where});
     }
   }
   Scene& scene_;

@@ -62,6 +62,7 @@ Json part_schema(const Key& key, const Part& part) {
   if (h == "[x, y, z], 3 rows of 3, or object") return any_of({vector, formula, exactly(vector, 3), object});
   if (h == "[x, y, z] or choice") return any_of({vector, formula, choice});
   if (h == "object of quantities") return members(any_of({number, vector}));
+  if (h == "object of laws") return members(reference("law"));
   if (h == "object of points") return members(any_of({vector, formula}));
   return members(any_of({number, text, {{"type", "boolean"}}}));  // object of values by path
 }

@@ -27,6 +27,7 @@ title | text | | one line that describes the model
 description | text | | further description
 parameters | object of quantities | | named numbers and quantities: {"crank": "100 mm", "ratio": 2.5}; formulas such as "=crank*cos(30 deg)" may replace any number, also here
 points | object of points | | named points, world: {"A": [0, 0, 0], "B": "=A + [crank, 0, 0]"}; "at", "from", "to" and "position" accept such a name
+tables | object of laws | | functions of any argument, for formulas: {"gas": {"type": "spline", "file": "gas.csv", "outside": "hold"}}, read as in "=2*table(gas, crank.rz)", in SI
 requires | list of texts | | required plugins, by name without a path
 gravity | vector3; acceleration | [0, 0, 0] | acceleration of gravity, world axes
 planar | choice; off; auto; x; y; z | "auto" | normal of the plane of motion; a body in the plane has three velocities; "auto": planar if all joints, laws and forces are known to stay in the plane exactly (without the key also: in space if joint coordinates are as few there)

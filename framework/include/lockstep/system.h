@@ -57,13 +57,6 @@ class LOCKSTEP_API StateEditor {
   State& state_;
 };
 
-/// A number with a name, or a vector of three.
-struct NamedNumbers {
-  std::string name;            ///< "crank"
-  std::vector<double> values;  ///< one or three, SI
-  std::string unit;            ///< "m"; "" without dimension, or in SI without a unit
-};
-
 // ControlInput: a number that a host sets between the steps of a run.
 
 /// A named number that a host sets while a mechanism runs, as a controller does, and that forces and laws read by

@@ -67,6 +67,16 @@ T power_of(const T& a, double p) {
   return pow(a, p);
 }
 
+/// The value of a table at x.
+template <class T>
+T of_table(const MotionLaw& table, const T& x) {
+  const LawValue y = table.at(lockstep::value_of(x));
+  if constexpr (std::is_same_v<T, double>)
+    return y.y;
+  else
+    return jet_detail::chain(x, y.y, y.yd, y.ydd);
+}
+
 template <class T>
 T square(const T& a) {
   return a * a;
@@ -103,7 +113,7 @@ template <class T>
   if (o == Operation::multiply) return x * y;
   if (o == Operation::divide) return x / y;
   if (o == Operation::negate) return -x;
-  if (o == Operation::call) return applied(t.function, x, y);
+  if (o == Operation::call) return t.table ? of_table(*t.table, x) : applied(t.function, x, y);
   return t.n_parts == 1 ? power_of(x, t.value) : T(exp(y * log(x)));
 }
 

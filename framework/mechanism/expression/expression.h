@@ -67,6 +67,7 @@ enum class Function {
   norm,
   dot,
   cross,
+  table,
   // of the motion so far, in columns
   mean,
   rms,
@@ -78,8 +79,8 @@ enum class Function {
 
 /// What a function takes: numbers of any dimension, or of one.
 enum class Takes { any, pure, angle, alike, vectors };
-/// The dimension of what it gives: that of its arguments, their root or product, ...
-enum class Gives { number, sign, angle, alike, root, product, times_time, by_time };
+/// The dimension of what it gives: any, that of its arguments, their root or product, ...
+enum class Gives { number, any, sign, angle, alike, root, product, times_time, by_time };
 
 /// A function of formulas.
 struct Signature {

@@ -126,15 +126,26 @@ class FormulaCompiler {
     if (is_of_motion(n)) {
       if (!of_motion_)
         e_.refuse(n,
-                  std::string(f.name) + "(...) is of the motion, as a column is; it cannot be inside of another one");
+                  std::string(f.name) + "(...) is of the motion; it can be the outer function of a column only");
       return {{variable(of_motion_(n))}};
     }
+    if (n.function == Function::table) return {{table(n)}};
     if (f.takes == Takes::vectors) return {of_vectors(n)};
     int first = number(n.children[0]);
     if (n.children.size() == 1) return {{put(Operation::call, {first}, n.function)}};
     for (std::size_t k = 1; k < n.children.size(); ++k)
       first = put(Operation::call, {first, number(n.children[k])}, n.function);
     return {{first}};
+  }
+
+  // The function of a table at a number.
+  int table(const Node& n) {
+    const Node& name = e_.node(n.children[0]);
+    const Meaning m = name.operation == Operation::name && name.name != "pi" ? meanings_(name) : Meaning{};
+    if (!m.table) e_.refuse(name, "the name of a table is expected, which the scene defines under \"tables\"");
+    Term t{Operation::call, Function::table};
+    t.parts = {number(n.children[1])}, t.n_parts = 1, t.table = m.table;
+    return put(t);
   }
 
   Terms of_vectors(const Node& n) {
@@ -166,6 +177,7 @@ class FormulaCompiler {
   Terms named(const Node& n) {
     if (n.name == "pi") return {{constant(kPi)}};
     const Meaning m = meanings_(n);
+    if (m.table) e_.refuse(n, "a table has a value at an argument only; write table(" + n.name + ", x)");
     Terms result{{}, m.is_vector};
     for (std::size_t k = 0; k < (m.is_vector ? 3 : 1); ++k)
       result.of[k] = m.variable < 0 ? constant(m.value[k]) : variable(m.variable + static_cast<int>(k));
@@ -207,41 +219,12 @@ class FormulaCompiler {
   std::vector<Term>& out_;
 };
 
-namespace {
-
-// The names of variables and constants.
-Meanings meanings_of(const Expression& e, const std::vector<std::string>& variables,
-                     const std::vector<Constant>& constants) {
-  return [&](const Node& n) {
-    const auto variable = std::ranges::find(variables, n.name);
-    const auto constant = std::ranges::find(constants, n.name, &Constant::name);
-    if (variable != variables.end() && constant != constants.end())
-      e.refuse(n, "\"" + n.name + "\" is both a variable of this formula and a parameter or point; rename the " +
-                      "parameter or point");
-    if (variable != variables.end()) return Meaning{false, static_cast<int>(variable - variables.begin())};
-    if (constant != constants.end())
-      return Meaning{constant->is_vector, -1, {constant->value[0], constant->value[1], constant->value[2]}};
-    std::vector<std::string> known = variables;
-    for (const Constant& c : constants) known.push_back(c.name);
-    known.emplace_back("pi");
-    e.refuse(n, "unknown name \"" + n.name + "\"" + text::suggestion(n.name, known));
-  };
-}
-
-}  // namespace
-
 FormulaFunction::FormulaFunction(const Expression& e, int node, const Meanings& meanings, const OfMotion& of_motion)
     : text_(e.text()) {
   FormulaCompiler(e, meanings, of_motion, terms_).compile(node);
   has_switches_ = std::ranges::any_of(terms_, &Term::decides);
   if (has_switches_) warned_ = std::make_shared<std::atomic<bool>>(false);
   if (is_constant() && !std::isfinite(terms_.back().value)) e.refuse(0, "its value is not finite");
-}
-
-FormulaFunction::FormulaFunction(const std::string& text, const std::vector<std::string>& variables,
-                                 const std::vector<Constant>& constants) {
-  const Expression e(text, variables);
-  *this = FormulaFunction(e, e.root(), meanings_of(e, variables, constants));
 }
 
 bool FormulaFunction::is_constant() const { return terms_.size() == 1 && terms_[0].operation == Operation::number; }
@@ -258,33 +241,37 @@ template Jet<8> FormulaFunction::operator()(std::span<const Jet<8>>) const;
 
 Key constants_key() {
   return {"parameters", Form::any, Unit::none, kOptional,
-          "object of numbers: named numbers for its formulas; parameters of the scene, in SI, are known too"};
+          "object of numbers: named numbers for its formulas, and tables, which are laws; those of the scene are known too"};
 }
 
-std::vector<Constant> read_constants(const Params& p, const std::string& key) {
-  return p.has(key) ? read_constants(p.value(key), part_of(p.owner(), key)) : std::vector<Constant>{};
+std::vector<NamedNumbers> read_constants(const Params& p, const std::string& key) {
+  if (!p.has(key)) return {};
+  std::vector<NamedNumbers> all = read_constants(p.value(key), part_of(p.owner(), key));
+  for (NamedNumbers& c : all)
+    if (c.values.empty()) c.table = p.law(key + "." + c.name);
+  return all;
 }
 
-std::vector<Constant> read_constants(const Value& object, const std::string& owner) {
-  std::vector<Constant> all;
+std::vector<NamedNumbers> read_constants(const Value& object, const std::string& owner) {
+  std::vector<NamedNumbers> all;
   if (object.object() == nullptr)
     lockstep::refuse(object.where, owner, "expected an object of named numbers, got " + shown(object));
   for (const Value::Member& m : *object.object()) {
     const std::string place = part_of(owner, m.key);
     if (const std::string fault = name_fault(m.key); !fault.empty())
       lockstep::refuse(m.where, place, "\"" + m.key + "\" is not a valid name: " + fault);
-    Constant c;
-    c.name = m.key, c.is_vector = m.value.list() != nullptr;
-    if (c.is_vector) {
+    NamedNumbers& c = all.emplace_back(NamedNumbers{.name = m.key});
+    const auto note_unit = [&](const Value& v) {
+      if (v.text() != nullptr) c.unit = si_unit(dimension_of_text(*v.text()));
+    };
+    if (m.value.list() != nullptr) {
       const Vec3 v = read_vector3(m.value, Unit::any, place);
-      std::copy(v.begin(), v.end(), c.value);
-      for (const Value& each : *m.value.list())
-        if (each.text() != nullptr) c.dimension = dimension_of_text(*each.text());
-    } else {
-      c.value[0] = read_number(m.value, Unit::any, place);
-      if (m.value.text() != nullptr) c.dimension = dimension_of_text(*m.value.text());
+      c.values.assign(v.begin(), v.end());
+      for (const Value& each : *m.value.list()) note_unit(each);
+    } else if (m.value.object() == nullptr) {
+      c.values = {read_number(m.value, Unit::any, place)};
+      note_unit(m.value);
     }
-    all.push_back(std::move(c));
   }
   return all;
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <lockstep/author/jet.h>
+#include <lockstep/author/law.h>
 #include <lockstep/author/params.h>
 #include <lockstep/detail/export.h>
 #include "framework/mechanism/expression/expression.h"
@@ -26,21 +27,15 @@ struct Term {
   std::array<int, 3> parts{};
   int n_parts = 0;
   bool decides = false;  ///< by the sign of a number: a comparison, a choice, |a|, min, floor, ...
+  LawPtr<MotionLaw> table{};  ///< of table(name, x)
 };
 
-/// A number of a formula of functions, by name: SI.
-struct Constant {
-  std::string name;
-  double value[3] = {0, 0, 0};
-  bool is_vector = false;  ///< read as A.x, A.y, A.z
-  Dimension dimension{};   ///< of a number that was given with a unit; else without exponents
-};
-
-/// What a name of a formula stands for: a number or a vector, of variables or constant.
+/// What a name of a formula stands for: a number or a vector, of variables or constant, or a table.
 struct Meaning {
   bool is_vector = false;
   int variable = -1;              ///< the first of them; -1: constant
   std::array<double, 3> value{};  ///< of a constant
+  LawPtr<MotionLaw> table{};      ///< of a table
 };
 /// The meaning of the name of a node; throws ModelError if there is none.
 using Meanings = std::function<Meaning(const Node&)>;
@@ -55,7 +50,7 @@ class LOCKSTEP_API FormulaFunction {
   FormulaFunction() = default;
   /// `variables` in the order of operator(). Throws ModelError with formula, column and problem.
   FormulaFunction(const std::string& text, const std::vector<std::string>& variables,
-                  const std::vector<Constant>& constants = {});
+                  const std::vector<NamedNumbers>& constants = {});
 
   /// The number that this node of an expression gives. Without `of_motion` functions of the motion are rejected.
   FormulaFunction(const Expression&, int node, const Meanings&, const OfMotion& of_motion = {});
@@ -89,11 +84,12 @@ extern template LOCKSTEP_API Time FormulaFunction::operator()(std::span<const Ti
 extern template LOCKSTEP_API Jet<4> FormulaFunction::operator()(std::span<const Jet<4>>) const;
 extern template LOCKSTEP_API Jet<8> FormulaFunction::operator()(std::span<const Jet<8>>) const;
 
-/// The constants that an object gives as "parameters": {"R": "20 mm", "A": [0, 0, 1], ...}. Throws SceneError.
-LOCKSTEP_API std::vector<Constant> read_constants(const Params&, const std::string& key);
+/// The constants that an object gives as "parameters": {"R": "20 mm", "A": [0, 0, 1], ...}, tables
+/// among them. Throws SceneError.
+LOCKSTEP_API std::vector<NamedNumbers> read_constants(const Params&, const std::string& key);
 
-/// The same of the object itself, which stands at `place`.
-LOCKSTEP_API std::vector<Constant> read_constants(const Value& object, const std::string& place);
+/// The same of the object itself, which stands at `place`; tables have no law.
+LOCKSTEP_API std::vector<NamedNumbers> read_constants(const Value& object, const std::string& place);
 
 /// The key "parameters" of a type with formulas.
 LOCKSTEP_API Key constants_key();

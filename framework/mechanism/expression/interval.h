@@ -106,4 +106,7 @@ inline Interval power_of(const Interval& a, double p) {
   return interval_detail::widened(std::min(u, v), std::max(u, v));
 }
 
+/// Of a table nothing is known between its arguments.
+inline Interval of_table(const MotionLaw&, const Interval&) { return Interval::everything(); }
+
 }  // namespace lockstep::expression

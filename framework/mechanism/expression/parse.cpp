@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kAny = 16;
 // In the order of Function.
-constexpr std::array<Signature, 31> kFunctions{{{"sin", 1, 1, Takes::angle},
+constexpr std::array<Signature, 32> kFunctions{{{"sin", 1, 1, Takes::angle},
                                                 {"cos", 1, 1, Takes::angle},
                                                 {"tan", 1, 1, Takes::angle},
                                                 {"asin", 1, 1, Takes::pure, Gives::angle},
@@ -40,6 +40,7 @@ constexpr std::array<Signature, 31> kFunctions{{{"sin", 1, 1, Takes::angle},
                                                 {"norm", 1, 1, Takes::vectors, Gives::alike},
                                                 {"dot", 2, 2, Takes::vectors, Gives::product},
                                                 {"cross", 2, 2, Takes::vectors, Gives::product},
+                                                {"table", 2, 2, Takes::any, Gives::any},
                                                 {"mean", 1, 1, Takes::any, Gives::alike},
                                                 {"rms", 1, 1, Takes::any, Gives::alike},
                                                 {"integral", 1, 1, Takes::any, Gives::times_time},

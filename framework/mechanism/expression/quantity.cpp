@@ -268,6 +268,7 @@ class Evaluation {
   }
 
   Amount call(const Node& n) const {
+    if (n.function == Function::table) return of_table(n);
     std::vector<Amount> a;
     for (const int k : n.children) a.push_back(of(k));
     Amount q = Amount::number(0);
@@ -292,6 +293,15 @@ class Evaluation {
     if (f.takes == Takes::vectors) return of_vectors(n.function, a, q);
     q.v[0] = a.size() == 1 ? value(n.function, a[0].v[0], a[0].v[0]) : a[0].v[0];
     for (std::size_t k = 1; k < a.size(); ++k) q.v[0] = value(n.function, q.v[0], a[k].v[0]);
+    return q;
+  }
+
+  // Its numbers have no dimension of their own.
+  Amount of_table(const Node& n) const {
+    if (of_values()) refuse(n, "a table is of the motion; formulas of parameters and points cannot read it");
+    if (const Amount x = child(n, 1); x.is_vector) refuse_argument(n, x, "a number");
+    Amount q = Amount::number(1);
+    q.any = q.measured = true;
     return q;
   }
 

@@ -74,7 +74,7 @@ class Span {
     if (i == j) return true;
     const Term &a = terms_[i], &b = terms_[j];
     if (a.operation != b.operation || a.function != b.function || a.value != b.value || a.variable != b.variable ||
-        a.n_parts != b.n_parts)
+        a.n_parts != b.n_parts || a.table != b.table)
       return false;
     for (int k = 0; k < a.n_parts; ++k)
       if (!same(a.parts[k], b.parts[k])) return false;

@@ -1,26 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/mechanism/forces/formula_force.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include <lockstep/error.h>
-#include "framework/mechanism/expression/dimensions.h"
 #include "framework/mechanism/expression/evaluate.h"
+#include "framework/mechanism/expression/scope.h"
 #include "framework/mechanism/forces/effort.h"
 
 namespace lockstep {
 
-CoordinateForce::CoordinateForce(std::string name, Marker& p, Marker& s, Axis axis, expression::FormulaFunction f)
-    : FormulaForce(std::move(name), p, &s), axis_(axis), f_(std::move(f)) {}
+CoordinateForce::CoordinateForce(std::string name, Marker& p, Marker& s, Coordinate::Of q,
+                                 expression::FormulaFunction f, Readings reads)
+    : FormulaForce(std::move(name), p, &s),
+      of_(q),
+      q_(q, {p.body, &p}, {s.body, &s}),
+      f_(std::move(f)),
+      reads_(std::move(reads)) {}
 
 const TypeInfo& CoordinateForce::info() {
   static const TypeInfo info{
       "function_force",
-      "force or torque by a formula of one coordinate q of P relative to S, its rate qd and time t",
+      "force or torque by a formula of a coordinate q of P relative to S, its rate qd, time t, and coordinates of "
+      "others: crank.rz, crank.rz_d, P.x, P.distance@Q",
       {{"force", Form::text, Unit::none, kOptional,
-        "force on P along an axis of S, N: \"=-800*q - 20*qd + 5*sin(t)\", q in m, all numbers in SI or all with "
-        "units"},
+        "force on P along an axis of S, or away from S, N: \"=-800*q - 20*qd + 5*sin(t)\", q in m, all numbers in SI "
+        "or all with units"},
        {"torque", Form::text, Unit::none, kOptional,
         "or torque on P about an axis of S, N m; q in rad, revolutions counted"},
        {"coordinate",
@@ -28,49 +35,74 @@ const TypeInfo& CoordinateForce::info() {
         Unit::none,
         kOptional,
         "coordinate q of P relative to S; default: z for a force, rz for a torque",
-        {"x", "y", "z", "rx", "ry", "rz"}},
+        {"x", "y", "z", "distance", "rx", "ry", "rz"}},
        expression::constants_key()}};
   return info;
 }
 
 std::unique_ptr<Force> CoordinateForce::make(const Attachment& attachment, const Params& k) {
-  const std::vector<expression::Constant> constants = expression::read_constants(k, "parameters");
   if (k.has("force") == k.has("torque"))
     k.refuse(k.has("force") ? "torque" : "",
              k.has("force") ? "\"force\" is given as well; remove one of the two" : "give \"force\" or \"torque\"");
   const bool torque = k.has("torque");
   const char* key = torque ? "torque" : "force";
-  const Axis axis = k.has("coordinate") ? axis_from(k.text("coordinate")) : torque ? Axis::rz : Axis::z;
-  if (is_rotation(axis) != torque)
-    k.refuse("coordinate", torque ? "a torque is about rx, ry or rz" : "a force is along x, y or z");
-  expression::FormulaFunction f;
+  const std::string word = k.has("coordinate") ? k.text("coordinate") : torque ? "rz" : "z";
+  const bool turns = word.starts_with('r');
+  if (turns != torque)
+    k.refuse("coordinate", torque ? "a torque is about rx, ry or rz" : "a force is along x, y, z or distance");
+  const Coordinate::Of q{turns                ? Coordinate::Kind::turn
+                         : word == "distance" ? Coordinate::Kind::distance
+                                              : Coordinate::Kind::position,
+                         word == "distance" ? 0 : word.back() - 'x'};
+  Readings reads;
   try {
-    f = expression::FormulaFunction(k.text(key), {"q", "qd", "t"}, constants);
-    expression::check_dimensions(k.text(key),
-                                 {{"q", dimension_of(torque ? Unit::angle : Unit::length)},
-                                  {"qd", dimension_of(torque ? Unit::angular_speed : Unit::speed)},
-                                  {"t", dimension_of(Unit::time)}},
-                                 constants, dimension_of(torque ? Unit::torque : Unit::force));
+    const std::vector<std::string> own = {"q", "qd", "t"};
+    expression::Scope scope([&](const std::string& name) {
+      if (!attachment.coordinate) throw ModelError("unknown name \"" + name + "\"; known: q, qd, t");
+      reads.push_back(attachment.coordinate(name));
+      if (own.size() + reads.size() > kMostVariables)
+        throw ModelError("the formula reads more than " + std::to_string(kMostVariables) + " numbers; split the force");
+      return expression::Scope::Name{{.variable = static_cast<int>(own.size() + reads.size()) - 1},
+                                     reads.back()->dimension()};
+    });
+    scope.add("q", 0, dimension_of(torque ? Unit::angle : Unit::length));
+    scope.add("qd", 1, dimension_of(torque ? Unit::angular_speed : Unit::speed));
+    scope.add("t", 2, dimension_of(Unit::time));
+    scope.add(expression::read_constants(k, "parameters"));
+    const expression::Expression e(k.text(key), own, expression::Naming::channels);
+    expression::FormulaFunction f = scope.compiled(e, e.root());
+    scope.check(e, dimension_of(torque ? Unit::torque : Unit::force));
+    return std::make_unique<CoordinateForce>(attachment.name, p_of(attachment, k), s_of(attachment, k), q,
+                                             std::move(f), std::move(reads));
+  } catch (const SceneError&) {
+    throw;
   } catch (const ModelError& error) {
     k.refuse(key, error.what());
   }
-  return std::make_unique<CoordinateForce>(attachment.name, p_of(attachment, k), s_of(attachment, k), axis,
-                                           std::move(f));
 }
 
 void CoordinateForce::setup() {
-  if (is_rotation(axis_)) require_turning(p(), "rotates");
-  require_turning(*s(), is_rotation(axis_) ? "rotates" : "has a lever arm on");
+  if (is_torque()) require_turning(p(), "rotates");
+  if (of_.kind != Coordinate::Kind::distance) require_turning(*s(), is_torque() ? "rotates" : "has a lever arm on");
   MarkerForce::setup();
+  also_.clear();
+  for (const auto& read : reads_) {
+    read->setup();
+    for (const int slot : {read->m().slot, read->n().slot})
+      if (std::ranges::find(also_, slot) == also_.end()) also_.push_back(slot);
+  }
 }
 
 bool CoordinateForce::stays_in_plane(Plane plane) const {
-  const auto fits = [&](const MarkerFrame& frame) { return axis_stays_in_plane(axis_, frame.A0.row(plane.n)); };
-  return markers_stay_in(plane, false) && fits(S_) && (is_rotation(axis_) ? fits(P_) : has_no_arms(plane));
+  if (of_.kind == Coordinate::Kind::distance) return markers_stay_in(plane);
+  const auto axis = static_cast<Axis>((is_torque() ? 3 : 0) + of_.axis);
+  const auto fits = [&](const MarkerFrame& frame) { return axis_stays_in_plane(axis, frame.A0.row(plane.n)); };
+  return markers_stay_in(plane, false) && fits(S_) && (is_torque() ? fits(P_) : has_no_arms(plane));
 }
 
 void CoordinateForce::count_angles(AngleCounter& counter) {
-  if (is_rotation(axis_)) angle_ = &counter.count(p(), *s(), axis_index(axis_) % 3);
+  q_.count_angles(counter);
+  for (const auto& read : reads_) read->count_angles(counter);
 }
 
 void CoordinateForce::breakpoints(double t0, double t1, std::vector<double>& out) const {
@@ -79,7 +111,7 @@ void CoordinateForce::breakpoints(double t0, double t1, std::vector<double>& out
 }
 
 std::vector<Quantity> CoordinateForce::quantities() const {
-  const bool turn = is_rotation(axis_);
+  const bool turn = is_torque();
   return {{"coordinate", turn ? "rad" : "m", "coordinate q of P relative to S"},
           {"rate", turn ? "rad/s" : "m/s", "its rate qd"},
           {turn ? "torque" : "force", turn ? "N m" : "N", "value of the formula, on P's body"},
@@ -106,38 +138,35 @@ Jet<N, double, NoMotion> without_rate(const Jet<N>& x) {
 
 }  // namespace
 
+// f(q, qd, t, ...)
+template <class T>
+T CoordinateForce::effort(const Ends<T>& at) const {
+  std::array<T, kMostVariables> v;
+  std::array<double, kMostVariables> rates{};
+  v[0] = q_.value(at.P, at.S, at.s), v[1] = q_.rate(at.P, at.S), v[2] = T(at.t);
+  rates[0] = value_of(v[1]), rates[2] = 1;
+  std::size_t n = 3;
+  for (const auto& read : reads_) {
+    const MotionT<T> O_m = at.motion(read->m().slot), O_n = at.motion(read->n().slot);
+    const MarkerOn<T> m{O_m, read->m().at(at.t)}, on{O_n, read->n().at(at.t)};
+    if (f_.has_switches() && !read->of().rate) rates[n] = value_of(read->rate(m, on));
+    v[n++] = read->value(m, on, at.s);
+  }
+  if (!f_.has_switches()) return f_(std::span<const T>(v.data(), n));
+  std::array<decltype(with_rate(v[0], 0)), kMostVariables> moving;
+  for (std::size_t k = 0; k < n; ++k) moving[k] = with_rate(v[k], rates[k]);
+  return without_rate(f_(std::span<const decltype(with_rate(v[0], 0))>(moving.data(), n)));
+}
+
 template <class T, class Load>
 void CoordinateForce::act(const Ends<T>& at, Load& load) const {
-  using std::atan2;
-  const int k = axis_index(axis_) % 3;
-  const Vec3T<T> a_S = at.S.axis(k);
-  const auto effort = [&](const T& q, const T& rate) {
-    if (!f_.has_switches()) {
-      const std::array<T, 3> v = {q, rate, T(at.t)};
-      return f_(std::span<const T>(v));
-    }
-    using Moving = decltype(with_rate(q, 0));
-    const std::array<Moving, 3> v = {with_rate(q, value_of(rate)), with_rate(rate, 0), with_rate(T(at.t), 1)};
-    return T(without_rate(f_(std::span<const Moving>(v))));
-  };
-  if (!is_rotation(axis_)) {
-    const T q = a_S.dot(Vec3T<T>(at.P.x() - at.S.x())), rate = a_S.dot(rate_from_s(Effort::force, at)),
-            f = effort(q, rate);
-    load.force(Vec3T<T>(f * a_S), at.P.x());
-    load.supplies(f * rate);
-    load.shows(q, rate, f);
-    return;
-  }
-  const QuatT<T> e = conjugate(at.S.q()) * at.P.q();
-  T q = 2.0 * atan2(k == 0 ? e.x : k == 1 ? e.y : e.z, e.w);
-  const Vec3T<T> a_P = at.P.axis(k);
-  const T sum = 1.0 + a_P.dot(a_S);
-  const bool has_angle = value_of(sum) != 0;
-  const Vec3T<T> g = has_angle ? Vec3T<T>(T(1.0 / sum) * (a_P + a_S)) : Vec3T<T>(Vec3T<T>::Zero());
-  const T rate = g.dot(at.P.w() - at.S.w());
-  q += kTwoPi * std::round(((angle_ ? angle_->expected(at.s) : 0.0) - value_of(q)) / kTwoPi);
-  const T f = has_angle ? effort(q, rate) : T(0);
-  load.torque(Vec3T<T>(f * g));
+  const Vec3T<T> g = q_.direction(at.P, at.S);
+  const bool has_value = value_of(g[0]) != 0 || value_of(g[1]) != 0 || value_of(g[2]) != 0;
+  const T q = q_.value(at.P, at.S, at.s), rate = q_.rate(at.P, at.S), f = has_value ? effort(at) : T(0);
+  if (is_torque())
+    load.torque(Vec3T<T>(f * g));
+  else
+    load.force(Vec3T<T>(f * g), at.P.x());
   load.supplies(f * rate);
   load.shows(q, rate, f);
 }

@@ -247,10 +247,9 @@ std::string Params::place_of(std::string_view key) const { return part_of(owner_
 
 template <class L>
 L Params::made(std::string_view name) const {
-  const Key& key = key_of(name);
-  const auto found = laws_.find(key.name);
+  const auto found = laws_.find(std::string(name));
   if (found == laws_.end()) {
-    (void)needed(key);
+    (void)needed(key_of(name));
     refuse(name, "it holds a law, but nothing here can make laws; pass a registry");
   }
   const L* law = std::get_if<L>(&found->second);

@@ -231,7 +231,7 @@ void ControlInput::refuse(double value) const {
 }
 
 void System::define(NamedNumbers numbers) {
-  if (numbers.values.size() != 1 && numbers.values.size() != 3)
+  if (!numbers.table && numbers.values.size() != 1 && numbers.values.size() != 3)
     throw ModelError(fmt::format("\"{}\" has {} values; give one or three", numbers.name, numbers.values.size()));
   const auto same = std::ranges::find(defined_, numbers.name, &NamedNumbers::name);
   (same != defined_.end() ? *same : defined_.emplace_back()) = std::move(numbers);

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <map>
 #include <memory>
 #include <optional>
 
 #include <lockstep/error.h>
 #include "framework/mechanism/expression/evaluate.h"
-#include "framework/mechanism/expression/quantity.h"
+#include "framework/mechanism/expression/scope.h"
 #include "framework/tools/record/channel_entry.h"
 #include "framework/tools/record/piece.h"
 
@@ -19,9 +18,9 @@ namespace {
 using expression::Expression;
 using expression::FormulaFunction;
 using expression::Function;
-using expression::Meaning;
 using expression::Node;
 using expression::Operation;
+using expression::Scope;
 
 /// A formula of the motion up to an instant: of all of it, or of its last seconds.
 class OfMotion {
@@ -94,8 +93,13 @@ class Computed {
  public:
   /// `margin`: of a condition, by how much it holds.
   Computed(System& system, const std::string& text, bool margin)
-      : e_(text, kTime, expression::Naming::channels), system_(system), is_margin_(margin) {
+      : e_(text, kTime, expression::Naming::channels),
+        system_(system),
+        is_margin_(margin),
+        scope_([this](const std::string& name) { return channel(name); }) {
     values_.resize(1);
+    scope_.add("t", 0, dimension_of(Unit::time));
+    scope_.add(system_.defined());
     const Node& root = e_.node(e_.root());
     const Operation o = root.operation;
     const bool below = o == Operation::less || o == Operation::less_equal;
@@ -177,67 +181,14 @@ class Computed {
   }
 
   FormulaFunction compiled(int node) {
-    return {e_, node, meanings(), [this](const Node& n) { return of_motion(n); }};
+    return scope_.compiled(e_, node, [this](const Node& n) { return of_motion(n); });
   }
 
-  // -- names
-  expression::Meanings meanings() {
-    return [this](const Node& n) { return meaning(n); };
-  }
-
-  Meaning meaning(const Node& n) {
-    if (n.name == "t") return note(n.name, Meaning{false, 0}, "s", false);
-    if (const auto known = meanings_.find(n.name); known != meanings_.end()) return known->second;
-    if (const auto constant = constant_of(n.name)) return note(n.name, constant->first, constant->second, true);
-    std::exception_ptr unknown;
-    try {
-      const Channel c = make_channel(system_, n.name);
-      return note(n.name, Meaning{false, place_of(c)}, c.unit, true);
-    } catch (const ModelError&) {
-      unknown = std::current_exception();
-    }
-    for (const char* between : {"_", ".", ""})
-      if (const auto v = vector_of(n.name + between)) return note(n.name, Meaning{true, v->first}, v->second, true);
-    if (const std::size_t dot = n.name.rfind('.'); dot + 2 == n.name.size())
-      if (const std::size_t k = std::string_view("xyz").find(n.name[dot + 1]); k != std::string::npos) {
-        const std::string name = n.name.substr(0, dot);
-        for (const char* between : {"_", ""})
-          if (const auto v = vector_of(name + between))
-            return note(n.name, Meaning{false, v->first + static_cast<int>(k)}, v->second, true);
-      }
-    try {
-      std::rethrow_exception(unknown);
-    } catch (const ModelError& error) {
-      e_.refuse(n, error.what());
-    }
-  }
-
-  // A number or vector of System::define(), or a component of one, with its unit.
-  std::optional<std::pair<Meaning, std::string>> constant_of(const std::string& name) const {
-    for (const NamedNumbers& c : system_.defined()) {
-      Meaning m{c.values.size() == 3, -1, {c.values[0], c.values.back(), c.values.back()}};
-      if (m.is_vector) m.value[1] = c.values[1];
-      if (c.name == name) return std::pair(m, c.unit);
-      for (std::size_t k = 0; m.is_vector && k < 3; ++k)
-        if (name == c.name + "." + kAxisName[k]) return std::pair(Meaning{false, -1, {c.values[k]}}, c.unit);
-    }
-    return std::nullopt;
-  }
-
-  // The place of the first of three channels.
-  std::optional<std::pair<int, std::string>> vector_of(const std::string& begin) {
-    const std::size_t at = begin.find('@');
-    if (at != std::string::npos) return std::nullopt;
-    std::vector<Channel> found;
-    try {
-      for (const char* axis : kAxisName) found.push_back(make_channel(system_, begin + axis));
-    } catch (const ModelError&) {
-      return std::nullopt;
-    }
-    const auto first = static_cast<int>(values_.size());
-    values_.resize(values_.size() + 3);
-    for (int k = 0; k < 3; ++k) places_.push_back(first + k), channels_.push_back(found[k]);
-    return std::pair(first, found[0].unit);
+  // A channel by its name.
+  Scope::Name channel(const std::string& name) {
+    const Channel c = make_channel(system_, name);
+    const std::optional<Dimension> d = c.unit.empty() ? Dimension{} : dimension_of(c.unit);
+    return {{.variable = place_of(c)}, d, true};
   }
 
   int place_of(const Channel& c) {
@@ -246,23 +197,12 @@ class Computed {
     return places_.back();
   }
 
-  Meaning note(const std::string& name, const Meaning& m, const std::string& unit, bool strict) {
-    meanings_[name] = m;
-    expression::Amount& q = amounts_[name];
-    const std::optional<Dimension> d = unit.empty() ? Dimension{} : dimension_of(unit);
-    has_unknown_ = has_unknown_ || !d;
-    q.is_vector = m.is_vector, q.v = Vec3::Ones();
-    q.dimension = expression::exponents_of(d.value_or(Dimension{}));
-    q.measured = m.variable >= 0 || !unit.empty(), q.with_unit = strict && q.measured;
-    return m;
-  }
-
   // -- functions of the motion
   int of_motion(const Node& n) {
     const auto place = static_cast<int>(values_.size());
     values_.push_back(0);
     if (n.function == Function::rate) {
-      rates_.emplace_back(place, FormulaFunction(e_, n.children[0], meanings()));
+      rates_.emplace_back(place, scope_.compiled(e_, n.children[0]));
       return place;
     }
     if (n.function == Function::last)
@@ -273,11 +213,11 @@ class Computed {
       window = time_of(inner), of = inner.children[0];
     if (n.function == Function::at) instant = time_of(n);
     motions_.emplace_back(place,
-                          std::make_shared<OfMotion>(n.function, FormulaFunction(e_, of, meanings()), window, instant));
+                          std::make_shared<OfMotion>(n.function, scope_.compiled(e_, of), window, instant));
     return place;
   }
   double time_of(const Node& call) {
-    const FormulaFunction t(e_, call.children[1], meanings());
+    const FormulaFunction t = scope_.compiled(e_, call.children[1]);
     const double value = t.is_constant() ? t(span()) : NAN;
     if (!(value >= 0)) e_.refuse(e_.node(call.children[1]), "a constant time is expected, 0 or more");
     return value;
@@ -308,18 +248,9 @@ class Computed {
     return sum / (12 * h);
   }
 
-  std::string checked_unit(int node) const {
-    if (has_unknown_) return "";
-    const auto amount = [this](const std::string& name) -> const expression::Amount* {
-      const auto found = amounts_.find(name);
-      return found != amounts_.end() ? &found->second : nullptr;
-    };
-    const auto varies = [this](const std::string& name) {
-      const auto found = meanings_.find(name);
-      return found != meanings_.end() && found->second.variable >= 0;
-    };
-    const expression::Amount q = expression::dimension_of(e_, node, amount, varies, "", true);
-    return q.any ? "" : expression::unit_of(q);
+  std::string checked_unit(int node) {
+    const std::optional<expression::Amount> q = scope_.dimension_of(e_, node, "", true);
+    return !q || q->any ? "" : expression::unit_of(*q);
   }
 
   const Expression e_;
@@ -332,9 +263,8 @@ class Computed {
   std::vector<int> places_;  // of the channels among the values
   std::vector<std::pair<int, std::shared_ptr<OfMotion>>> motions_;
   std::vector<std::pair<int, FormulaFunction>> rates_;
-  std::map<std::string, Meaning> meanings_;
-  std::map<std::string, expression::Amount> amounts_;
-  bool has_unknown_ = false, begun_ = false;
+  Scope scope_;
+  bool begun_ = false;
 };
 
 }  // namespace

@@ -3,16 +3,6 @@
 
 namespace lockstep::channels {
 
-MarkerFrame Frame::folded() const {
-  if (marker) return MarkerFrame(*marker);
-  MarkerFrame f;
-  if (body == nullptr) return f;
-  f.slot = body->slot;
-  const Pose& p = body->fixed ? body->home : body->in_slot;
-  f.u0 = f.home.u = p.x, f.q0 = f.home.q = normalized(p.q), f.A0 = f.home.A = rotation(f.q0);
-  return f;
-}
-
 const MarkerFrame& Frame::in(const System& system) const {
   if (revision != system.revision()) last = folded(), revision = system.revision();
   return last;

@@ -4,14 +4,12 @@
 
 #include <lockstep/author/relative.h>
 #include <lockstep/step_loop.h>
+#include "framework/mechanism/lock/coordinate.h"
 
 namespace lockstep::channels {
 
 /// Stays valid through a new set-up of the system: it is folded into its slot again after each.
-struct Frame {
-  const Body* body = nullptr;      ///< null: the world
-  const Marker* marker = nullptr;  ///< null: the body's own frame
-  MarkerFrame folded() const;
+struct Frame : BodyOrMarker {
   /// The same, folded once for each set-up.
   const MarkerFrame& in(const System&) const;
 

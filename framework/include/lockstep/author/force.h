@@ -5,6 +5,7 @@
 #include <concepts>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -266,6 +267,8 @@ class FormulaForce : public MarkerForce, public Observable {
   std::vector<Quantity> quantities() const override { return {}; }
   /// The k-th number that the formula shows; after the last one, the power.
   double quantity(int k, const Inputs& in) const override;
+  /// Slots whose motions act() reads besides those of its markers, each once. Default: none; F hides it.
+  std::span<const int> also_reads() const { return {}; }
 
  private:
   auto act() const;

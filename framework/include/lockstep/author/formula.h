@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <type_traits>
 
 #include <lockstep/author/force.h>
 #include <lockstep/author/jet.h>
@@ -13,18 +14,40 @@
 
 namespace lockstep {
 
-/// The two markers of a force at one time. Without an S, S is the ground's origin.
-template <class T>
-struct Ends {
-  MarkerOn<T> P,              ///< marker P on its slot
-      S;                      ///< marker S on its slot, or the ground's origin
-  double t = 0;               ///< time, s
-  std::span<const double> s;  ///< integrated states of the mechanism, State::s, for counted angles
-};
-
 /// A number with its derivatives with respect to the pose of one slot (dx, dth) or its velocity (v, w): three each,
 /// translations in world axes, rotations and angular velocities in slot axes.
 using SlotJet = Jet<6, double, NoMotion>;
+
+namespace formula {
+/// What of a slot's motion has derivatives.
+enum class Vary {
+  nothing,  ///< nothing: constants
+  pose,     ///< with respect to dx, dth
+  velocity  ///< with respect to v, w
+};
+/// A motion as jets, with the derivatives of the pose or velocity, or with none.
+LOCKSTEP_API MotionT<SlotJet> varied(const Motion&, Vary);
+}  // namespace formula
+
+/// The two markers of a force at one time. Without an S, S is the ground's origin.
+template <class T>
+struct Ends {
+  MarkerOn<T> P,                                ///< marker P on its slot
+      S;                                        ///< marker S on its slot, or the ground's origin
+  const Inputs& in;                             ///< time, motions and integrated states of the mechanism
+  int column = kGround;                         ///< of jets: the slot whose motion has derivatives
+  formula::Vary what = formula::Vary::nothing;  ///< which of its motion has them
+  double t = in.t;                              ///< time, s
+  std::span<const double> s = in.s;             ///< State::s, for counted angles
+
+  /// The motion of any slot, for a formula that reads more than its markers.
+  MotionT<T> motion(int slot) const {
+    if constexpr (std::is_same_v<T, double>)
+      return in.slot(slot);
+    else
+      return formula::varied(in.slot(slot), slot == column ? what : formula::Vary::nothing);
+  }
+};
 
 /// The powers and quantities of a force at one instant.
 struct ForceAccount {
@@ -148,18 +171,9 @@ struct LOCKSTEP_API TangentLoad : Silent<SlotJet> {
   Mat6 rows(int i) const;
 };
 
-/// What of a slot's motion has derivatives.
-enum class Vary {
-  nothing,  ///< nothing: constants
-  pose,     ///< with respect to dx, dth
-  velocity  ///< with respect to v, w
-};
-/// A motion as jets, with the derivatives of the pose or velocity, or with none.
-LOCKSTEP_API MotionT<SlotJet> varied(const Motion&, Vary);
-
 /// The markers of a force at the inputs' motions and time.
 inline Ends<double> ends(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in) {
-  return {{in.slot(P.slot), P.at(in.t)}, {in.slot(S.slot), S.at(in.t)}, in.t, in.s};
+  return {{in.slot(P.slot), P.at(in.t)}, {in.slot(S.slot), S.at(in.t)}, in};
 }
 
 /// Adds the wrench of the formula act(ends, load) to `out`.
@@ -179,17 +193,17 @@ ForceAccount account(const MarkerFrame& P, const MarkerFrame& S, const Inputs& i
 }
 
 /// Adds K and D of the formula act(ends, load) to `out`, with two passes over it for each slot that moves: pose and
-/// velocity.
+/// velocity. `also`: further slots whose motion it reads.
 template <class Act>
-void tangent(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in, const Act& act, TangentSum& out) {
+void tangent(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in, const Act& act, TangentSum& out,
+             std::span<const int> also = {}) {
   const MarkerMotion m_P = P.at(in.t), m_S = S.at(in.t);
-  for (const bool of_P : {true, false})
+  const auto add_column = [&](int column) {
+    if (column == kGround) return;
     for (const Vary what : {Vary::pose, Vary::velocity}) {
-      const int column = of_P ? P.slot : S.slot;
-      if (column == kGround) continue;
-      const MotionT<SlotJet> O_P = varied(in.slot(P.slot), of_P ? what : Vary::nothing),
-                             O_S = varied(in.slot(S.slot), of_P ? Vary::nothing : what);
-      const Ends<SlotJet> at{{O_P, m_P}, {O_S, m_S}, in.t, in.s};
+      const auto motion = [&](int slot) { return varied(in.slot(slot), slot == column ? what : Vary::nothing); };
+      const MotionT<SlotJet> O_P = motion(P.slot), O_S = motion(S.slot);
+      const Ends<SlotJet> at{{O_P, m_P}, {O_S, m_S}, in, column, what};
       TangentLoad load(at);
       act(at, load);
       for (int i = 0; i < 2; ++i) {
@@ -200,6 +214,11 @@ void tangent(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in, const
           out.add_D(row, column, load.rows(i));
       }
     }
+  };
+  add_column(P.slot);
+  if (S.slot != P.slot) add_column(S.slot);
+  for (const int column : also)
+    if (column != P.slot && column != S.slot) add_column(column);
 }
 
 }  // namespace formula
@@ -223,7 +242,7 @@ void FormulaForce<F>::apply(const Inputs& in, WrenchSum& out) const {
 
 template <class F>
 void FormulaForce<F>::tangent(const Inputs& in, TangentSum& out) const {
-  formula::tangent(P_, S_, in, act(), out);
+  formula::tangent(P_, S_, in, act(), out, static_cast<const F&>(*this).also_reads());
 }
 
 template <class F>

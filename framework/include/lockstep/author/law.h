@@ -96,4 +96,14 @@ LOCKSTEP_API const LawLabel* label_of(const LawPtr<TranslationLaw>&);
 /// The same for a law of a rotation.
 LOCKSTEP_API const LawLabel* label_of(const LawPtr<RotationLaw>&);
 
+// NamedNumbers: what formulas know by name besides their variables.
+
+/// A number with a name, a vector of three, or a table.
+struct NamedNumbers {
+  std::string name;              ///< "crank"
+  std::vector<double> values{};  ///< one or three, SI; none of a table
+  std::string unit{};            ///< "m"; "" without dimension, or in SI without a unit
+  LawPtr<MotionLaw> table{};     ///< a function of any argument, both in SI
+};
+
 }  // namespace lockstep

@@ -2,6 +2,7 @@
 // Checked parameters of a named thing.
 #pragma once
 
+#include <functional>
 #include <initializer_list>
 #include <map>
 #include <memory>
@@ -17,6 +18,8 @@
 #include <lockstep/math.h>
 
 namespace lockstep {
+
+class Coordinate;
 
 // Orientation from named angle sequences, and back.
 
@@ -306,6 +309,9 @@ struct LOCKSTEP_API Attachment {  // exported, because the registries are templa
   /// One for a lock; forces may have none, or a pair without S (nullptr).
   std::vector<std::pair<Marker*, Marker*>> pairs;
   Lock* link = nullptr;  ///< the joint that a force acts in (friction); most forces have none
+  /// The coordinate or rate of this name, "crank.rz", for formulas. Throws ModelError if there is none. Empty without a
+  /// scene.
+  std::function<std::shared_ptr<Coordinate>(const std::string&)> coordinate{};
 
   /// Marker P of pair k; throws ModelError when it is not given.
   Marker& p(std::size_t k = 0) const { return given(name, k < pairs.size() ? pairs[k].first : nullptr, "p", k); }

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "framework/mechanism/lock/coordinate.h"
+
+
+namespace lockstep {
+
+MarkerFrame BodyOrMarker::folded() const {
+  if (marker != nullptr) return MarkerFrame(*marker);
+  MarkerFrame f;
+  if (body == nullptr) return f;
+  f.slot = body->slot;
+  const Pose& p = body->fixed ? body->home : body->in_slot;
+  f.u0 = f.home.u = p.x, f.q0 = f.home.q = normalized(p.q), f.A0 = f.home.A = rotation(f.q0);
+  return f;
+}
+
+Dimension Coordinate::dimension() const {
+  const bool rate = of_.rate || of_.kind == Kind::omega;
+  if (turns()) return dimension_of(rate ? Unit::angular_speed : Unit::angle);
+  return dimension_of(rate ? Unit::speed : Unit::length);
+}
+
+void Coordinate::count_angles(AngleCounter& counter) {
+  if (of_.kind == Kind::turn) angle_ = &counter.count(*m_.marker, *n_.marker, of_.axis);
+}
+
+}  // namespace lockstep
