@@ -36,7 +36,7 @@ ColumnRange range_of(const F& f, double until, double h, bool inside, int& looks
   const double start[] = {f(0.0)};
   extremes.begin_part(0, start);
   looks = 0;
-  const Extremes::Look look = [&](double t, std::span<double> values) {
+  const Extremes::Look look = [&](double t, Extremes::Numbers, std::span<double> values) {
     ++looks, values[0] = f(t);
     return true;
   };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "framework/foundation/math/limits.h"
 
@@ -45,13 +46,14 @@ void Extremes::begin(const std::vector<Column>& columns) {
     if (unit_.back() == units.size()) units.push_back(columns[k].unit);
   }
   largest_.assign(units.size(), 0), unresolved_.assign(width_ - 1, 0), off_.assign(width_ - 1, 0), values_.resize(width_ - 1);
-  ranges_.clear(), before_.clear(), last_.clear();
+  ranges_.clear(), before_.clear(), last_.clear(), all_.resize(width_ - 1);
+  std::iota(all_.begin(), all_.end(), 0);
 }
 
-void Extremes::widen(double t, std::span<const double> values) {
+void Extremes::widen(double t, std::span<const double> values, Numbers columns) {
   if (ranges_.empty())
     for (const double x : values) ranges_.push_back({x, x, x, t, t});
-  for (std::size_t k = 0; k < values.size(); ++k) {
+  for (const std::size_t k : columns) {
     ColumnRange& range = ranges_[k];
     const double x = values[k];
     if (!(range.least <= x) && !std::isnan(range.least)) range.least = x, range.t_least = t;  // a NaN stays
@@ -61,12 +63,12 @@ void Extremes::widen(double t, std::span<const double> values) {
 }
 
 void Extremes::take_row(std::span<const double> row) {
-  widen(row[0], row.subspan(1));
+  widen(row[0], row.subspan(1), all_);
   for (std::size_t k = 0; k + 1 < width_; ++k) ranges_[k].last = row[k + 1];
 }
 
-const Extremes::Row& Extremes::add_row(double t, std::span<const double> values) {
-  widen(t, values);
+const Extremes::Row& Extremes::add_row(double t, std::span<const double> values, Numbers columns) {
+  widen(t, values, columns);
   if (n_rows_ == rows_.size()) rows_.emplace_back();
   Row& row = rows_[n_rows_++];
   row.assign(1, t);
@@ -74,32 +76,33 @@ const Extremes::Row& Extremes::add_row(double t, std::span<const double> values)
   return row;
 }
 
-const Extremes::Row* Extremes::look_at(double t, const Look& look) {
-  return look(t, values_) ? &add_row(t, values_) : nullptr;
+const Extremes::Row* Extremes::look_at(double t, Numbers columns, const Look& look) {
+  return look(t, columns, values_) ? &add_row(t, values_, columns) : nullptr;
 }
 
 void Extremes::begin_part(double t, std::span<const double> values) {
   n_rows_ = 0;
-  last_ = add_row(t, values), before_.clear();
+  last_ = add_row(t, values, all_), before_.clear();
 }
 
 void Extremes::add_step(double t, std::span<const double> values, int n, const Look& look) {
   n_rows_ = 0;
-  const Row& end = add_row(t, values);
+  const Row& end = add_row(t, values, all_);
   if (!look) {
     join_ends(end);
   } else if (n > 1) {
     const Row *a = nullptr, *m = &last_;
     for (int i = 1; i <= n; ++i) {
-      const Row* const b = i == n ? &end : look_at(last_[0] + (t - last_[0]) * i / n, look);
+      const Row* const b = i == n ? &end : look_at(last_[0] + (t - last_[0]) * i / n, all_, look);
       if (b == nullptr) continue;
       for (std::size_t k = 0; a != nullptr && k + 1 < width_; ++k) refine(k, *a, *m, *b, look);
       a = m, m = b;
     }
   } else {
-    bool turns = false;
-    for (std::size_t k = 0; k + 1 < width_ && !turns; ++k) turns = is_seen(k) && may_turn(k, end);
-    if (turns) divide(before_.empty() ? nullptr : &before_, last_, end, 0, look);
+    turning_.clear();
+    for (const std::size_t k : all_)
+      if (is_seen(k) && may_turn(k, end)) turning_.push_back(k);
+    if (!turning_.empty()) divide(before_.empty() ? nullptr : &before_, last_, end, 0, look);
   }
   std::swap(before_, last_);
   last_ = end;
@@ -124,11 +127,10 @@ bool Extremes::may_turn(std::size_t k, const Row& end) const {
 
 // Halves a step, and again if a value is not where the parabola through others is.
 void Extremes::divide(const Row* beside, const Row& a, const Row& b, int depth, const Look& look) {
-  const Row* const m = look_at(0.5 * (a[0] + b[0]), look);
+  const Row* const m = look_at(0.5 * (a[0] + b[0]), turning_, look);
   if (m == nullptr) return;
   bool misfits = beside == nullptr;
-  for (std::size_t k = 0; k + 1 < width_; ++k) {
-    if (!is_seen(k)) continue;
+  for (const std::size_t k : turning_) {
     const Point p = point(a, k), q = point(*m, k), r = point(b, k);
     const double off = beside == nullptr ? 0 : std::abs(Parabola(point(*beside, k), p, r).at(q.t) - q.v);
     if (off > kMisfit * (ranges_[k].most - ranges_[k].least) + slack(k)) {
@@ -146,7 +148,7 @@ void Extremes::refine(std::size_t k, const Row& first, const Row& middle, const 
     const Parabola p(a, m, b);
     const double t = p.vertex(), v = p.at(t);
     if (!(a.t < t && t < b.t && beyond(ranges_[k], v) > slack(k))) return;
-    const Row* const found = t == m.t ? nullptr : look_at(t, look);
+    const Row* const found = t == m.t ? nullptr : look_at(t, Numbers(&k, 1), look);
     if (found == nullptr) return;
     const Point at = point(*found, k);
     if (std::abs(at.v - v) <= slack(k)) return;

@@ -17,8 +17,9 @@ namespace lockstep {
 /// Without states inside steps, the vertex of the parabola through three ends of steps is the extreme.
 class LOCKSTEP_API Extremes {
  public:
-  /// Values of all columns at an instant inside a step; false if they cannot be computed.
-  using Look = std::function<bool(double t, std::span<double> values)>;
+  using Numbers = std::span<const std::size_t>;  ///< of columns, after the time
+  /// Values of these columns at an instant inside a step; false if they cannot be computed.
+  using Look = std::function<bool(double t, Numbers columns, std::span<double> values)>;
 
   /// Begins a motion of these columns, the first of which is the time.
   void begin(const std::vector<Column>& columns);
@@ -34,10 +35,10 @@ class LOCKSTEP_API Extremes {
   void load(SnapshotReader&);
 
  private:
-  void widen(double t, std::span<const double> values);
+  void widen(double t, std::span<const double> values, Numbers columns);
   using Row = std::vector<double>;  // as of a table
-  const Row& add_row(double t, std::span<const double> values);
-  const Row* look_at(double t, const Look&);
+  const Row& add_row(double t, std::span<const double> values, Numbers columns);
+  const Row* look_at(double t, Numbers columns, const Look&);
   double slack(std::size_t k) const;
   bool is_seen(std::size_t k) const;
   bool may_turn(std::size_t k, const Row& end) const;
@@ -46,7 +47,9 @@ class LOCKSTEP_API Extremes {
   void join_ends(const Row& end);
 
   std::size_t width_ = 0;          // of a row
-  std::vector<std::size_t> unit_;  // of each column, a number
+  std::vector<std::size_t> unit_,  // of each column, a number
+      all_,                        // columns
+      turning_;                    // those that may have an extreme inside the step
   std::vector<double> largest_;    // of each unit
   std::vector<ColumnRange> ranges_;
   std::vector<long> unresolved_;  // in so many steps, by column

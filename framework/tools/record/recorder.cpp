@@ -39,6 +39,10 @@ void Recorder::follow(Channel channel) { followed_.push_back(std::move(channel))
 
 namespace {
 
+double value_of(const Channel& c, const Sample& sample) {
+  return user_code("channel", c.name, sample.state.t, [&] { return c.value(sample); });
+}
+
 // Calls one hook of all channels that have it.
 template <class Hook, class... Args>
 void call(Hook Channel::*hook, const std::vector<Channel>& columns, const std::vector<Channel>& followed,
@@ -97,8 +101,7 @@ std::span<const ColumnRange> Recorder::ranges() const {
 }
 
 void Recorder::read(const Sample& sample, std::span<double> values) {
-  for (std::size_t k = 0; k < channels_.size(); ++k)
-    values[k] = user_code("channel", channels_[k].name, sample.state.t, [&] { return channels_[k].value(sample); });
+  for (std::size_t k = 0; k < channels_.size(); ++k) values[k] = value_of(channels_[k], sample);
 }
 
 // A state at which a column cannot be computed is left out: the rows report the reason.
@@ -126,8 +129,11 @@ void Recorder::inside(const InsideStep& step) {
   is_continuous_ = succeeds([&] { read(end, at_end_); });
   if (!is_continuous_) return;
   read_ = end.state.t;
-  const Extremes::Look look = [&](double t, std::span<double> values) {
-    return succeeds([&] { read(step.at(t), values); });
+  const Extremes::Look look = [&](double t, Extremes::Numbers columns, std::span<double> values) {
+    return succeeds([&] {
+      const Sample& sample = step.at(t);
+      for (const std::size_t k : columns) values[k] = value_of(channels_[k], sample);
+    });
   };
   extremes_->add_step(read_, at_end_, step.along_laws() ? kAlongLaws : 1, step.has_states() ? look : Extremes::Look());
 }
