@@ -67,6 +67,7 @@ enum class Function {
   norm,
   dot,
   cross,
+  meet,
   // of the motion so far, in columns
   mean,
   rms,
@@ -76,8 +77,8 @@ enum class Function {
   rate
 };
 
-/// What a function takes: numbers of any dimension, or of one.
-enum class Takes { any, pure, angle, alike, vectors };
+/// What a function takes: numbers of any dimension, or of one; vectors; points and radii.
+enum class Takes { any, pure, angle, alike, vectors, places };
 /// The dimension of what it gives: that of its arguments, their root or product, ...
 enum class Gives { number, sign, angle, alike, root, product, times_time, by_time };
 
