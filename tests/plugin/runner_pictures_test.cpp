@@ -159,7 +159,7 @@ TEST_CASE("the table of a picture has the drawn columns, and no others", "[runne
 TEST_CASE("the table of a picture is dense if the method can interpolate", "[runner]") {
   const std::string text = R"({"lockstep": 1, "bodies": [{"name": "b", "particle": 1, "position": [1, 0, 0]}],
     "forces": [{"name": "F", "type": "spring_damper", "p": "b", "s": "ground", "at_s": [-9, 0, 0], "stiffness": 4, "free_length": 9}],
-    "run": {"tolerance": 1e-10, "output": 1.5, "until": 6, "record": ["b.x", "b.vx"], "integrator": )";
+    "run": {"tolerance": 1e-10, "output": 1.5, "until": 6, "record": ["b.x", "b.vx", {"moved": "=integral(b.vx)"}], "integrator": )";
   for (const bool dense : {true, false}) {
     const Registry registry = builtin_registry();
     const std::string method = dense ? R"("dop853"}})" : R"({"type": "rattle2"}, "step": 0.004}})";
@@ -176,14 +176,16 @@ TEST_CASE("the table of a picture is dense if the method can interpolate", "[run
     CHECK(all.n_rows() > 450);
     CHECK(all.n_rows() < 620);
     CHECK(rows.joins_steps() == !dense);
-    double worst = 0, gap = 0;
+    double worst = 0, off = 0, gap = 0;
     for (std::size_t i = 0; i < all.n_rows(); ++i) {
       const double t = all["t"][i];
       keep_worst(worst, std::abs(all["b.x"][i] - std::cos(2 * t)));
+      keep_worst(off, std::abs(all["moved"][i] - (std::cos(2 * t) - 1)));
       if (i > 0) keep_worst(gap, t - all["t"][i - 1]);
       if (i > 0) CHECK(t > all["t"][i - 1]);
     }
     CHECK(worst < (dense ? 1e-8 : 1e-3));
+    CHECK(off < 1e-3);
     CHECK(gap < 0.023);
   }
   CHECK(picture_spacing({.output = 0.01}, 6) == std::numeric_limits<double>::infinity());  // dense already
