@@ -143,6 +143,40 @@ TEST_CASE("a path of a long run uses recorded values of one time each", "[runner
   CHECK(off < 0.5);
 }
 
+TEST_CASE("kinematics, inverse and statics --vary draw as a run does", "[runner]") {
+  testing::require_gnuplot();
+  const auto drawn = [](const std::string& command, const std::string& file) {
+    for (const char* ending : {".svg", ".png"}) fs::remove(kRunnerFolder + "/" + file + ending);
+    const Called called = call(command);
+    INFO(called.text);
+    CHECK(called.exit == 0);
+    CHECK(contains(called.text, file + ".svg"));
+    std::ifstream svg(kRunnerFolder + "/" + file + ".svg");
+    return std::string((std::istreambuf_iterator<char>(svg)), {});
+  };
+  const std::string rest = " '" + kFourBar + "' --until 0.1 --record driven.csv";
+  for (const char* command : {"kinematics", "inverse"}) {
+    const std::string text = drawn(command + rest, "driven");  // the panels of the scene
+    for (const char* word : {"t [s]", "coupler", "rocker", "drive_torque"}) CHECK(contains(text, word));
+    CHECK_FALSE(contains(text, "theta_dd"));
+    CHECK(contains(drawn(command + rest + " --picture Bx:By", "driven.By_over_Bx"), "By [N]"));
+  }
+  fs::remove(kRunnerFolder + "/driven.svg");
+  CHECK(call("kinematics" + rest + " --no-picture").exit == 0);
+  CHECK_FALSE(fs::exists(kRunnerFolder + "/driven.svg"));
+  check_refused(call("inverse" + rest + " --picture Bx:Bz"), 2, {"\"Bz\" is not recorded"});
+
+  const std::string lift = "statics '" + std::string(paths::kScenes) + "/scissor_lift.json' --record raised.csv --vary ";
+  const std::string text = drawn(lift + "angle='10 deg:40 deg:5'", "raised");
+  for (const char* word : {"parameters.angle [rad]", "height"}) CHECK(contains(text, word));
+  fs::remove(kRunnerFolder + "/raised.svg");
+  CHECK(call(lift + "angle='10 deg:40 deg:3' --no-picture").exit == 0);
+  CHECK_FALSE(fs::exists(kRunnerFolder + "/raised.svg"));
+  const Called other = call(lift + "stages=1,2 --no-picture");
+  CHECK(other.exit == 1);
+  CHECK(contains(other.text, "its columns are not those of the values before"));
+}
+
 TEST_CASE("the table of a picture has the drawn columns, and no others", "[runner]") {
   const std::string text = R"({"lockstep": 1, "bodies": [{"name": "b", "particle": 1, "position": [1, 0, 0]}],
     "run": {"until": 1, "record": ["b.x", {"y": "b.y"}, "b.vx", "b.vy"], "draw": [["y"]]}})";
@@ -159,7 +193,7 @@ TEST_CASE("the table of a picture has the drawn columns, and no others", "[runne
 TEST_CASE("the table of a picture is dense if the method can interpolate", "[runner]") {
   const std::string text = R"({"lockstep": 1, "bodies": [{"name": "b", "particle": 1, "position": [1, 0, 0]}],
     "forces": [{"name": "F", "type": "spring_damper", "p": "b", "s": "ground", "at_s": [-9, 0, 0], "stiffness": 4, "free_length": 9}],
-    "run": {"tolerance": 1e-10, "output": 1.5, "until": 6, "record": ["b.x", "b.vx"], "integrator": )";
+    "run": {"tolerance": 1e-10, "output": 1.5, "until": 6, "record": ["b.x", "b.vx", {"moved": "=integral(b.vx)"}], "integrator": )";
   for (const bool dense : {true, false}) {
     const Registry registry = builtin_registry();
     const std::string method = dense ? R"("dop853"}})" : R"({"type": "rattle2"}, "step": 0.004}})";
@@ -176,14 +210,16 @@ TEST_CASE("the table of a picture is dense if the method can interpolate", "[run
     CHECK(all.n_rows() > 450);
     CHECK(all.n_rows() < 620);
     CHECK(rows.joins_steps() == !dense);
-    double worst = 0, gap = 0;
+    double worst = 0, off = 0, gap = 0;
     for (std::size_t i = 0; i < all.n_rows(); ++i) {
       const double t = all["t"][i];
       keep_worst(worst, std::abs(all["b.x"][i] - std::cos(2 * t)));
+      keep_worst(off, std::abs(all["moved"][i] - (std::cos(2 * t) - 1)));
       if (i > 0) keep_worst(gap, t - all["t"][i - 1]);
       if (i > 0) CHECK(t > all["t"][i - 1]);
     }
     CHECK(worst < (dense ? 1e-8 : 1e-3));
+    CHECK(off < 1e-3);
     CHECK(gap < 0.023);
   }
   CHECK(picture_spacing({.output = 0.01}, 6) == std::numeric_limits<double>::infinity());  // dense already

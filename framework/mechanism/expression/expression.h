@@ -68,6 +68,7 @@ enum class Function {
   dot,
   cross,
   table,
+  meet,
   // of the motion so far, in columns
   mean,
   rms,
@@ -77,8 +78,8 @@ enum class Function {
   rate
 };
 
-/// What a function takes: numbers of any dimension, or of one.
-enum class Takes { any, pure, angle, alike, vectors };
+/// What a function takes: numbers of any dimension, or of one; vectors; points and radii.
+enum class Takes { any, pure, angle, alike, vectors, places };
 /// The dimension of what it gives: any, that of its arguments, their root or product, ...
 enum class Gives { number, any, sign, angle, alike, root, product, times_time, by_time };
 

@@ -131,6 +131,8 @@ class FormulaCompiler {
     }
     if (n.function == Function::table) return {{table(n)}};
     if (f.takes == Takes::vectors) return {of_vectors(n)};
+    if (f.takes == Takes::places)
+      e_.refuse(n, "meet(...) is of points of the scene; define its result under \"points\", and use that name here");
     int first = number(n.children[0]);
     if (n.children.size() == 1) return {{put(Operation::call, {first}, n.function)}};
     for (std::size_t k = 1; k < n.children.size(); ++k)

@@ -8,6 +8,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/expression/evaluate.h"
+#include "framework/mechanism/expression/meet.h"
 
 namespace lockstep::expression {
 namespace {
@@ -274,6 +275,7 @@ class Evaluation {
     Amount q = Amount::number(0);
     for (const Amount& x : a) q.measured = q.measured || x.measured, q.with_unit = q.with_unit || x.with_unit;
     const Signature& f = signature_of(n.function);
+    if (f.takes == Takes::places) return met(n, a);
     for (const Amount& x : a)
       if (x.is_vector != (f.takes == Takes::vectors)) refuse_argument(n, x, x.is_vector ? "a number" : "a vector");
     const bool pure = f.takes == Takes::pure || f.takes == Takes::angle;
@@ -302,6 +304,26 @@ class Evaluation {
     if (const Amount x = child(n, 1); x.is_vector) refuse_argument(n, x, "a number");
     Amount q = Amount::number(1);
     q.any = q.measured = true;
+    return q;
+  }
+
+  // meet(A, r, B, s, side) of circles, meet(A, B, C, D) of lines.
+  Amount met(const Node& n, const std::vector<Amount>& a) const {
+    const bool circles = a.size() == 5;
+    Amount q = a[0];
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      const bool side = k == 4, point = !side && (!circles || k % 2 == 0);
+      if (a[k].is_vector != point || (side && !is_number(a[k])))
+        refuse(n, "argument " + std::to_string(k + 1) + " of meet is " + article_name_of(a[k]) +
+                      "; write meet(A, r, B, s, left) of circles about A and B, meet(A, B, C, D) of lines");
+      Amount other = a[k];
+      q.is_vector = point;
+      if (!side) unite(n, q, other, "arguments of one function");
+    }
+    const Meeting m = circles ? meeting_of_circles(a[0].v, a[1].v[0], a[2].v, a[3].v[0], a[4].v[0])
+                              : meeting_of_lines(a[0].v, a[1].v, a[2].v, a[3].v);
+    if (of_values() && !m.problem.empty()) refuse(n, m.problem);
+    q.v = m.at, q.is_vector = true, q.is_zero = false;
     return q;
   }
 

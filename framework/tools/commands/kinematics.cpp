@@ -23,6 +23,8 @@
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
+#include "framework/tools/program/pictures.h"
+#include "framework/tools/program/run_rows.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/doubts.h"
@@ -252,9 +254,10 @@ Result follow(const Arguments& args, bool inverse) {
   if (inverse) record_reactions(m);
   refuse_integrated_columns(m);
   const std::string csv = csv_path(args, m.system);
-  check_overwrites(csv, loaded.scene);
-  GrowingFile file(csv);
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
+  const RunOutputs outputs = checked_outputs(loaded, args, recorder->table(), csv);
+  const std::unique_ptr<PictureRows> details = picture_rows(m, csv, *recorder, outputs, args);
+  GrowingFile file(csv);
   recorder->find_extremes();
   const std::unique_ptr<Recorder> requirements = make_requirements(m);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
@@ -269,7 +272,7 @@ Result follow(const Arguments& args, bool inverse) {
 
   const auto begun = std::chrono::steady_clock::now();
   DrivenMotion motion(dynamics, std::move(start));
-  GrowingCsv rows(file, recorder->table());
+  RunRows rows(file, *recorder, true, outputs.units);
   const StepReport report;
   Doubts doubts(!args.has("--quiet") && records_reactions(m.run), 0);
   PassedStops stops(m);
@@ -278,13 +281,13 @@ Result follow(const Arguments& args, bool inverse) {
       const DrivenMotion before = motion;
       motion.to(t);
       const Sample sample(dynamics, motion.state(), report);
-      if (&t == &times.front()) rows.begin(), doubts.start(sample);
-      for (Recorder* each : {requirements.get(), recorder.get()})
+      if (&t == &times.front()) rows.start(sample), doubts.start(sample);
+      for (Observer* each : std::initializer_list<Observer*>{requirements.get(), recorder.get(), details.get()})
         if (each != nullptr && &t == &times.front())
           each->start(sample);
         else if (each != nullptr)
           each->inside(BetweenPoses(before, dynamics, sample)), each->step(sample);
-      recorder->output(sample), rows.take(), doubts.output(sample), stops.look(dynamics, motion.state());
+      recorder->output(sample), rows.output(sample), doubts.output(sample), stops.look(dynamics, motion.state());
     }
   } catch (const Error& error) {
     file.write();
@@ -304,6 +307,9 @@ Result follow(const Arguments& args, bool inverse) {
   Result result(loaded, kinematics_fields(), found);
   result.brief = text_of_motion(std::move(found), m);
   result.files = {csv};
+  std::vector<std::string> notes;
+  draw_run(args, csv, loaded.title(), rows.rows(), details.get(), m.run, outputs, result.files, notes);
+  for (const std::string& note : notes) tell(fmt::format("note: {}\n", note));
   result.code = exit_code_of(broken, false);
   return result;
 }
@@ -315,6 +321,8 @@ Command driven_command(std::string_view name, Result (*run)(const Arguments&), s
                  {"--until", "TIME", "end time, in s or with a unit (\"50 ms\"); default: that of the scene"},
                  {"--output", "TIME", "interval of the poses; default: that of the scene, or a hundredth of the time"},
                  {"--record", "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here"},
+                 kPicture,
+                 kNoPicture.without("--picture"),
                  {"--quiet", "", "print errors only"}}}),
           run,
           footer,

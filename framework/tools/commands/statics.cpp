@@ -23,6 +23,7 @@
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/method_specs.h"
+#include "framework/tools/program/pictures.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -335,6 +336,24 @@ std::string branch_status(const Arguments& args, Resting& before, const Resting&
   return fmt::format("another branch: '{}' moved by {:.3g} m", now.report.moved_most, now.report.largest_move);
 }
 
+/// What the picture of --vary shows: what is recorded, else poses and reactions.
+std::vector<PoseNumber> drawn_of(Resting& r) {
+  const std::vector<PoseNumber> all = numbers_of(r, true);
+  return {all.begin() + 3, all.end()};  // without stability and move
+}
+
+/// Draws columns over the value that varies, the first. Of run.draw remain those that have values at rest.
+void draw_curves(const Arguments& args, const std::string& title, const Table& curves, RunSettings run,
+                 std::vector<std::string>& files) {
+  for (auto& panel : run.draw) std::erase_if(panel, [&](const std::string& name) { return !curves.has(name); });
+  std::erase_if(run.draw, [](const auto& panel) { return panel.empty(); });
+  RowEnvelope rows(curves);
+  for (std::size_t i = 0; i < curves.n_rows(); ++i) rows.add(curves, i);
+  std::vector<std::string> notes;
+  draw_run(args, args["--record"], title, rows, nullptr, run, {}, files, notes);
+  for (const std::string& note : notes) tell(fmt::format("note: {}\n", note));
+}
+
 Result vary(const Arguments& args) {
   const VariedScene scenes = read_varied(args);
   const std::vector<Variable>& variables = scenes.variables;
@@ -352,11 +371,14 @@ Result vary(const Arguments& args) {
   std::unique_ptr<Resting> before;  // on the same line of the grid
   Varied varied;
   std::size_t width = 0;  // of the header
+  Table curves;           // over the value, if one varies
+  RunSettings settings;
   for (long run = 1; run <= scenes.grid.n_runs(); ++run) {
     const std::vector<std::size_t> choice = scenes.grid.at(run);
     const std::string setting = setting_text(variables, choice);
     Cells& line = lines.emplace_back();
     for (std::size_t k = 0; k < choice.size(); ++k) line.push_back(plain_text(variables[k].values[choice[k]]));
+    std::vector<double> point{*variables[0].values[choice[0]].number()};
     if (choice.back() == 0) before.reset();
     std::optional<FindingScope> unheard;
     if (run > 1) unheard.emplace();  // the first found the same
@@ -364,11 +386,16 @@ Result vary(const Arguments& args) {
       auto now = std::make_unique<Resting>(scenes.scene(run), scenes.loaded.registry);
       now->find(args, before ? &before->state : nullptr, false);
       const std::vector<PoseNumber> numbers = numbers_of(*now, record.empty());
+      if (width != 0 && line.size() + numbers.size() + 1 != width)
+        throw ModelError("its columns are not those of the values before; vary values that keep bodies and joints");
       const std::string status = before ? branch_status(args, *before, *now) : "ok";
       if (width == 0) {
         found_of(*now), note_friction(now->m.system);
         add_titles(lines[0], numbers), lines[0].emplace_back("status"), width = lines[0].size();
+        curves.add_column(variables[0].place, variables[0].unit), settings = now->m.run;
+        for (const PoseNumber& n : drawn_of(*now)) curves.add_column(n.name, n.unit);
       }
+      for (const PoseNumber& n : drawn_of(*now)) point.push_back(n.value);
       if (status != "ok") tell(fmt::format("warning: {}: {}\n", setting, status));
       add_values(line, numbers, record.empty()), line.push_back(status);
       ++varied.found, before = std::move(now);
@@ -379,15 +406,17 @@ Result vary(const Arguments& args) {
     }
     if (width == 0) continue;
     for (Cells& each : lines) each.insert(each.end() - 1, width - each.size(), "");
+    point.resize(curves.n_columns(), NAN), curves.add_row(point);  // a gap, if nothing is found
     file.append(csv_of(lines)), file.write();
     lines.clear();
   }
   Result result;
   if (varied.found > 0) {
     file.commit();
-    if (!record.empty())
-      result = {scenes.loaded, varied_fields(), varied}, result.files = {record};
-    else
+    if (!record.empty()) result = {scenes.loaded, varied_fields(), varied}, result.files = {record};
+    if (!record.empty() && variables.size() == 1)
+      draw_curves(args, scenes.loaded.title(), curves, settings, result.files);
+    if (record.empty())
       tell(text_of(CommandFindings::added()));
   }
   result.code = varied.failed > 0 ? kExitFailure : kExitOk;
@@ -453,7 +482,8 @@ Command statics_command() {
                    "follow the equilibrium over a:b:n, a:b:n:log or v1,v2,... of a parameter, one CSV row each; may be "
                    "repeated"}
                 .repeated(),
-            {"--record", "FILE.csv", "write poses, reactions, loads of forces and recorded quantities as CSV"}}}),
+            {"--record", "FILE.csv", "write poses, reactions, loads of forces and recorded quantities as CSV"},
+            kNoPicture}}),
       find_rest,
       R"(Newton's method reduces the potential energy; if it fails, dynamic relaxation follows. Velocities are zero, drives
 hold their coordinates.

@@ -35,12 +35,19 @@ void PictureRows::step(const Sample& sample) {
   if (n_between_ == 0 && sample.state.t - last_ >= spacing_) add(sample, false);
 }
 
-// On the grid of its spacing. A state that cannot be made is left out.
+// On the grid of its spacing, after columns of the motion have read the step. A state that cannot be made is left out.
 void PictureRows::inside(const InsideStep& step) {
   const double h = spacing_, from = step.begin(), to = step.end().state.t;
+  const auto looking = uncounted(step.end().dynamics());
+  own_->inside(step);
   if (!std::isfinite(h) || !step.has_states()) return;
   for (double k = std::floor(from / h) + 1; k * h < to; ++k)
     if (k * h > from) succeeds([&] { n_between_ += add(step.at(k * h), false) ? 1 : 0; });
+}
+
+void PictureRows::jumped(const Sample& sample) {
+  own_->jumped(sample);
+  RowsAtJumps::jumped(sample);
 }
 
 void PictureRows::save(Snapshot& out) const {

@@ -21,6 +21,7 @@ class PictureRows final : public RowsAtJumps {
   void start(const Sample&) override;
   void inside(const InsideStep&) override;
   void step(const Sample&) override;
+  void jumped(const Sample&) override;
   bool keeps_rows() const override { return false; }
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;

@@ -89,9 +89,8 @@ Options run_outputs() {
        {"--strict", "",
         "exit code 11 for a doubtful result: singular configuration passed, tolerance not reached, uncertain "
         "reactions"},
-       Option{"--picture", "X:Y", "one more picture: column Y against column X (the path of a point); may be repeated"}
-           .repeated(),
-       Option{"--no-picture", "", "draw no picture"}.without("--picture"),
+       kPicture,
+       kNoPicture.without("--picture"),
        kHeaders,
        {"--at-jumps", "", "also write rows just before and after events, impacts and jumps of laws"}});
 }

@@ -110,6 +110,10 @@ inline constexpr Option kPlugin =
 inline constexpr Option kHeaders =
     Option{"--headers", "KIND", "column names of the CSV file: units (default), as in \"x [m]\", or plain, as in \"x\""}
         .among("units,plain");
+inline constexpr Option kPicture =
+    Option{"--picture", "X:Y", "one more picture: column Y against column X (the path of a point); may be repeated"}
+        .repeated();
+inline constexpr Option kNoPicture{"--no-picture", "", "draw no picture"};
 inline constexpr Option kJobs{"--jobs", "N", "threads, 1 to 1024; default: the available processors"};
 const Options& scene_options();     ///< the scene, and what changes it
 const Options& settings_options();  ///< the scene, and how it is run

@@ -120,9 +120,10 @@ std::unique_ptr<PictureRows> picture_rows(Mechanism& m, const std::string& csv, 
                                        picture_spacing(loop_options(m.run), m.run.until));
 }
 
-bool draw_run(const std::string& csv, const std::string& title, const RowEnvelope& rows, const PictureRows* details,
-              const RunSettings& run, const RunOutputs& outputs, std::vector<std::string>& files,
-              std::vector<std::string>& notes) {
+bool draw_run(const Arguments& args, const std::string& csv, const std::string& title, const RowEnvelope& rows,
+              const PictureRows* details, const RunSettings& run, const RunOutputs& outputs,
+              std::vector<std::string>& files, std::vector<std::string>& notes) {
+  if (args.has("--no-picture") || csv == "-") return true;
   if (rows.n_rows() <= 1) details = nullptr;
   const auto with_details = [&](const Table& own) { return details != nullptr ? details->together(own) : own; };
   std::vector<Panel> panels;
@@ -134,7 +135,7 @@ bool draw_run(const std::string& csv, const std::string& title, const RowEnvelop
     }
     panels = panels_of(table, run.draw);
     const std::string base = fs::path(csv).replace_extension().string();
-    write_chart(base, {title, "t [s]", panels});
+    write_chart(base, {title, column_title(table.columns().front()), panels});
     files.insert(files.end(), {base + ".svg", base + ".png"});
     const Table paths = outputs.pictures.empty() ? Table() : with_details(rows.path_table());
     for (const PictureRequest& picture : outputs.pictures) {

@@ -28,10 +28,12 @@ std::set<std::string> drawn_columns(const Table& columns, const Panels& draw, co
 std::unique_ptr<PictureRows> picture_rows(Mechanism&, const std::string& csv, const Recorder& rows, const RunOutputs&,
                                           const Arguments&);
 
-/// Draws columns over time as SVG and PNG next to the CSV: the panels of run.draw, or the first columns, one panel per
-/// unit; and pictures of one column against another, of rows of one time each. Adds its files, and notes on them. False
-/// if drawing was possible and failed, which is no error of the run.
-bool draw_run(const std::string& csv, const std::string& title, const RowEnvelope&, const PictureRows* details,
-              const RunSettings&, const RunOutputs&, std::vector<std::string>& files, std::vector<std::string>& notes);
+/// Draws columns over the first, the time, as SVG and PNG next to the CSV: the panels of run.draw, or the first columns,
+/// one panel per unit; and pictures of one column against another, of rows of one time each. Nothing with --no-picture,
+/// or if the CSV is "-". Adds its files, and notes on them. False if drawing was possible and failed, which is no error
+/// of the run.
+bool draw_run(const Arguments&, const std::string& csv, const std::string& title, const RowEnvelope&,
+              const PictureRows* details, const RunSettings&, const RunOutputs&, std::vector<std::string>& files,
+              std::vector<std::string>& notes);
 
 }  // namespace lockstep

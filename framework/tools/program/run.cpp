@@ -370,8 +370,7 @@ class ProgramRun {
     file_.commit();
     checkpoints_.remove();
     std::vector<std::string> files{csv_ == "-" ? "standard output" : csv_};
-    if (!args_.has("--no-picture") && csv_ != "-" &&
-        !draw_run(csv_, loaded_.title(), rows_.rows(), details_.get(), m_.run, outputs_, files, end_.notes) &&
+    if (!draw_run(args_, csv_, loaded_.title(), rows_.rows(), details_.get(), m_.run, outputs_, files, end_.notes) &&
         args_.has("--quiet"))
       tell(fmt::format("note: {}\n", end_.notes.front()));
     if (report_) {
