@@ -376,6 +376,8 @@ class ProgramRun {
       tell(fmt::format("note: {}\n", end_.notes.front()));
     if (report_) {
       files.push_back(report_.write(sim_, lines));
+      if (const std::string part = report_.left_out(); !part.empty())
+        end_.notes.push_back(fmt::format("the report has {}, and all extremes (limit 20 MB)", part));
       if (args_.has("--open"))
         if (const std::string problem = open_in_browser(files.back()); !problem.empty())
           tell(fmt::format("note: {}\n", problem));
@@ -491,7 +493,8 @@ Command report_command() {
                  {"--open", "", "show it in the browser (xdg-open)"}},
                 run_outputs()}),
           report_run,
-          "Also writes the results of `lockstep run`. The file needs no network and no other file.\n\n"
+          "Also writes the results of `lockstep run`. The file needs no network and no other file.\n"
+          "It has 20 MB at most, besides meshes: of a long run it keeps fewer rows and times, and all extremes.\n\n"
           "Example:\n  lockstep report samples/scenes/four_bar.json --open",
           run_results()};
 }
