@@ -263,7 +263,7 @@ class ProgramRun {
 
   Result result() const {
     Result out(loaded_, run_fields(), end_);
-    out.brief = run_text(end_, args_.has("--summary"), args_.has("--verbose"));
+    out.brief = run_text(end_, args_.has("--summary") ? ColumnText::all : ColumnText::some, args_.has("--verbose"));
     return out;
   }
 
@@ -360,7 +360,7 @@ class ProgramRun {
     } catch (const std::exception&) {  // results are written even if this warning fails
     }
     if (unwritten) std::rethrow_exception(unwritten);
-    const std::string lines = report_ ? run_text(end_, true, true) + text_of(end_.findings) : "";
+    const std::string lines = report_ ? run_text(end_, ColumnText::none, true) + text_of(end_.findings) : "";
     if (end_.interrupted) {  // it replaces nothing: its rows and its report have other names
       std::vector<std::string> files{file_.partial()};
       const std::string why = fmt::format("interrupted at t = {:.9g} s", sim_.state().t);
