@@ -209,7 +209,7 @@ export class Plots {
         bind: { dblclick: () => () => this.zoom(this.full) },
         points: { size: 6 },
       },
-      scales: { x: { time: false }, y: { distr: group.log ? 3 : 1, range: (u, ...ends) => this.rangeOf(group, ends) } },
+      scales: { x: { time: false }, y: { distr: group.log ? 3 : 1, range: (u, low, high) => this.rangeOf(group, low, high) } },
       axes: [
         { ...axisStyle(), size: 26, label: 't [s]', labelSize: 14 },
         { ...axisStyle(), size: 62 },
@@ -253,9 +253,9 @@ export class Plots {
     );
   }
 
-  rangeOf(group, ends) {
-    if ((ends[0] ?? null) === null) return [null, null];
-    const all = [...ends, ...this.beyondOf(group).map(({ v }) => v)];
+  rangeOf(group, first, last) {
+    if ((first ?? null) === null) return [null, null];
+    const all = [first, last, ...this.beyondOf(group).map(({ v }) => v)];
     const [low, high] = [Math.min(...all), Math.max(...all)];
     return group.log ? uPlot.rangeLog(low, high, 10, true) : uPlot.rangeNum(low, high, 0.1, true);
   }
