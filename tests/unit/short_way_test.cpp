@@ -51,7 +51,8 @@ TEST_CASE("A column may be a function of the state", "[simulation]") {
   const Body& stone = system.add_particle("stone", 1, {0, 0, 2});
   Simulation run(system, {.output = 0.05});
   const auto motion = [&](const Sample& s) -> const Motion& { return s.inputs().slot(stone.slot); };
-  const Table& table = run.record("speed", [=](const Sample& s) { return motion(s).v.norm(); }, "m/s");
+  const Table& table = run.record(
+      "speed", [=](const Sample& s) { return motion(s).v.norm(); }, "m/s");
   run.record("total", [=](const Sample& s) { return 0.5 * motion(s).v.squaredNorm() + 9.81 * motion(s).x[2]; });
   testing::check_words(message_of<ModelError>([&] { run.record("none", nullptr); }), {"\"none\" has no function"});
   CHECK_THROWS_AS(run.record("speed", [](const Sample&) { return 0.0; }), ModelError);

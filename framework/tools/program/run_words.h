@@ -9,8 +9,8 @@
 #include <lockstep/step_loop.h>
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/result.h"
-#include "framework/tools/record/row_envelope.h"
 #include "framework/tools/rank/singular_watch.h"
+#include "framework/tools/record/row_envelope.h"
 
 namespace lockstep {
 

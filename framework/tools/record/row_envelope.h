@@ -27,7 +27,7 @@ class LOCKSTEP_API RowEnvelope {
   Table table() const;
   /// Whole rows, for curves of one column against another: one in path_every(), and the last.
   Table path_table() const;
-  long path_every() const { return path_every_; }  ///< 1: all rows
+  long path_every() const { return path_every_; }   ///< 1: all rows
   std::size_t n_columns() const { return width_; }  ///< with the time
 
   void save(Snapshot&) const;

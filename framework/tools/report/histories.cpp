@@ -42,7 +42,8 @@ void Histories::add(long run, const Table& table, const Frames& frames, const Me
   }
   const std::scoped_lock lock(adding_);
   nlohmann::ordered_json json{{"run", run}};
-  const std::size_t least = 4 * kFewest * sizeof(double) * (table.n_columns() + 1);  // half of the rows, or a quarter, is kept
+  const std::size_t least =
+      4 * kFewest * sizeof(double) * (table.n_columns() + 1);  // half of the rows, or a quarter, is kept
   json["table"] = table_json(table, {}, std::max(share(n_runs_), least), numbers_);
   most_rows_left_out_ = std::max(most_rows_left_out_, json["table"]["stride"].get<std::size_t>());
   if (frames.any()) {

@@ -32,7 +32,8 @@ std::string Report::page(const ReportText& text) const {
   const report::Frames& frames = seen_->frames;
   report::Numbers numbers;
   report::Meshes meshes(numbers);
-  nlohmann::ordered_json json{{"text", report::json_of(text)}, {"mechanism", report::outline_of(frames, solids_, looks_, meshes)}};
+  nlohmann::ordered_json json{{"text", report::json_of(text)},
+                              {"mechanism", report::outline_of(frames, solids_, looks_, meshes)}};
   json["meshes"] = meshes.list();
   json.update(report::frames_json(frames, numbers));
   const auto with_table = [&](std::size_t bytes) {
