@@ -494,7 +494,7 @@ Command report_command() {
                 run_outputs()}),
           report_run,
           "Also writes the results of `lockstep run`. The file needs no network and no other file.\n"
-          "It has 20 MB at most, besides meshes: of a long run it keeps fewer rows and times, and all extremes.\n\n"
+          "It has 20 MB at most, besides meshes: of a long run it keeps fewer times, and all extremes.\n\n"
           "Example:\n  lockstep report samples/scenes/four_bar.json --open",
           run_results()};
 }
