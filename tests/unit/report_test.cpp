@@ -125,7 +125,7 @@ TEST_CASE("a report holds columns, poses and loads of its run", "[report]") {
 }
 
 // Every column is zero but in two rows, one value in each, and 80 columns of 100 001 rows are 33 MB.
-TEST_CASE("a page of many rows has 20 MB at most, with the extremes of all columns", "[report]") {
+TEST_CASE("the page of a long run has 20 MB at most, with the extremes of all columns", "[report]") {
   constexpr long kColumns = 80;
   Pendulum p;
   Simulation run(p.system, {.output = 1e-5});
