@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "tests/support/defect_runs.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
+#include "tests/support/report_page.h"
 
 namespace sweep_test {
 
@@ -404,6 +406,15 @@ TEST_CASE("extremes are those of the motion, not only of the recorded times", "[
   for (const Json& column : driven["columns"])
     if (column["name"] == "A.drive_rz.torque_on_p_link_z") by_laws = std::abs(column["peak"].get<double>());
   CAPTURE(peak, most, by_laws, inverse.text);
+  REQUIRE(call("report " + scene + " --out peak.html --record peak_rows.csv").exit == 0);
+  std::ostringstream page;
+  page << std::ifstream(kRunnerFolder + "/peak.html").rdbuf();
+  const report_page::Json column = report_page::Page(page.str()).data["table"]["columns"][1], range = column["range"];
+  CHECK(column["name"] == "M");
+  CHECK(range["resolved"] == true);
+  CHECK(std::abs(range["most"].get<double>() - peak) < 1e-4 * 2 * peak);
+  const double swings = 20 * range["t_most"].get<double>() - 0.5;  // of 0.05 s; the ends are in their middles
+  CHECK(std::abs(swings - std::round(swings)) < 1e-2);
   CHECK(std::abs(most - peak) < 1e-4 * 2 * peak);
   CHECK(std::abs(by_laws - peak) < 1e-4 * 2 * peak);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Reports in a real browser: node browser.mjs CHROMIUM LOCKSTEP SCENES FOLDER. Ends with 1 after saying what is wrong.
 import { execFileSync } from 'node:child_process';
-import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { copyFileSync, mkdirSync, readFileSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { Chromium } from './chromium.mjs';
@@ -762,6 +762,77 @@ async function checkCurves(browser) {
   await page.close();
 }
 
+// Rows at the zeros of 0.3 sin(20 pi t): the column is flat, and the torque swings to (1/3 + 1e-4) (20 pi)^2 0.3 +
+// 0.5 9.81 cos 0.3, where a ring is.
+async function checkExtremes(browser) {
+  const peak = (1 / 3 + 1e-4) * (20 * Math.PI) ** 2 * 0.3 + 0.5 * 9.81 * Math.cos(0.3);
+  const { url } = runScene('peak', {
+    lockstep: 1,
+    gravity: [0, -9.81, 0],
+    bodies: [{ name: 'arm', rod: { mass: 1, from: [0, 0, 0], to: [1, 0, 0] } }],
+    joints: [
+      { name: 'A', type: 'revolute', p: 'arm', s: 'ground', at: [0, 0, 0],
+        drive: { axis: 'rz', law: { type: 'formula', y: '=0.3*sin(2*pi*10*t)' } } },
+    ],
+    run: { until: 1, output: 0.05, record: [{ M: 'A.drive.torque_on_p_link_z' }] },
+  });
+  const page = await browser.page();
+  await page.open(url);
+  await page.settle();
+  const seen = await page.evaluate(`(() => {
+    const [head, row] = document.querySelector('#extremes table').rows, { plot } = globalThis.lockstepReport.plots.plots[0];
+    row.querySelectorAll('button')[1].click();
+    const { t } = globalThis.lockstepReport.clock;
+    return { cells: [...row.cells].map((c) => c.textContent), t, top: plot.scales.y.max, curve: Math.max(...plot.data[1]) };
+  })()`);
+  check(Math.abs(Number(seen.cells[3]) - peak) < 1e-4 * 2 * peak, `the greatest value is ${peak}, not ${seen.cells}`);
+  check(Math.abs((20 * seen.t - 0.5) % 1) < 0.01, `a click on a time goes to an end of the swing, not to ${seen.t}`);
+  check(seen.top > peak && seen.curve < 5, `the axis ends at ${seen.top}, the curve at ${seen.curve}`);
+  checkQuiet(page, 'extremes');
+  await page.close();
+}
+
+// A long run: at most 20 MB, the picture at its frames where the run was, trails without corners, curves to all extremes.
+async function checkLong(browser) {
+  const { url, html } = runScene('long', {
+    lockstep: 1,
+    bodies: [{ name: 'wheel', cylinder: { mass: 1, radius: 1, length: 0.1 } }],
+    joints: [
+      { name: 'A', type: 'revolute', p: 'wheel', s: 'ground', at: [0, 0, 0], start: { rz_d: 6.283185307179586 } },
+    ],
+    markers: [{ name: 'rim', body: 'wheel', at: [1, 0, 0] }],
+    run: { until: 2000, output: 0.005, step: 0.05, record: ['rim.x', 'rim.y', 'rim.vx', 'rim.vy', 'rim.ax', 'rim.ay'] },
+  });
+  check(statSync(html).size <= 20e6, `the page of a long run has ${statSync(html).size} bytes`);
+  const page = await browser.page();
+  await page.open(url);
+  await page.settle();
+  const seen = await page.evaluate(`(() => {
+    const { data, world, clock, plots } = globalThis.lockstepReport;
+    clock.pause();
+    const off = [], radii = [];
+    for (const part of [0, 0.3, 0.77, 1]) {
+      const t = data.frames.times[Math.round(part * (data.frames.n - 1))];
+      clock.seek(t);
+      const { past } = world.trails.lines.values().next().value;
+      const { array } = past.geometry.getAttribute('position');
+      const last = 3 * (past.geometry.drawRange.count - 1);
+      off.push(Math.hypot(array[last] - Math.cos(2 * Math.PI * t), array[last + 1] - Math.sin(2 * Math.PI * t)));
+      for (let i = 3; i < array.length; i += 3) radii.push(Math.hypot((array[i] + array[i - 3]) / 2, (array[i + 1] + array[i - 2]) / 2));
+    }
+    const { columns, rows, stride } = data.table;
+    return { off: Math.max(...off), inner: Math.min(...radii), rows, stride, frames: data.frames.stride,
+      top: Math.max(...columns[3].curve), said: document.querySelector('#run').textContent };
+  })()`);
+  check(seen.off < 1e-3, `a trail ends where the point is; it is ${seen.off} m away`);
+  check(seen.inner > 0.95, `trails are circles; chords come to within ${seen.inner} of the centre`);
+  check(seen.rows === 400001 && seen.stride > 1 && seen.frames > 1, `rows ${seen.rows}, 1 in ${seen.stride}, ${seen.frames}`);
+  check(Math.abs(seen.top - 2 * Math.PI) < 1e-3, `the greatest speed is ${seen.top}`);
+  check(seen.said.includes(`1 in ${seen.stride} is in this file`), 'the page reports what is left out');
+  checkQuiet(page, 'long');
+  await page.close();
+}
+
 const browser = new Chromium(chromium);
 try {
   for (const name of SCENES) {
@@ -785,6 +856,8 @@ try {
   await checkMarks(browser);
   await checkHistories(browser);
   await checkModes(browser);
+  await checkExtremes(browser);
+  await checkLong(browser);
 } finally {
   await browser.close();
 }

@@ -124,6 +124,68 @@ TEST_CASE("a report holds columns, poses and loads of its run", "[report]") {
   CHECK(found == table.n_rows());
 }
 
+// Every column is zero but in two rows, one value in each, and 80 columns of 100 001 rows are 33 MB.
+TEST_CASE("the page of a long run has 20 MB at most, with the extremes of all columns", "[report]") {
+  constexpr long kColumns = 80;
+  Pendulum p;
+  Simulation run(p.system, {.output = 1e-5});
+  for (long k = 0; k < kColumns; ++k)
+    run.record("c" + std::to_string(k), [k](const Sample& s) {
+      const long row = std::lround(1e5 * s.state.t);
+      return row == 777 + 1111 * k ? 5.0 + static_cast<double>(k) : row == 99'123 - 1111 * k ? -3.0 : 0.0;
+    });
+  Report report(run.recorder());
+  run.add_observer(report);
+  run.run_until(0.1);
+  CHECK(Page(report.page()).data["table"]["stride"] == 1);  // so far all fit
+  CHECK(report.left_out().empty());
+  run.run_until(1);
+  REQUIRE(run.table().n_rows() == 100'001);
+  const Page page(report.page());
+  CHECK(page.text.size() <= 20'000'000);
+  CHECK(page.text.size() > 10'000'000);  // no more is left out than must be
+  const Json& table = page.data["table"];
+  for (long k = 0; k < kColumns; ++k) {
+    const std::vector<double> curve = read(page.bytes, table["columns"][k + 1]["curve"]);
+    CHECK(std::ranges::max(curve) == 5.0 + static_cast<double>(k));
+    CHECK(std::ranges::min(curve) == -3.0);
+  }
+  const auto stride = table["stride"].get<std::size_t>();
+  const std::vector<double> rows = page.column("t"), curve = read(page.bytes, table["columns"][0]["curve"]);
+  CHECK(stride > 1);
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) CHECK(rows[i] == run.table()["t"][i * stride]);
+  CHECK(std::ranges::is_sorted(curve));
+  const Json& frames = page.data["frames"];
+  const std::vector<double> times = read(page.bytes, frames["times"]);
+  for (const auto* t : {&rows, &curve, &times}) CHECK((t->front() == 0 && t->back() == 1));
+  double gap = 0;
+  for (std::size_t i = 1; i < times.size(); ++i) gap = std::max(gap, times[i] - times[i - 1]);
+  CHECK(gap < 1.01e-5 * frames["stride"].get<double>());
+  CHECK(report.left_out() == "1 row in " + std::to_string(stride) + ", 1 frame in " + frames["stride"].dump());
+}
+
+// The start is in view for each of 30 000 revolutions; frames by steps fill the page, and stay evenly spread.
+TEST_CASE("frames of a long rotation are evenly spread", "[report]") {
+  System system;
+  system.add_body("rotor", shapes::box(1, {1, 1, 1})).start.w = {0, 0, 2 * kPi};
+  Simulation run(system, {.step = 0.03, .output = 3e4});
+  Report report(run.recorder());
+  run.add_observer(report);
+  run.run_until(3e4);
+  const Page page(report.page());
+  CHECK(page.text.size() <= 12'000'000);
+  const std::vector<double> times = read(page.bytes, page.data["frames"]["times"]);
+  CHECK(times.size() > 50'000);
+  double least = 3e4, most = 0;
+  for (std::size_t i = 1; i + 1 < times.size(); ++i) {
+    least = std::min(least, times[i] - times[i - 1]);
+    most = std::max(most, times[i] - times[i - 1]);
+  }
+  CHECK(times.back() == 3e4);
+  CAPTURE(least, most, times.size());
+  CHECK(most < 3 * least);
+}
+
 TEST_CASE("a report changes nothing of its run", "[report]") {
   const auto columns = [](bool with_report) {
     Pendulum p;

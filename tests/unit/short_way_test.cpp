@@ -45,6 +45,29 @@ TEST_CASE("A simulation by names is the run that its layers make, to the last bi
   CHECK(run.state().t == 1.0);
 }
 
+// Free fall from 2 m: v = g t, and v^2/2 + g z = 2 g.
+TEST_CASE("A column may be a function of the state", "[simulation]") {
+  System system({.gravity = {0, 0, -9.81}});
+  const Body& stone = system.add_particle("stone", 1, {0, 0, 2});
+  Simulation run(system, {.output = 0.05});
+  const auto motion = [&](const Sample& s) -> const Motion& { return s.inputs().slot(stone.slot); };
+  const Table& table = run.record(
+      "speed", [=](const Sample& s) { return motion(s).v.norm(); }, "m/s");
+  run.record("total", [=](const Sample& s) { return 0.5 * motion(s).v.squaredNorm() + 9.81 * motion(s).x[2]; });
+  testing::check_words(message_of<ModelError>([&] { run.record("none", nullptr); }), {"\"none\" has no function"});
+  CHECK_THROWS_AS(run.record("speed", [](const Sample&) { return 0.0; }), ModelError);
+  run.run_until(0.5);
+  CHECK(table.column("speed").unit == "m/s");
+  CHECK(table.column("total").unit.empty());
+  REQUIRE(table.n_rows() == 11);
+  for (std::size_t i = 0; i < table.n_rows(); ++i) {
+    CHECK(std::abs(table["speed"][i] - 9.81 * table["t"][i]) < 1e-12);
+    CHECK(std::abs(table["total"][i] - 2 * 9.81) < 1e-12);
+  }
+  testing::check_words(message_of<ModelError>([&] { run.record("late", [](const Sample&) { return 0.0; }); }),
+                       {"after the start of the run"});
+}
+
 TEST_CASE("A simulation with a named solver runs in omega", "[simulation]") {
   System by_itself = pendulum(), told = pendulum(), turned = pendulum();
   const auto in_joints = [](System& system, SimulationOptions options) {

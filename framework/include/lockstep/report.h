@@ -38,7 +38,9 @@ struct ReportText {
 ///     report.write("pendulum.html", {.title = "A pendulum"});
 ///
 /// Poses are kept at every output time, and between if bodies moved far in a step; reactions and forces with them, at
-/// the cost of one solution each. Long runs keep fewer times, about evenly spread: at most 16 million numbers.
+/// the cost of one solution each. The page has 20 MB at most, besides its meshes: of a long run it keeps fewer times, about
+/// evenly spread, and of its columns fewer rows and the extremes between them. If the recorder finds extremes
+/// (Recorder::find_extremes), the page lists those of the motion.
 class LOCKSTEP_API Report final : public Observer {
  public:
   /// `recorder` must outlive this. `solids` and `looks`: as those of a Mechanism; a body without a solid is drawn from
@@ -58,6 +60,8 @@ class LOCKSTEP_API Report final : public Observer {
   void write(const std::string& file, const ReportText& text = {}) const;
   /// The same page as text.
   std::string page(const ReportText& text = {}) const;
+  /// What the last page has, if not all rows and times: "1 row in 32, 1 frame in 16".
+  std::string left_out() const;
 
  private:
   struct Seen;

@@ -18,6 +18,7 @@ class Dynamics;
 class Observer;
 class Recorder;
 class Registry;
+class Sample;
 class StepLoop;
 class System;
 struct AssemblyReport;
@@ -80,6 +81,10 @@ class LOCKSTEP_API Simulation {
   /// which grows during the run. May be called several times. Throws ModelError for an unknown channel, a name that is
   /// taken, and after the run has begun.
   const Table& record(std::vector<Request> requests);
+  /// Adds a column of a function: record("v", [&](const Sample& s) { return s.inputs().slot(rod.slot).v.norm(); }, "m/s").
+  /// It reads the state at each row. Throws ModelError as the other, and for an empty function.
+  const Table& record(const std::string& name, std::function<double(const Sample&)> value,
+                      const std::string& unit = {});
   const Table& table() const;  ///< recorded so far
 
   /// Runs to the time t, s; may be called again. Throws what assemble() and StepLoop::run_until throw; recorded rows

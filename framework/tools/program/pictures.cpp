@@ -150,7 +150,7 @@ bool draw_run(const Arguments& args, const std::string& csv, const std::string& 
   if (details != nullptr && details->joins_steps())
     notes.push_back("curves connect the ends of steps: " + run.integrator.type + " has no dense output");
   if (!outputs.pictures.empty() && rows.path_every() > 1)
-    notes.push_back(fmt::format("paths connect one row in {}", rows.path_every()));
+    notes.push_back(fmt::format("the pictures of paths connect one row in {}", rows.path_every()));
   const std::size_t n = rows.n_rows() > 0 ? rows.n_columns() - 1 : 0, n_drawn = names_in(panels).size();
   if (run.draw.empty() && n_drawn < n)
     notes.push_back(fmt::format("drawn: {} of {} columns, at most six per panel; choose with run.draw", n_drawn, n));

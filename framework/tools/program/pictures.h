@@ -10,7 +10,7 @@
 #include "framework/description/scene/reading.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/detail_rows.h"
-#include "framework/tools/program/row_envelope.h"
+#include "framework/tools/record/row_envelope.h"
 
 namespace lockstep {
 

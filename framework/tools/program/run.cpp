@@ -263,7 +263,7 @@ class ProgramRun {
 
   Result result() const {
     Result out(loaded_, run_fields(), end_);
-    out.brief = run_text(end_, args_.has("--summary"), args_.has("--verbose"));
+    out.brief = run_text(end_, args_.has("--summary") ? ColumnText::all : ColumnText::some, args_.has("--verbose"));
     return out;
   }
 
@@ -360,7 +360,7 @@ class ProgramRun {
     } catch (const std::exception&) {  // results are written even if this warning fails
     }
     if (unwritten) std::rethrow_exception(unwritten);
-    const std::string lines = report_ ? run_text(end_, true, true) + text_of(end_.findings) : "";
+    const std::string lines = report_ ? run_text(end_, ColumnText::none, true) + text_of(end_.findings) : "";
     if (end_.interrupted) {  // it replaces nothing: its rows and its report have other names
       std::vector<std::string> files{file_.partial()};
       const std::string why = fmt::format("interrupted at t = {:.9g} s", sim_.state().t);
@@ -375,6 +375,8 @@ class ProgramRun {
       tell(fmt::format("note: {}\n", end_.notes.front()));
     if (report_) {
       files.push_back(report_.write(sim_, lines));
+      if (const std::string part = report_.left_out(); !part.empty())
+        end_.notes.push_back(fmt::format("the report has {}, and all extremes (limit 20 MB)", part));
       if (args_.has("--open"))
         if (const std::string problem = open_in_browser(files.back()); !problem.empty())
           tell(fmt::format("note: {}\n", problem));
@@ -490,7 +492,8 @@ Command report_command() {
                  {"--open", "", "show it in the browser (xdg-open)"}},
                 run_outputs()}),
           report_run,
-          "Also writes the results of `lockstep run`. The file needs no network and no other file.\n\n"
+          "Also writes the results of `lockstep run`. The file needs no network and no other file.\n"
+          "It has 20 MB at most, besides meshes: of a long run it keeps fewer times, and all extremes.\n\n"
           "Example:\n  lockstep report samples/scenes/four_bar.json --open",
           run_results()};
 }

@@ -44,6 +44,7 @@ class RunReport {
   /// Writes and returns the file: `lines` are what the program prints of the run. `failure`: why it did not reach its end;
   /// an older report stays then, and the file is unfinished_report(). Throws FileError.
   std::string write(const StepLoop&, const std::string& lines, const std::string& failure = {}) const;
+  std::string left_out() const { return report_->left_out(); }  ///< of the report that was written
 
  private:
   std::string file_;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "framework/tools/program/growing_file.h"
-#include "framework/tools/program/row_envelope.h"
+#include "framework/tools/record/row_envelope.h"
 
 namespace lockstep {
 

@@ -307,13 +307,14 @@ const Fields<EndedRun>& run_fields() {
   return kFields;
 }
 
-std::string run_text(const EndedRun& run, bool all_columns, bool verbose) {
+std::string run_text(const EndedRun& run, ColumnText columns, bool verbose) {
   std::string text;
   if (run.moved || (verbose && !run.assembled.empty())) text += line_of("start", run.assembled);
   if (std::isfinite(run.resumed_at)) text += line_of("resumed", fmt::format("at t = {:.6g} s", run.resumed_at));
   text += line_of("simulated", simulated(run)) + line_of("checks", checks(run)) + energy_jumps(run);
-  text += all_columns ? summary_of(run) : results_text(rounded_columns(run), "--summary");
-  for (const std::string& note : run.notes) text += line_of("pictures", note);
+  if (columns == ColumnText::all) text += summary_of(run);
+  if (columns == ColumnText::some) text += results_text(rounded_columns(run), "--summary");
+  for (const std::string& note : run.notes) text += line_of("note", note);
   for (const std::string& line : lines_of(run.certificate)) text += line_of("", line);
   return verbose ? text + text_of(run_fields().schema(), run_fields()(run)) : text;
 }

@@ -9,8 +9,8 @@
 #include <lockstep/step_loop.h>
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/result.h"
-#include "framework/tools/program/row_envelope.h"
 #include "framework/tools/rank/singular_watch.h"
+#include "framework/tools/record/row_envelope.h"
 
 namespace lockstep {
 
@@ -67,8 +67,11 @@ Finding finding_of(const MissedEvent&);
 /// As a result: status, method, counts, energy, violation, and each recorded column's last, least and largest value.
 const Fields<EndedRun>& run_fields();
 
-/// What the run answers: time and steps, one line of checks, the extremes of the recorded columns in three lines, or
-/// of all in a table with their times. `verbose`: also the start, the method and the energies.
-std::string run_text(const EndedRun&, bool all_columns, bool verbose);
+/// Columns of which a text gives the extremes: none, those that fit in three lines, or all in a table with their times.
+enum class ColumnText { none, some, all };
+
+/// What the run answers: time and steps, one line of checks, the extremes of columns. `verbose`: also the start, the
+/// method and the energies.
+std::string run_text(const EndedRun&, ColumnText, bool verbose);
 
 }  // namespace lockstep

@@ -44,7 +44,7 @@ const Marker* moving_one(const std::vector<const Marker*>& markers) {
 
 void Frames::start(const Sample& sample) {
   const System& system = sample.system();
-  *this = Frames(most_numbers_, fewest_);
+  *this = Frames(most_bytes_, fewest_);
   system_ = &system;
   for (const Body& body : system.bodies())
     if (!body.fixed) bodies_.push_back(&body);
@@ -59,7 +59,7 @@ void Frames::start(const Sample& sample) {
   for (const auto& force : system.forces())
     if (const Marker* at = moving_one(force->markers())) loads_.push_back({nullptr, force.get(), at});
   width_ = 13 * bodies_.size() + 7 * markers_.size() + 6 * loads_.size();
-  most_ = std::max(fewest_, most_numbers_ / std::max<std::size_t>(1, width_));
+  most_ = std::max(fewest_, most_bytes_ / (sizeof(double) + sizeof(float) * width_)) / 2 * 2;  // even: the end is kept
   paths_.resize(system.links().size());
 }
 
@@ -69,7 +69,7 @@ void Frames::output(const Sample& sample) {
 }
 
 void Frames::step(const Sample& sample) {
-  if (times_.empty() || times_.back() >= sample.state.t || !has_moved_far(sample.inputs())) return;
+  if (times_.empty() || times_.back() + gap_ >= sample.state.t || !has_moved_far(sample.inputs())) return;
   add(sample);
 }
 
@@ -179,6 +179,7 @@ void Frames::thin() {
   after_jump_.resize(kept);
   rows_.resize(kept * width_);
   stride_ *= 2;
+  gap_ = (times_.back() - times_.front()) / static_cast<double>(kept);
 }
 
 }  // namespace lockstep::report

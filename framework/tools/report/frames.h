@@ -40,9 +40,8 @@ struct Load {
 /// A load that cannot be solved for is NaN.
 class LOCKSTEP_API Frames final : public Observer {
  public:
-  /// Keeps about so many numbers at most, and at least `fewest` frames.
-  explicit Frames(std::size_t most_numbers = 16'000'000, std::size_t fewest = 100)
-      : most_numbers_(most_numbers), fewest_(fewest) {}
+  /// Keeps so many bytes at most, but at least `fewest` frames.
+  explicit Frames(std::size_t most_bytes, std::size_t fewest = 2) : most_bytes_(most_bytes), fewest_(fewest) {}
 
   void start(const Sample&) override;   ///< forgets all frames
   void output(const Sample&) override;  ///< adds a frame
@@ -78,7 +77,7 @@ class LOCKSTEP_API Frames final : public Observer {
   bool has_moved_far(const Inputs&) const;
   void thin();
 
-  std::size_t most_numbers_, fewest_;
+  std::size_t most_bytes_, fewest_;
   const System* system_ = nullptr;
   std::vector<const Body*> bodies_;
   std::vector<const Marker*> markers_;
@@ -92,6 +91,7 @@ class LOCKSTEP_API Frames final : public Observer {
   std::vector<bool> modes_at_start_, modes_;
   std::vector<std::optional<std::pair<double, double>>> paths_;  // by joint
   std::size_t stride_ = 1, skipped_ = 0;  // of outputs, once there are too many
+  double gap_ = 0;                        // s, between frames at least, where bodies moved far
 };
 
 }  // namespace lockstep::report

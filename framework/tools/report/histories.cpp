@@ -11,7 +11,7 @@ namespace lockstep::report {
 namespace {
 
 constexpr long kMostRuns = 2000;
-constexpr std::size_t kMostOfAll = 4'000'000, kFewest = 30;
+constexpr std::size_t kMostOfAll = 16'000'000, kFewest = 30;
 
 std::size_t share(long n_runs) { return kMostOfAll / static_cast<std::size_t>(std::clamp(n_runs, 1L, kMostRuns)); }
 
@@ -42,7 +42,9 @@ void Histories::add(long run, const Table& table, const Frames& frames, const Me
   }
   const std::scoped_lock lock(adding_);
   nlohmann::ordered_json json{{"run", run}};
-  json["table"] = table_json(table, share(n_runs_), kFewest, numbers_);
+  const std::size_t least =
+      4 * kFewest * sizeof(double) * (table.n_columns() + 1);  // half of the rows, or a quarter, is kept
+  json["table"] = table_json(table, {}, std::max(share(n_runs_), least), numbers_);
   most_rows_left_out_ = std::max(most_rows_left_out_, json["table"]["stride"].get<std::size_t>());
   if (frames.any()) {
     if (const std::optional<std::size_t> number = mechanism_number(std::move(outline))) {
@@ -58,12 +60,9 @@ void Histories::add(long run, const Table& table, const Frames& frames, const Me
 
 std::string Histories::left_out() const {
   const std::scoped_lock lock(adding_);
-  std::string words;
-  const auto say = [&](const std::string& more) { words += (words.empty() ? "" : ", ") + more; };
-  if (stride_ > 1) say("1 run in " + std::to_string(stride_));
-  if (most_rows_left_out_ > 1) say("1 row in " + std::to_string(most_rows_left_out_));
-  if (most_instants_left_out_ > 1) say("1 frame in " + std::to_string(most_instants_left_out_));
-  if (n_without_motion_ > 0) say("no motion of " + std::to_string(n_without_motion_) + " of them");
+  std::string words = kept_part({{"run", stride_}, {"row", most_rows_left_out_}, {"frame", most_instants_left_out_}});
+  if (n_without_motion_ > 0)
+    words += (words.empty() ? "no motion of " : ", no motion of ") + std::to_string(n_without_motion_) + " of them";
   return words;
 }
 

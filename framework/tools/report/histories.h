@@ -19,8 +19,8 @@ namespace lockstep::report {
 /// The data of many runs for a page, within limits for all of them together:
 ///
 ///     runs      2000, evenly chosen
-///     columns   4 million numbers: of each run every k-th row, at least 30 rows
-///     motion    4 million numbers: of each run every k-th time, at least 30 of them
+///     columns   16 million bytes: of each run every k-th row, at least 30 rows, and the extremes between them
+///     motion    16 million bytes: of each run every k-th time, at least 30 of them
 ///     outlines  16 million bytes: the appearance of a mechanism, once for equal ones; a run with an outline beyond that
 ///               has its columns alone
 ///

@@ -39,7 +39,7 @@ Json pivots_json(const std::vector<const Body*>& bodies, const Inputs& in) {
 
 std::string modes_page(const ReportText& text, const Sample& rest, const Mechanism& m,
                        const std::vector<ShownMode>& modes, double length) {
-  Frames frames;
+  Frames frames(0);  // one alone
   frames.start(rest);
   frames.output(rest);
   Numbers numbers;

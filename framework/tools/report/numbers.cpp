@@ -23,8 +23,12 @@ bool fits_single(double v) {
 
 }  // namespace
 
+std::size_t Numbers::bytes_of(std::span<const double> values) {
+  return std::ranges::all_of(values, fits_single) ? sizeof(float) : sizeof(double);
+}
+
 nlohmann::ordered_json Numbers::add_column(std::span<const double> values) {
-  if (!std::ranges::all_of(values, fits_single)) return add(values);
+  if (bytes_of(values) == sizeof(double)) return add(values);
   chart_style::Extent e{};
   e.take(values, false);
   const double size = std::max(std::abs(e.low), std::abs(e.high));

@@ -30,6 +30,8 @@ class LOCKSTEP_API Numbers {
   /// Adds a column with single precision, as differences from "base" if they are small against the values: changes in the
   /// last digits of an energy stay visible. With double precision if single has no such numbers.
   nlohmann::ordered_json add_column(std::span<const double> values);
+  /// Bytes of each number of such a column.
+  static std::size_t bytes_of(std::span<const double> values);
   /// All of it.
   std::string base64() const;
 

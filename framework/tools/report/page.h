@@ -2,6 +2,7 @@
 // The page of a report, whose script and style are in the library, and the machine on which it is made.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,6 +11,12 @@
 #include "framework/tools/report/numbers.h"
 
 namespace lockstep::report {
+
+/// Bytes of the page of a run, at most: its motion may have half of them, its columns have what the rest of the page leaves.
+/// Meshes and bodies are kept, however many there are.
+inline constexpr std::size_t kMostBytes = 20'000'000;
+/// Bytes of numbers that so many letters of the page hold.
+constexpr std::size_t bytes_in(std::size_t letters) { return letters / 4 * 3; }
 
 /// The page without data, in pieces; made by the configuration from web/dist/report.html.
 std::span<const std::string_view> page_pieces();

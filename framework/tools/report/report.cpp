@@ -9,16 +9,10 @@
 #include "framework/tools/report/run_data.h"
 
 namespace lockstep {
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-constexpr std::size_t kMostCells = 12'000'000;  // of the table: 64 MB of page
-
-}  // namespace
 
 struct Report::Seen {
-  report::Frames frames;
+  report::Frames frames{report::bytes_in(report::kMostBytes / 2)};
+  std::string left_out{};
 };
 
 Report::Report(const Recorder& recorder, std::vector<Solid> solids, std::vector<Look> looks)
@@ -38,12 +32,22 @@ std::string Report::page(const ReportText& text) const {
   const report::Frames& frames = seen_->frames;
   report::Numbers numbers;
   report::Meshes meshes(numbers);
-  Json json{{"text", report::json_of(text)}, {"mechanism", report::outline_of(frames, solids_, looks_, meshes)}};
+  nlohmann::ordered_json json{{"text", report::json_of(text)},
+                              {"mechanism", report::outline_of(frames, solids_, looks_, meshes)}};
   json["meshes"] = meshes.list();
   json.update(report::frames_json(frames, numbers));
-  json["table"] = report::table_json(recorder_.table(), kMostCells, 100, numbers);
-  return report::page_with(json, numbers);
+  const auto with_table = [&](std::size_t bytes) {
+    report::Numbers all = numbers;
+    json["table"] = report::table_json(recorder_.table(), recorder_.ranges(), bytes, all);
+    return report::page_with(json, all);
+  };
+  const std::size_t taken = with_table(0).size();  // with a few rows
+  std::string page = with_table(taken < report::kMostBytes ? report::bytes_in(report::kMostBytes - taken) : 0);
+  seen_->left_out = report::kept_part({{"row", json["table"]["stride"]}, {"frame", frames.stride()}});
+  return page;
 }
+
+std::string Report::left_out() const { return seen_->left_out; }
 
 void Report::write(const std::string& file, const ReportText& text) const { report::write_whole(file, page(text)); }
 

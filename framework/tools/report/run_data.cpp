@@ -1,35 +1,42 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/report/run_data.h"
 
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
 #include <nlohmann/json.hpp>
+
+#include "framework/tools/record/row_envelope.h"
 
 namespace lockstep::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Every k-th value, the last one too.
-std::vector<double> thinned(const std::vector<double>& values, std::size_t k) {
-  if (k == 1) return values;
-  std::vector<double> some;
-  for (std::size_t i = 0; i < values.size(); i += k) some.push_back(values[i]);
-  if ((values.size() - 1) % k != 0) some.push_back(values.back());
-  return some;
+Json range_json(const ColumnRange& r) {
+  return {{"least", r.least}, {"t_least", r.t_least}, {"most", r.most}, {"t_most", r.t_most}, {"resolved", r.resolved}};
 }
 
 }  // namespace
 
-Json table_json(const Table& table, std::size_t most_cells, std::size_t fewest, Numbers& numbers) {
-  const std::size_t least = std::max<std::size_t>(1, table.n_rows() / std::max<std::size_t>(1, fewest));
-  const std::size_t stride = std::min(least, 1 + table.n_rows() * table.n_columns() / most_cells);
-  Json json{{"rows", table.n_rows()}, {"stride", stride}, {"columns", Json::array()}};
-  for (const Column& column : table.columns()) {
-    const std::vector<double> values = thinned(column.values, stride);
-    const bool is_time = &column == &table.columns().front();
-    json["columns"].push_back(
-        {{"name", column.name},
-         {"unit", column.unit},
-         {"values", is_time ? numbers.add(std::span<const double>(values)) : numbers.add_column(values)}});
+Json table_json(const Table& table, std::span<const ColumnRange> ranges, std::size_t most_bytes, Numbers& numbers) {
+  std::size_t row = sizeof(double);
+  for (const Column& c : table.columns()) row += Numbers::bytes_of(c.values);
+  const bool all = table.n_rows() * row <= most_bytes;
+  RowEnvelope some(table, all ? 0 : std::max<std::size_t>(2, most_bytes / (8 * row)) * 4);  // twice that many rows
+  for (std::size_t i = 0; !all && i < table.n_rows(); ++i) some.add(table, i);
+  const Table rows = all ? Table() : some.path_table(), curves = all ? Table() : some.table();
+  Json json{{"rows", table.n_rows()}, {"stride", some.path_every()}, {"columns", Json::array()}};
+  const auto add = [&](const Table& from, std::size_t k) {
+    const std::vector<double>& values = from.columns()[k].values;
+    return k == 0 ? numbers.add(std::span<const double>(values)) : numbers.add_column(values);
+  };
+  for (std::size_t k = 0; k < table.n_columns(); ++k) {
+    const Column& column = table.columns()[k];
+    Json& own = json["columns"].emplace_back(Json{{"name", column.name}, {"unit", column.unit}});
+    own["values"] = add(all ? table : rows, k);
+    if (!all) own["curve"] = add(curves, k);
+    if (k > 0 && k <= ranges.size()) own["range"] = range_json(ranges[k - 1]);
   }
   return json;
 }
@@ -48,6 +55,13 @@ Json frames_json(const Frames& frames, Numbers& numbers) {
             {"jumps", jumps}};
   Json switches{{"at_start", frames.modes_at_start()}, {"later", later}};
   return {{"frames", kept}, {"marks", marks}, {"switches", switches}};
+}
+
+std::string kept_part(std::initializer_list<std::pair<const char*, std::size_t>> one_in) {
+  std::string words;
+  for (const auto& [what, n] : one_in)
+    if (n > 1) words += fmt::format("{}1 {} in {}", words.empty() ? "" : ", ", what, n);
+  return words;
 }
 
 }  // namespace lockstep::report

@@ -149,6 +149,12 @@ const Table& Simulation::record(std::vector<Request> requests) {
   }
   return table();
 }
+const Table& Simulation::record(const std::string& name, std::function<double(const Sample&)> value,
+                                const std::string& unit) {
+  record({});  // rejects a run that has begun
+  parts_->recorder->add(name, unit, std::move(value));
+  return table();
+}
 const Table& Simulation::table() const { return parts_->recorder->table(); }
 
 const SimulationReport& Simulation::run_until(double t) {

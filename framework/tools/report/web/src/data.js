@@ -30,7 +30,7 @@ export function readData() {
   const { meshes, runs = [data] } = data.histories ?? data;
   for (const mesh of meshes) readArrays(buffer, mesh, 'points', 'triangles');
   for (const { table, frames } of runs) {
-    for (const column of table.columns) readArrays(buffer, column, 'values');
+    for (const column of table.columns) readArrays(buffer, column, ...(column.curve ? ['values', 'curve'] : ['values']));
     if (frames) readArrays(buffer, frames, 'times', 'rows');
   }
   return data;

@@ -151,8 +151,8 @@ export class Panel {
     for (const warning of text.warnings) holder.append(make('p', warning, { className: 'warning' }));
     if (text.description) holder.append(make('p', text.description));
     const count = (n, one) => `${n} ${one}${n === 1 ? '' : 's'}`;
-    const recorded = `${count(columns.columns.length - 1, 'column')} in ${count(columns.rows, 'row')}`;
-    const thinned = (stride) => (stride > 1 ? `; every ${stride}th is in this file` : '');
+    const kept = columns.stride > 1 ? `; 1 in ${columns.stride} is in this file, and the extremes between` : '';
+    const recorded = `${count(columns.columns.length - 1, 'column')} in ${count(columns.rows, 'row')}${kept}`;
     holder.append(
       make('h3', 'Run'),
       this.facts(text.facts),
@@ -163,8 +163,8 @@ export class Panel {
         ['joints', String(mechanism.links.length)],
         ['forces', String(mechanism.forces.length)],
         ['gravity', vector(mechanism.gravity, 'm/s\u00b2')],
-        ['recorded', `${recorded}${thinned(columns.stride)}`],
-        ['frames', `${frames.n}${thinned(frames.stride)}`],
+        ['recorded', recorded],
+        ['frames', `${frames.n}${frames.stride > 1 ? `: 1 output time in ${frames.stride}` : ''}`],
       ]),
       make('h3', 'Created by'),
       factsTable([['lockstep', text.version], ['on', text.machine]]),

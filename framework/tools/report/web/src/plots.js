@@ -64,6 +64,22 @@ function tickTexts(u, ticks, axis, space, step) {
 
 const FONT = '11px system-ui, sans-serif';
 
+// Values over time; of a long run extremes of groups of rows.
+const curveOf = (column) => column.curve ?? column.values;
+
+// Extremes of the motion beyond a column's rows: time, value, and the value that the curve reaches.
+function beyondRows(column) {
+  if (!column.range) return [];
+  let low = Infinity,
+    high = -Infinity;
+  for (const v of curveOf(column)) {
+    if (v < low) low = v;
+    if (v > high) high = v;
+  }
+  const { least, t_least, most, t_most } = column.range;
+  return [...(least < low ? [[t_least, least, low]] : []), ...(most > high ? [[t_most, most, high]] : [])];
+}
+
 export const titleOf = (column) => (column.unit ? `${column.name} [${column.unit}]` : column.name);
 
 export const axisStyle = () => ({
@@ -95,7 +111,8 @@ export class Plots {
   constructor(data, clock, holder) {
     Object.assign(this, { data, clock, holder });
     this.groups = groupsOf(data).map((group) => ({ ...group, log: false, hidden: new Set() }));
-    this.x = data.table.columns[0].values;
+    this.x = curveOf(data.table.columns[0]);
+    this.beyond = data.table.columns.map(beyondRows);
     this.long = this.x.length > LONG;
     this.sync = uPlot.sync('time');
     this.plots = [];
@@ -166,7 +183,7 @@ export class Plots {
   }
 
   dataOf(group, [from, to]) {
-    const columns = this.columnsOf(group).map((c) => c.values);
+    const columns = this.columnsOf(group).map(curveOf);
     if (!this.long) return [this.x, ...columns.map(drawable)];
     const [x, ...ys] = envelope(this.x, columns, from, to, 1200);
     return [x, ...ys.map(drawable)];
@@ -174,7 +191,7 @@ export class Plots {
 
   // Few rows are joined without corners: by their rates where these are known, else by a guess.
   pathsOf(group, i) {
-    if (this.x.length >= SMOOTH) return uPlot.paths.linear();
+    if (this.x.length >= SMOOTH || this.data.table.stride > 1) return uPlot.paths.linear();
     const slopes = [0, group.members[i]].map((k) => slopesOf(this.data, k));
     return slopes[1] && !group.log ? hermite(slopes, this.data.marks) : uPlot.paths.spline();
   }
@@ -192,7 +209,7 @@ export class Plots {
         bind: { dblclick: () => () => this.zoom(this.full) },
         points: { size: 6 },
       },
-      scales: { x: { time: false }, y: group.log ? { distr: 3 } : {} },
+      scales: { x: { time: false }, y: { distr: group.log ? 3 : 1, range: (u, low, high) => this.rangeOf(group, low, high) } },
       axes: [
         { ...axisStyle(), size: 26, label: 't [s]', labelSize: 14 },
         { ...axisStyle(), size: 62 },
@@ -213,6 +230,7 @@ export class Plots {
       ],
       hooks: {
         drawClear: [(u) => this.drawMarks(u)],
+        draw: [(u) => this.drawBeyond(u, group)],
         setScale: [(u, key) => key === 'x' && this.zoomed(u)],
         setSeries: [(u, i, { show }) => show !== undefined && i > 0 && group.hidden[show ? 'delete' : 'add'](i - 1)],
       },
@@ -225,6 +243,37 @@ export class Plots {
     whenClicked(plot.over, (e) => this.clock.stopAt(timeAt(e)));
     plot.over.addEventListener('mouseleave', () => this.showTime());
     return plot;
+  }
+
+  // Those in view, of the columns that are shown.
+  beyondOf(group) {
+    const inView = ([t, v]) => t >= this.range[0] && t <= this.range[1] && (!group.log || v > 0);
+    return group.members.flatMap((k, i) =>
+      group.hidden.has(i) ? [] : this.beyond[k].filter(inView).map(([t, v, end]) => ({ i, t, v, end })),
+    );
+  }
+
+  rangeOf(group, first, last) {
+    if ((first ?? null) === null) return [null, null];
+    const all = [first, last, ...this.beyondOf(group).map(({ v }) => v)];
+    const [low, high] = [Math.min(...all), Math.max(...all)];
+    return group.log ? uPlot.rangeLog(low, high, 10, true) : uPlot.rangeNum(low, high, 0.1, true);
+  }
+
+  // Rings at extremes that the curve does not reach.
+  drawBeyond(u, group) {
+    const { ctx } = u;
+    ctx.save();
+    ctx.lineWidth = 1.6 * devicePixelRatio;
+    for (const { i, t, v, end } of this.beyondOf(group)) {
+      const [x, y, reached] = [u.valToPos(t, 'x', true), u.valToPos(v, 'y', true), u.valToPos(end, 'y', true)];
+      if (Math.abs(y - reached) < ctx.lineWidth) continue;
+      ctx.strokeStyle = theme.color(i);
+      ctx.beginPath();
+      ctx.arc(x, y, 2 * ctx.lineWidth, 0, 2 * Math.PI);
+      ctx.stroke();
+    }
+    ctx.restore();
   }
 
   // Events and impacts, as lines behind the curves.

@@ -3,6 +3,7 @@
 import { Against } from './against.js';
 import { Clock } from './clock.js';
 import { whenClicked } from './dom.js';
+import { showExtremes } from './extremes.js';
 import { addKeys } from './keys.js';
 import { Motion } from './motion.js';
 import { isBad, Panel } from './panel.js';
@@ -27,6 +28,7 @@ export class RunPage {
     this.following = false;
     this.stage = this.makeStage();
     this.plots = new Plots(data, this.clock, this.elements.plots);
+    showExtremes(data, this.clock, this.elements.extremes);
     this.against = new Against(data, this.clock, this.elements.against);
     this.timebar = new Timebar(data, this.clock, this.elements);
     this.panel = new Panel(data, this.world, this, this.elements);

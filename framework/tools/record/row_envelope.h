@@ -12,7 +12,7 @@ namespace lockstep {
 /// The rows of a table while they are few. Beyond kMost, each column's least and largest value over equal numbers of
 /// rows, in the order in which they came: a curve over time through them covers what a curve through all rows would.
 /// For curves of one column against another, whole rows: one in 2, 4, 8, ... Memory does not grow with the run.
-class RowEnvelope {
+class LOCKSTEP_API RowEnvelope {
  public:
   static constexpr std::size_t kMost = 1 << 14;  ///< rows that are kept at most
 
@@ -27,7 +27,7 @@ class RowEnvelope {
   Table table() const;
   /// Whole rows, for curves of one column against another: one in path_every(), and the last.
   Table path_table() const;
-  long path_every() const { return path_every_; }  ///< 1: all rows
+  long path_every() const { return path_every_; }   ///< 1: all rows
   std::size_t n_columns() const { return width_; }  ///< with the time
 
   void save(Snapshot&) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/program/row_envelope.h"
+#include "framework/tools/record/row_envelope.h"
 
 #include <algorithm>
 
