@@ -31,6 +31,8 @@ constexpr Verb kVerbs[] = {
     {"resume", "", kSimulate, "Continue a run from its checkpoint"},
     {"report", "", kSimulate, "Simulate a scene and write one HTML file: animation, plots, settings"},
     {"sweep", "sweep", kSimulate, "Run a scene many times with varied values; one table row per run"},
+    {"find", "sweep", kSimulate, "Find the value of a number of a scene at which a formula of its run reaches a value"},
+    {"optimize", "sweep", kSimulate, "Find numbers of a scene for which a formula of its run is least or largest"},
     {"demo", "", kSimulate, "Show a moving four-bar in the browser; write its scene and results to a folder"},
     {"check", "", kAnalyse, "Assemble a scene; report degrees of freedom and redundant constraints"},
     {"assemble", "analyses", kAnalyse, "Assemble the start of a scene; report which bodies move and how far"},
