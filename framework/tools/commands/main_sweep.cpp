@@ -4,6 +4,8 @@
 
 int main(int argc, char* argv[]) {
   using namespace lockstep;
-  const auto commands = [] { return std::vector{sweep_command(), find_command(), optimize_command()}; };
+  const auto commands = [] {
+    return std::vector{sweep_command(), find_command(), optimize_command(), sensitivity_command()};
+  };
   return run_program(commands, false, argc, argv);
 }

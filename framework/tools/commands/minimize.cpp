@@ -64,9 +64,8 @@ std::string minimize(const Minimization& m) {
   nlopt_set_maxeval(nlopt.get(), m.most);
   nlopt_set_min_objective(nlopt.get(), objective, &called);
   const std::vector<double> slack(m.n_conditions, m.tolerance);
-  if (m.n_conditions > 0 &&
-      nlopt_add_inequality_mconstraint(nlopt.get(), static_cast<unsigned>(m.n_conditions), conditions, &called,
-                                       slack.data()) != NLOPT_SUCCESS)
+  if (m.n_conditions > 0 && nlopt_add_inequality_mconstraint(nlopt.get(), static_cast<unsigned>(m.n_conditions),
+                                                             conditions, &called, slack.data()) != NLOPT_SUCCESS)
     throw UsageError("--method: " + std::string(m.method) + " takes no conditions; use cobyla or direct");
   std::vector<double> u = m.start;
   double least = 0;

@@ -4,16 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <limits>
 
 #include <lockstep/charts.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/mechanism/params/read.h"
 #include "framework/tools/commands/minimize.h"
 #include "framework/tools/commands/run_function.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/program/terminal.h"
@@ -76,14 +76,16 @@ const Fields<Optimized>& optimize_fields() {
 class Optimization {
  public:
   Optimization(const Arguments& args, const Interrupt& interrupt)
-      : runs_(args, interrupt),
-        most_(args["--runs"].empty() ? kRuns : static_cast<int>(read_integer(Value(read_word(args["--runs"])), "--runs"))),
+      : runs_(read_ranges(args), interrupt),
+        most_(args["--runs"].empty()
+                  ? kRuns
+                  : whole_number("--runs", args["--runs"], std::numeric_limits<int>::max(), "is not a number of runs")),
         progress_(most_, args.has("--quiet") || args.has("--json"), Counts::runs) {
     const std::string option = args["--minimize"].empty() ? "--maximize" : "--minimize";
     objective_ = args[option];
-    if (objective_.empty()) throw UsageError("--minimize or --maximize is missing; give one, as in --minimize \"max(T)\"");
+    if (objective_.empty())
+      throw UsageError("--minimize or --maximize is missing; give one, as in --minimize \"max(T)\"");
     if (option == "--maximize") sign_ = -1;
-    if (most_ < 1) throw UsageError("--runs: must be 1 or more");
     runs_.add(option, objective_, objective_);
     for (const std::string& text : args.all("--subject-to")) {
       const Sides s = sides_of("--subject-to", text);
@@ -98,11 +100,18 @@ class Optimization {
 
   /// Throws Error if the start fails.
   std::string search(std::string_view method) {
-    Minimization m{.start = {}, .n_conditions = conditions_.size(), .method = method,
-                   .tolerance = tolerance(), .most = most_, .evaluate = {}};
-    const Point start = runs_.given();
-    for (std::size_t k = 0; k < start.size(); ++k)
-      m.start.push_back((start[k] - runs_.low(k)) / (runs_.high(k) - runs_.low(k)));
+    Minimization m{.start = {},
+                   .n_conditions = conditions_.size(),
+                   .method = method,
+                   .tolerance = tolerance(),
+                   .most = most_,
+                   .evaluate = {}};
+    Point start;
+    for (std::size_t k = 0; k < runs_.n(); ++k) {
+      const double low = runs_.low(k), high = runs_.high(k);
+      start.push_back(std::clamp(runs_.given(k).value_or(0.5 * (low + high)), low, high));
+      m.start.push_back((start[k] - low) / (high - low));
+    }
     if (evaluate(start); std::isnan(all_[0].value))
       throw Error(fmt::format("the first run, with {}, failed: {}; give values at which it succeeds by --set",
                               runs_.text(start), all_[0].run.status));
@@ -131,7 +140,8 @@ class Optimization {
   }
 
   Optimized result(const std::string& ended) const {
-    Optimized o{objective_, runs_.unit(0), optimum(all_[0]), optimum(best()), {}, ended, static_cast<long>(all_.size()), 0};
+    Optimized o{objective_, runs_.unit(0), optimum(all_[0]), optimum(best()), {}, ended, static_cast<long>(all_.size()),
+                0};
     for (std::size_t k = 0; k < conditions_.size(); ++k)
       o.conditions.push_back(fmt::format("{}: {}{}", conditions_[k], with_unit(best().left[k], runs_.unit(1 + 2 * k)),
                                          best().excess[k] > slack(k) ? ", does not hold" : ""));
@@ -142,7 +152,8 @@ class Optimization {
   /// A line for each run: its number, values as --vary writes them, the objective, the best one so far, the status.
   std::string csv() const {
     std::vector<std::vector<std::string>> lines{{"run"}};
-    for (std::size_t k = 0; k < runs_.n(); ++k) lines[0].push_back(column_title({path(k), runs_.varied().shown[k].unit, {}}));
+    for (std::size_t k = 0; k < runs_.n(); ++k)
+      lines[0].push_back(column_title({path(k), runs_.varied().shown[k].unit, {}}));
     lines[0].push_back(title());
     lines[0].emplace_back("status");
     for (const SearchRun& e : all_) {
@@ -158,7 +169,8 @@ class Optimization {
 
   /// The objective of each run, and the best one so far.
   void draw(const std::string& file) const {
-    Series each{.label = "run", .x = {}, .y = {}, .style = SeriesStyle::points}, least{.label = "best", .x = {}, .y = {}};
+    Series each{.label = "run", .x = {}, .y = {}, .style = SeriesStyle::points},
+        least{.label = "best", .x = {}, .y = {}};
     double best = NAN;
     for (const SearchRun& e : all_) {
       if (std::isnan(e.value)) continue;
@@ -237,12 +249,15 @@ Result optimize(const Arguments& args) {
   }
   if (!report.empty()) {
     ReportText text = text_of(args, loaded);
-    for (const auto& [label, fact] : facts_of(text_of(*result.schema, result.data))) text.facts.emplace_back(label, fact);
+    for (const auto& [label, fact] : facts_of(text_of(*result.schema, result.data)))
+      text.facts.emplace_back(label, fact);
     write_runs_report(report, text, all.csv(), "run", all.title(), false);
     result.files.push_back(report);
   }
-  if (ended == "interrupted") result.code = kExitInterrupted;
-  else if (!all.holds()) result.code = kExitFailure;
+  if (ended == "interrupted")
+    result.code = kExitInterrupted;
+  else if (!all.holds())
+    result.code = kExitFailure;
   return result;
 }
 
@@ -255,10 +270,12 @@ Command optimize_command() {
             {Option{"--vary", "NAME=a:b", "a number that varies, and its range; may be repeated"}.needed().repeated(),
              {"--minimize", "FORMULA", "formula of columns and channels at the end of the run"},
              Option{"--maximize", "FORMULA", "the same, to be largest"}.without("--minimize"),
-             Option{"--subject-to", "CONDITION", "condition at the end of the run, such as max(T) < 3 N m; may be repeated"}
+             Option{"--subject-to", "CONDITION",
+                    "condition at the end of the run, such as max(T) < 3 N m; may be repeated"}
                  .repeated(),
-             Option{"--method", "NAME", "method of NLopt; default sbplx without conditions, else cobyla; direct looks in "
-                                        "the whole range"}
+             Option{"--method", "NAME",
+                    "method of NLopt; default sbplx without conditions, else cobyla; direct looks in "
+                    "the whole range"}
                  .among(kMinimizers),
              {"--runs", "N", "runs at most; default 1000"},
              kWrite,

@@ -47,19 +47,6 @@ std::string without_columns(std::string formula, const std::vector<ChannelReques
   return formula;
 }
 
-// The number at a place of a scene, SI; nothing if it gives none.
-std::optional<double> number_at(const Variable& v, const Scene& scene, const Registry& registry) try {
-  Value root = scene.root;
-  const std::string in_set = "set.";
-  const std::string place = v.place.starts_with(in_set) ? v.place.substr(in_set.size()) : v.place;
-  const Value& value = *find_place(root, place, registry).value;
-  if (const double* x = value.number()) return *x;
-  const Measured read = read_quantity(value.text() != nullptr ? *value.text() : "", Unit::any);
-  return read.problem.empty() ? std::optional(read.value) : std::nullopt;
-} catch (const ModelError&) {
-  return {};
-}
-
 }  // namespace
 
 Sides sides_of(const std::string& option, const std::string& comparison) {
@@ -78,16 +65,16 @@ Sides sides_of(const std::string& option, const std::string& comparison) {
   });
 }
 
-RunFunction::RunFunction(const Arguments& args, const Interrupt& interrupt)
-    : varied_(read_ranges(args)), interrupt_(interrupt) {
-  override_settings(varied_.loaded.scene.run, args, varied_.loaded.registry);
+RunFunction::RunFunction(VariedScene varied, const Interrupt& interrupt)
+    : varied_(std::move(varied)), interrupt_(interrupt) {
+  override_settings(varied_.loaded.scene.run, varied_.arguments, varied_.loaded.registry);
   built_ = build_mechanism(varied_.loaded.scene, varied_.loaded.registry);
-  if (built_.run.until < 0) throw ModelError("the scene has no end time; add \"until\" to \"run\", or give --until");
   like_.add_column("t", "s");
 }
 
 void RunFunction::add(const std::string& option, const std::string& text, const std::string& formula) {
   as_usage(option, [&] {
+    if (built_.run.until < 0) throw ModelError("the scene has no end time; give --until");
     const std::string of_channels = "=" + without_columns(formula, varied_.loaded.scene.run.record);
     like_.add_column(option + " " + text, make_channel(system_of(built_), of_channels).unit);
     formulas_.push_back({of_channels, option + " " + text, {}});
@@ -95,13 +82,16 @@ void RunFunction::add(const std::string& option, const std::string& text, const 
   });
 }
 
-Point RunFunction::given() const {
-  Point x;
-  for (std::size_t k = 0; k < n(); ++k)
-    x.push_back(std::clamp(number_at(varied_.variables[k], varied_.loaded.scene, varied_.loaded.registry)
-                               .value_or(0.5 * (low(k) + high(k))),
-                           low(k), high(k)));
-  return x;
+std::optional<double> RunFunction::given(std::size_t k) const try {
+  Value root = varied_.loaded.scene.root;
+  const std::string in_set = "set.", &place = varied_.variables[k].place;
+  const Value& value =
+      *find_place(root, place.starts_with(in_set) ? place.substr(in_set.size()) : place, varied_.loaded.registry).value;
+  if (const double* x = value.number()) return *x;
+  const Measured read = read_quantity(value.text() != nullptr ? *value.text() : "", Unit::any);
+  return read.problem.empty() ? std::optional(read.value) : std::nullopt;
+} catch (const ModelError&) {
+  return {};
 }
 
 Scene RunFunction::scene(const Point& x) const {

@@ -26,8 +26,8 @@ Sides sides_of(const std::string& option, const std::string& comparison);
 /// The run of a scene at a point. It records formulas in place of the columns of the scene.
 class RunFunction {
  public:
-  /// Reads the scene and the ranges of --vary. Throws UsageError.
-  RunFunction(const Arguments&, const Interrupt&);
+  /// The numbers that vary, and their ranges: of read_ranges(), read_numbers().
+  RunFunction(VariedScene, const Interrupt&);
   /// Adds a formula of columns and channels. `option` and its text are named in messages. Throws UsageError.
   void add(const std::string& option, const std::string& text, const std::string& formula);
 
@@ -35,16 +35,16 @@ class RunFunction {
   std::size_t n() const { return varied_.variables.size(); }
   double low(std::size_t k) const { return *varied_.variables[k].values.front().number(); }
   double high(std::size_t k) const { return *varied_.variables[k].values.back().number(); }
-  /// The values that the scene gives; of a number that it does not give, the middle of the range.
-  Point given() const;
+  /// The value that the scene gives; nothing if it gives none.
+  std::optional<double> given(std::size_t k) const;
   const std::string& unit(std::size_t formula) const { return like_.columns()[formula + 1].unit; }
 
   Scene scene(const Point&) const;
   /// Its columns are the formulas; their last values are the results. A run without a finite result has failed. Throws
   /// InterruptedError.
   SweepRun at(const Point&) const;
-  std::string text(const Point&) const;  ///< "crank = 103.2 mm, rod = 200 mm"
-  Json values(const Point&) const;       ///< by path
+  std::string text(const Point&) const;         ///< "crank = 103.2 mm, rod = 200 mm"
+  Json values(const Point&) const;              ///< by path
   double shown(std::size_t k, double x) const;  ///< a value in the unit of --vary
 
   /// Throws UsageError and FileError for the file of --write.
@@ -60,7 +60,8 @@ class RunFunction {
   Table like_;
 };
 
-inline constexpr Option kWrite{"--write", "FILE.json", "write the scene with these values, next to the files that it reads"};
+inline constexpr Option kWrite{"--write", "FILE.json",
+                               "write the scene with these values, next to the files that it reads"};
 
 /// The text of a result with its unit: "3 N m".
 std::string with_unit(double value, const std::string& unit);

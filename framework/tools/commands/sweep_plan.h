@@ -25,6 +25,8 @@ struct VariedScene {
 VariedScene read_varied(const Arguments&);
 /// The same with ranges NAME=a:b, of which the values are the two ends. Warns of lengths that are given elsewhere too.
 VariedScene read_ranges(const Arguments&);
+/// The scene, and the numbers that --to names. Throws UsageError.
+VariedScene read_numbers(const Arguments&);
 
 /// What all runs of a sweep share.
 struct SweepPlan : VariedScene {

@@ -21,6 +21,7 @@ Command certify_command();  ///< `run` with --certify
 Command sweep_command();
 Command find_command();
 Command optimize_command();
+Command sensitivity_command();
 Command import_command();
 
 inline constexpr Option kAt{"--at", "TIME", "time, s, to which the scene is run; default 0, its assembled start"};

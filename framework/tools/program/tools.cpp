@@ -33,6 +33,8 @@ constexpr Verb kVerbs[] = {
     {"sweep", "sweep", kSimulate, "Run a scene many times with varied values; one table row per run"},
     {"find", "sweep", kSimulate, "Find the value of a number of a scene at which a formula of its run reaches a value"},
     {"optimize", "sweep", kSimulate, "Find numbers of a scene for which a formula of its run is least or largest"},
+    {"sensitivity", "sweep", kSimulate,
+     "Estimate derivatives of formulas of a run, and of frequencies, by numbers of its scene"},
     {"demo", "", kSimulate, "Show a moving four-bar in the browser; write its scene and results to a folder"},
     {"check", "", kAnalyse, "Assemble a scene; report degrees of freedom and redundant constraints"},
     {"assemble", "analyses", kAnalyse, "Assemble the start of a scene; report which bodies move and how far"},
