@@ -15,92 +15,63 @@ namespace lockstep {
 namespace {
 
 struct Found {
-  Point at;
   std::string text, reached, status;
   Json values;
-  double value = 0, target = 0;
+  double value;
   std::string unit;
-  Point bracket;
-  long runs = 0;
+  long runs;
 };
 
 const Fields<Found>& find_fields() {
   static const Fields<Found> kFields{{"found", "", "found", &Found::text}, {"reached", "", "reached", &Found::reached},
                                      {"values", "", "", &Found::values},   {"value", "", "", &Found::value},
-                                     {"target", "", "", &Found::target},   {"unit", "", "", &Found::unit},
-                                     {"bracket", "", "", &Found::bracket}, {"status", "", "status", &Found::status},
+                                     {"unit", "", "", &Found::unit},       {"status", "", "status", &Found::status},
                                      {"runs", "", "runs", &Found::runs}};
   return kFields;
 }
 
-/// The value of a formula less the one that it is to reach, by the value of one number.
-class Search {
- public:
-  Search(const Arguments& args, const Interrupt& interrupt)
-      : runs_(read_ranges(args), interrupt), goal_(args["--reach"]) {
-    const Sides sides = sides_of("--reach", goal_);
-    if (sides.sign != "==") throw UsageError("--reach: \"" + goal_ + "\" is not an equation; write \"max(T) = 3 N m\"");
-    if (runs_.n() != 1) throw UsageError("--vary: find varies one number; `lockstep optimize` varies several");
-    runs_.add("--reach", goal_ + " (difference)", "(" + sides.left + ") - (" + sides.right + ")");
-    runs_.add("--reach", goal_, sides.left);
-    left_ = sides.left.substr(0, sides.left.find_last_not_of(' ') + 1);
-  }
-
-  double value(double x) {
-    if (done_.contains(x)) return difference(x);
-    SweepRun run = runs_.at({x});
-    if (run.failed) throw Error(fmt::format("the run with {} failed: {}", runs_.text({x}), run.status));
-    done_.emplace(x, std::move(run));
-    return difference(x);
-  }
-
-  // The root, by the bracketing method of Alefeld, Potra and Shi (TOMS 748), to half of the digits of the range.
-  Found solve() {
-    using Limits = std::numeric_limits<double>;
-    const double a = runs_.low(0), b = runs_.high(0), fa = value(a), fb = value(b);
-    if (fa * fb > 0)
-      throw Error(fmt::format(
-          "{} is {} with {} and {} with {}: both are {} the value to reach; give another range, or "
-          "look for one with `lockstep sweep`",
-          left_, value_text(a), runs_.text({a}), value_text(b), runs_.text({b}), fa > 0 ? "above" : "below"));
-    const double close = std::ldexp(b - a, -Limits::digits / 2);
-    std::uintmax_t most = Limits::digits;
-    const auto [low, high] =
-        boost::math::tools::toms748_solve([this](double x) { return value(x); }, a, b, fa, fb,
-                                          [&](double left, double right) { return right - left <= close; }, most);
-    const double off = std::max(std::abs(difference(low)), std::abs(difference(high)));
-    if (off > std::sqrt(runs_.varied().loaded.scene.run.tolerance.relative) * std::max(std::abs(fa), std::abs(fb)))
-      throw Error(fmt::format("{} jumps over the value to reach, from {} to {}, near {}; see `lockstep sweep` there",
-                              left_, value_text(low), value_text(high), runs_.text({low})));
-    return found(std::abs(difference(low)) < std::abs(difference(high)) ? low : high, {low, high});
-  }
-
-  const RunFunction& runs() const { return runs_; }
-  const SweepRun& run_at(double x) const { return done_.at(x); }
-
- private:
-  double difference(double x) const { return done_.at(x).columns[0].last; }
-  std::string value_text(double x) const { return with_unit(done_.at(x).columns[1].last, runs_.unit(1)); }
-  Found found(double x, const Point& bracket) const {
-    const double value = done_.at(x).columns[1].last, target = value - difference(x);
-    const std::string reached = fmt::format("{} = {}", left_, value_text(x));
-    const std::string outcome = done_.at(x).outcome();
-    return {{x},    runs_.text({x}), reached, outcome == "ok" ? "" : outcome, runs_.values({x}), value,
-            target, runs_.unit(1),   bracket, static_cast<long>(done_.size())};
-  }
-
-  RunFunction runs_;
-  std::string goal_, left_;
-  std::map<double, SweepRun> done_;
-};
-
 Result find(const Arguments& args) {
+  using Limits = std::numeric_limits<double>;
   const Interrupt interrupt;
-  Search search(args, interrupt);
-  search.runs().check_file();
-  const Found found = search.solve();
-  Result result(search.runs().varied().loaded, find_fields(), found);
-  search.runs().conclude(result, found.at, search.run_at(found.at[0]));
+  RunFunction runs(read_ranges(args), interrupt);
+  if (runs.n() != 1) throw UsageError("--vary: find varies one number; `lockstep optimize` varies several");
+  const std::string& goal = args["--reach"];
+  const Sides sides = sides_of("--reach", goal);
+  if (sides.sign != "==") throw UsageError("--reach: \"" + goal + "\" is not an equation; write \"max(T) = 3 N m\"");
+  runs.add("--reach", goal, sides.left);
+  runs.add("--reach", goal + " (difference)", sides.left + " - (" + sides.right + ")");
+  runs.check_file();
+
+  std::map<double, SweepRun> done;
+  const auto difference = [&](double x) {
+    if (!done.contains(x)) done.emplace(x, runs.succeeded({x}));
+    return done.at(x).columns[1].last;
+  };
+  const auto value = [&](double x) { return with_unit(done.at(x).columns[0].last, runs.unit(0)); };
+  const double a = runs.low(0), b = runs.high(0), fa = difference(a), fb = difference(b);
+  if (fa * fb > 0)
+    throw Error(
+        fmt::format("{} is {} with {} and {} with {}, both {} the value to reach; give another range, or look for "
+                    "one with `lockstep sweep`",
+                    sides.left, value(a), runs.text({a}), value(b), runs.text({b}), fa > 0 ? "above" : "below"));
+  // The root, by the bracketing method of Alefeld, Potra and Shi (TOMS 748), to half of the digits of the range.
+  const double close = std::ldexp(b - a, -Limits::digits / 2);
+  std::uintmax_t most = Limits::digits;
+  const auto [low, high] = boost::math::tools::toms748_solve(
+      difference, a, b, fa, fb, [&](double left, double right) { return right - left <= close; }, most);
+  const double at_low = std::abs(difference(low)), at_high = std::abs(difference(high));
+  const double jump =
+      std::sqrt(runs.varied().loaded.scene.run.tolerance.relative) * std::max(std::abs(fa), std::abs(fb));
+  if (std::max(at_low, at_high) > jump)
+    throw Error(fmt::format("{} jumps over the value to reach, from {} to {}, near {}; see `lockstep sweep` there",
+                            sides.left, value(low), value(high), runs.text({low})));
+  const double x = at_low < at_high ? low : high;
+  const SweepRun& run = done.at(x);
+  const std::string outcome = run.outcome();
+  Result result(runs.varied().loaded, find_fields(),
+                Found{runs.text({x}), fmt::format("{} = {}", sides.left, value(x)), outcome == "ok" ? "" : outcome,
+                      runs.values({x}), run.columns[0].last, runs.unit(0), static_cast<long>(done.size())});
+  runs.conclude(result, {x}, run);
   return result;
 }
 

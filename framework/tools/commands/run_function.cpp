@@ -61,7 +61,10 @@ Sides sides_of(const std::string& option, const std::string& comparison) {
     if (root.operation < Operation::less || root.operation > Operation::equal)
       throw ModelError("\"" + comparison + "\" compares nothing; write \"max(T) = 3 N m\" or \"max(T) < 3 N m\"");
     const std::size_t n = text[root.at + 1] == '=' ? 2 : 1;
-    return Sides{text.substr(0, root.at), text.substr(root.at, n), text.substr(root.at + n)};
+    const auto part = [&](std::size_t from, std::size_t to) {
+      return std::string(text::trimmed(text.substr(from, to)));
+    };
+    return Sides{part(0, root.at), part(root.at, n), part(root.at + n, text.size())};
   });
 }
 
@@ -109,27 +112,31 @@ SweepRun RunFunction::at(const Point& x) const {
     Scene s = scene(x);
     s.run.record = formulas_;
     run = sweep_run(s, varied_.loaded.registry, like_, [&](const State&) { return !interrupt_.asked(); });
-  } catch (const SceneError& error) {
+  } catch (const std::exception& error) {
     run.failed = true, run.status = error.what();
   }
-  if (run.broken_off) throw InterruptedError("interrupted");
+  if (run.broken_off) run.failed = true, run.status = "interrupted";
   const auto is_finite = [](const ColumnRange& c) { return std::isfinite(c.last); };
   if (!run.failed && (run.columns.empty() || !std::ranges::all_of(run.columns, is_finite)))
     run.failed = true, run.status = "a formula has no finite value at the end of the run";
   return run;
 }
 
-std::string RunFunction::text(const Point& x) const {
-  std::string all;
-  for (std::size_t k = 0; k < x.size(); ++k)
-    all += (all.empty() ? "" : ", ") + varied_.variables[k].path + " = " +
-           with_unit(shown(k, x[k]), varied_.shown[k].unit);
-  return all;
+SweepRun RunFunction::succeeded(const Point& x) const {
+  SweepRun run = at(x);
+  if (interrupt_.asked()) throw InterruptedError("interrupted");
+  if (run.failed) throw Error(fmt::format("the run with {} failed: {}", text(x), run.status));
+  return run;
 }
 
-double RunFunction::shown(std::size_t k, double x) const {
-  const std::string& unit = varied_.shown[k].unit;
-  return unit.empty() ? x : x / in_si(1, unit).value;
+std::string RunFunction::text(const Point& x) const {
+  std::string all;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const std::string& unit = varied_.shown[k].unit;
+    all += (all.empty() ? "" : ", ") + varied_.variables[k].path + " = " +
+           with_unit(unit.empty() ? x[k] : x[k] / in_si(1, unit).value, unit);
+  }
+  return all;
 }
 
 Json RunFunction::values(const Point& x) const {

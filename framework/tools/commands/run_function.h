@@ -40,12 +40,12 @@ class RunFunction {
   const std::string& unit(std::size_t formula) const { return like_.columns()[formula + 1].unit; }
 
   Scene scene(const Point&) const;
-  /// Its columns are the formulas; their last values are the results. A run without a finite result has failed. Throws
-  /// InterruptedError.
+  /// Its columns are the formulas; their last values are the results. A run without a finite result has failed, as one that
+  /// was interrupted.
   SweepRun at(const Point&) const;
-  std::string text(const Point&) const;         ///< "crank = 103.2 mm, rod = 200 mm"
-  Json values(const Point&) const;              ///< by path
-  double shown(std::size_t k, double x) const;  ///< a value in the unit of --vary
+  SweepRun succeeded(const Point&) const;  ///< the same; throws Error for a failed one
+  std::string text(const Point&) const;    ///< "crank = 103.2 mm, rod = 200 mm"
+  Json values(const Point&) const;         ///< by path
 
   /// Throws UsageError and FileError for the file of --write.
   void check_file() const;
