@@ -38,10 +38,10 @@ std::string without_columns(std::string formula, const std::vector<ChannelReques
   std::erase_if(names, [](const Node& n) { return n.operation != Operation::name; });
   std::ranges::sort(names, std::greater(), &Node::at);
   for (const Node& n : names) {
-    const auto column = std::ranges::find(columns, n.name, &ChannelRequest::column);
+    const auto column = std::ranges::find(columns, expression::without_quotes(n.name), &ChannelRequest::column);
     if (column == columns.end()) continue;
     const std::string& channel = column->channel;
-    formula.replace(n.at, n.name.size() + (formula[n.at] == '\'' ? 2 : 0),
+    formula.replace(n.at, n.name.size(),
                     channel.starts_with('=') ? "(" + channel.substr(1) + ")" : "'" + channel + "'");
   }
   return formula;

@@ -185,22 +185,24 @@ class Computed {
     return [this](const Node& n) { return meaning(n); };
   }
 
+  // A name in quotes is that of a channel.
   Meaning meaning(const Node& n) {
     if (n.name == "t") return note(n.name, Meaning{false, 0}, "s", false);
     if (const auto known = meanings_.find(n.name); known != meanings_.end()) return known->second;
     if (const auto constant = constant_of(n.name)) return note(n.name, constant->first, constant->second, true);
+    const std::string called = expression::without_quotes(n.name);
     std::exception_ptr unknown;
     try {
-      const Channel c = make_channel(system_, n.name);
+      const Channel c = make_channel(system_, called);
       return note(n.name, Meaning{false, place_of(c)}, c.unit, true);
     } catch (const ModelError&) {
       unknown = std::current_exception();
     }
     for (const char* between : {"_", ".", ""})
-      if (const auto v = vector_of(n.name + between)) return note(n.name, Meaning{true, v->first}, v->second, true);
-    if (const std::size_t dot = n.name.rfind('.'); dot + 2 == n.name.size())
-      if (const std::size_t k = std::string_view("xyz").find(n.name[dot + 1]); k != std::string::npos) {
-        const std::string name = n.name.substr(0, dot);
+      if (const auto v = vector_of(called + between)) return note(n.name, Meaning{true, v->first}, v->second, true);
+    if (const std::size_t dot = called.rfind('.'); dot + 2 == called.size())
+      if (const std::size_t k = std::string_view("xyz").find(called[dot + 1]); k != std::string::npos) {
+        const std::string name = called.substr(0, dot);
         for (const char* between : {"_", ""})
           if (const auto v = vector_of(name + between))
             return note(n.name, Meaning{false, v->first + static_cast<int>(k)}, v->second, true);
