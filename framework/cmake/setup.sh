@@ -55,6 +55,7 @@ find_missing() {
   need libcli11-dev CLI/CLI.hpp
   need catch2 catch2/catch.hpp catch2/catch_all.hpp
   need gnuplot-nox gnuplot
+  need libnlopt-dev ./nlopt.h
   case "$preset" in
     asan | clang | tsan) need clang clang++ ;;
     tidy) need clang clang++; need clang-tidy clang-tidy ;;

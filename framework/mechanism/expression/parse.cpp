@@ -319,7 +319,7 @@ class ExpressionParser {
     const std::size_t at = at_, end = text_.find('\'', at + 1);
     if (end == std::string::npos) fail(at, "the name in quotes does not end");
     at_ = end + 1;
-    return put_name(at, std::string_view(text_).substr(at + 1, end - at - 1));
+    return put_name(at, std::string_view(text_).substr(at, at_ - at));
   }
 
   int name() {
@@ -460,8 +460,12 @@ std::vector<std::string> channels_in(const std::string& column) {
   if (!column.starts_with('=')) return {column};
   std::vector<std::string> all;
   for (const std::string& name : names_in(Expression(column, {}, Naming::channels)))
-    for (const char* axis : {"", "_x", "_y", "_z"}) all.push_back(name + axis);
+    for (const char* axis : {"", "_x", "_y", "_z"}) all.push_back(without_quotes(name) + axis);
   return all;
+}
+
+std::string without_quotes(const std::string& name) {
+  return name.starts_with('\'') ? name.substr(1, name.size() - 2) : name;
 }
 
 std::string name_fault(std::string_view word) {

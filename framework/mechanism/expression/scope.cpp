@@ -89,12 +89,14 @@ const Scope::Name& Scope::of(const Expression& e, const Node& n) {
   const Name* name = find(n.name);
   std::string problem;
   if (name == nullptr && others_) {
+    const std::string called = without_quotes(n.name);
     try {
-      add(n.name, others_(n.name));
+      add(n.name, others_(called));
     } catch (const ModelError& error) {
       problem = error.what();
-      find_vector(n.name);
-      find_vector(n.name.substr(0, n.name.rfind('.')));
+      find_vector(called);
+      find_vector(called.substr(0, called.rfind('.')));
+      if (const Name* const of_vector = find(called); of_vector != nullptr && called != n.name) add(n.name, *of_vector);
     }
     name = find(n.name);
   } else if (name == nullptr) {

@@ -92,19 +92,54 @@ Variable as_written(Variable v, const std::string& text) {
 
 }  // namespace
 
-VariedScene read_varied(const Arguments& args) {
+namespace {
+
+VariedScene read_varied(const Arguments& args, const std::string& option, const std::vector<std::string>& texts,
+                        bool is_grid) {
   Loaded loaded = read_with_plugins(args);
-  return as_usage("--vary", [&] {
-    std::vector<Variable> variables = read_variables(args.all("--vary"), loaded.scene, loaded.registry);
+  return as_usage(option, [&] {
+    std::vector<Variable> variables = read_variables(texts, loaded.scene, loaded.registry);
     refuse_varied_options(args, variables);
     std::vector<Variable> shown;
     std::vector<std::size_t> sizes;
     for (const Variable& v : variables) {
-      shown.push_back(as_written(v, args.all("--vary")[sizes.size()]));
-      sizes.push_back(v.values.size());
+      shown.push_back(as_written(v, texts[shown.size()]));
+      if (is_grid) sizes.push_back(v.values.size());
     }
     return VariedScene{args, std::move(loaded), std::move(variables), std::move(shown), Grid(sizes)};
   });
+}
+
+}  // namespace
+
+VariedScene read_varied(const Arguments& args) { return read_varied(args, "--vary", args.all("--vary"), true); }
+
+VariedScene read_numbers(const Arguments& args) {
+  std::vector<std::string> texts = args.all("--to");
+  for (std::string& text : texts) text += "=0";
+  VariedScene varied = read_varied(args, "--to", texts, false);
+  warn_left_behind(varied.variables, varied.loaded);
+  return varied;
+}
+
+VariedScene read_ranges(const Arguments& args) {
+  std::vector<std::string> texts = args.all("--vary");
+  for (std::string& text : texts) {
+    const std::size_t equals = std::min(text.find('='), text.size()), colon = text.find(':', equals);
+    if (colon == std::string::npos || text.find(':', colon + 1) != std::string::npos)
+      throw UsageError("--vary: \"" + text +
+                       "\": expected NAME=a:b, a range from a to b, as in crank=\"80 mm:120 mm\"");
+    text[colon] = ',';
+  }
+  VariedScene varied = read_varied(args, "--vary", texts, false);
+  for (const Variable& v : varied.variables) {
+    const double *low = v.values.front().number(), *high = v.values.back().number();
+    if (v.values.size() != 2 || low == nullptr || high == nullptr || !(*low < *high))
+      throw UsageError("--vary: \"" + v.path + "\" needs a range of numbers from a smaller to a larger one, as in " +
+                       v.path + "=1:5");
+  }
+  warn_left_behind(varied.variables, varied.loaded);
+  return varied;
 }
 
 Scene VariedScene::scene(long run) const {

@@ -23,6 +23,10 @@ struct VariedScene {
 };
 /// Reads the scene and --vary. Throws UsageError, also if a setting that varies is given by an option, too.
 VariedScene read_varied(const Arguments&);
+/// The same with ranges NAME=a:b, of which the values are the two ends. Warns of lengths that are given elsewhere too.
+VariedScene read_ranges(const Arguments&);
+/// The scene, and the numbers that --to names. Throws UsageError.
+VariedScene read_numbers(const Arguments&);
 
 /// What all runs of a sweep share.
 struct SweepPlan : VariedScene {

@@ -19,6 +19,9 @@ Command advise_command();
 Command atlas_command();
 Command certify_command();  ///< `run` with --certify
 Command sweep_command();
+Command find_command();
+Command optimize_command();
+Command sensitivity_command();
 Command import_command();
 
 inline constexpr Option kAt{"--at", "TIME", "time, s, to which the scene is run; default 0, its assembled start"};

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The command find: the value of a number of a scene at which a formula of its run reaches a value.
+#include <spdlog/fmt/fmt.h>
+
+#include <boost/math/tools/toms748_solve.hpp>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <lockstep/error.h>
+#include "framework/tools/commands/run_function.h"
+#include "framework/tools/commands/tool_commands.h"
+
+namespace lockstep {
+namespace {
+
+struct Found {
+  std::string text, reached, status;
+  Json values;
+  double value;
+  std::string unit;
+  long runs;
+};
+
+const Fields<Found>& find_fields() {
+  static const Fields<Found> kFields{{"found", "", "found", &Found::text}, {"reached", "", "reached", &Found::reached},
+                                     {"values", "", "", &Found::values},   {"value", "", "", &Found::value},
+                                     {"unit", "", "", &Found::unit},       {"status", "", "status", &Found::status},
+                                     {"runs", "", "runs", &Found::runs}};
+  return kFields;
+}
+
+Result find(const Arguments& args) {
+  using Limits = std::numeric_limits<double>;
+  const Interrupt interrupt;
+  RunFunction runs(read_ranges(args), interrupt);
+  if (runs.n() != 1) throw UsageError("--vary: find varies one number; `lockstep optimize` varies several");
+  const std::string& goal = args["--reach"];
+  const Sides sides = sides_of("--reach", goal);
+  if (sides.sign != "==") throw UsageError("--reach: \"" + goal + "\" is not an equation; write \"max(T) = 3 N m\"");
+  runs.add("--reach", goal, sides.left);
+  runs.add("--reach", goal + " (difference)", sides.left + " - (" + sides.right + ")");
+  runs.check_file();
+
+  std::map<double, SweepRun> done;
+  const auto difference = [&](double x) {
+    if (!done.contains(x)) done.emplace(x, runs.succeeded({x}));
+    return done.at(x).columns[1].last;
+  };
+  const auto value = [&](double x) { return with_unit(done.at(x).columns[0].last, runs.unit(0)); };
+  const double a = runs.low(0), b = runs.high(0), fa = difference(a), fb = difference(b);
+  if (fa * fb > 0)
+    throw Error(
+        fmt::format("{} is {} with {} and {} with {}, both {} the value to reach; give another range, or look for "
+                    "one with `lockstep sweep`",
+                    sides.left, value(a), runs.text({a}), value(b), runs.text({b}), fa > 0 ? "above" : "below"));
+  // The root, by the bracketing method of Alefeld, Potra and Shi (TOMS 748), to half of the digits of the range.
+  const double close = std::ldexp(b - a, -Limits::digits / 2);
+  std::uintmax_t most = Limits::digits;
+  const auto [low, high] = boost::math::tools::toms748_solve(
+      difference, a, b, fa, fb, [&](double left, double right) { return right - left <= close; }, most);
+  const double at_low = std::abs(difference(low)), at_high = std::abs(difference(high));
+  const double jump =
+      std::sqrt(runs.varied().loaded.scene.run.tolerance.relative) * std::max(std::abs(fa), std::abs(fb));
+  if (std::max(at_low, at_high) > jump)
+    throw Error(fmt::format("{} jumps over the value to reach, from {} to {}, near {}; see `lockstep sweep` there",
+                            sides.left, value(low), value(high), runs.text({low})));
+  const double x = at_low < at_high ? low : high;
+  const SweepRun& run = done.at(x);
+  const std::string outcome = run.outcome();
+  Result result(runs.varied().loaded, find_fields(),
+                Found{runs.text({x}), fmt::format("{} = {}", sides.left, value(x)), outcome == "ok" ? "" : outcome,
+                      runs.values({x}), run.columns[0].last, runs.unit(0), static_cast<long>(done.size())});
+  runs.conclude(result, {x}, run);
+  return result;
+}
+
+}  // namespace
+
+Command find_command() {
+  return {
+      "find",
+      join({settings_options(),
+            {Option{"--vary", "NAME=a:b", "the number that varies, and its range"}.needed().repeated(),
+             Option{"--reach", "EQUATION", "formula of columns and channels, and its value at the end of the run"}
+                 .needed(),
+             kWrite, kJson}}),
+      find,
+      R"(The value of NAME in its range at which the formula has the value, by bracketing: at one end of the range it
+must be above, at the other below. NAME is that of `lockstep sweep`. The formula reads recorded columns and channels, and
+counts at the end of the run: max(T) is the largest value of the whole run, T the last one. Exit code 1: no such value.
+
+Example:
+  lockstep find slider_crank.json --vary crank="80 mm:120 mm" --reach "max(T) = 3 N m")",
+      {&find_fields().schema()}};
+}
+
+}  // namespace lockstep

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The command optimize: numbers of a scene for which a formula of its run is least or largest, by NLopt.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include <lockstep/charts.h>
+#include <lockstep/error.h>
+#include "framework/tools/commands/run_function.h"
+#include "framework/tools/commands/tool_commands.h"
+#include "framework/tools/program/method_specs.h"
+#include "framework/tools/program/progress.h"
+#if LOCKSTEP_NLOPT
+#include <nlopt.h>
+#endif
+
+namespace lockstep {
+namespace {
+
+constexpr int kRuns = 1000;  // default
+
+struct Optimum {
+  std::string text;
+  Json values;
+  double value;
+};
+struct Optimized {
+  Optimum start, best;
+  std::string unit, status;
+  std::vector<std::string> conditions;
+  std::string ended;
+  long runs, failed;
+};
+
+const Fields<Optimized>& optimize_fields() {
+  static const Fields<Optimum> kOptimum{
+      {"text", "", "", &Optimum::text}, {"values", "", "", &Optimum::values}, {"value", "", "", &Optimum::value}};
+  const auto words = [](const Json& o) { return o["text"].get<std::string>(); };
+  static const Fields<Optimized> kFields{{"start", "start", &Optimized::start, kOptimum, words},
+                                         {"best", "best", &Optimized::best, kOptimum, words},
+                                         {"unit", "", "", &Optimized::unit},
+                                         {"status", "", "status", &Optimized::status},
+                                         {"conditions", "", "conditions", &Optimized::conditions},
+                                         {"ended", "", "ended", &Optimized::ended},
+                                         {"runs", "", "runs", &Optimized::runs},
+                                         {"failed", "", "failed runs", &Optimized::failed, unless_zero}};
+  return kFields;
+}
+
+/// The runs of a search, in their order. Their formulas are the objective, and two of each condition: its left side, and
+/// the smaller side less the larger one, which must not be positive.
+class Optimization {
+ public:
+  Optimization(const Arguments& args, const Interrupt& interrupt)
+      : interrupt_(interrupt),
+        runs_(read_ranges(args), interrupt),
+        most_(args["--runs"].empty() ? kRuns : whole_number("--runs", args["--runs"], std::numeric_limits<int>::max())),
+        progress_(most_, args.has("--quiet") || args.has("--json"), Counts::runs),
+        sign_(args["--maximize"].empty() ? 1 : -1),
+        objective_(args[sign_ > 0 ? "--minimize" : "--maximize"]),
+        conditions_(args.all("--subject-to")) {
+    if (objective_.empty()) throw UsageError("--minimize: a formula is missing; give one, as in --minimize \"max(T)\"");
+    runs_.add(sign_ > 0 ? "--minimize" : "--maximize", objective_, objective_);
+    for (const std::string& text : conditions_) {
+      const Sides s = sides_of("--subject-to", text);
+      if (s.sign == "==") throw UsageError("--subject-to: \"" + text + "\" is an equation; compare by < or >");
+      runs_.add("--subject-to", text, s.left);
+      runs_.add("--subject-to", text + " (excess)",
+                s.sign[0] == '<' ? s.left + " - (" + s.right + ")" : s.right + " - (" + s.left + ")");
+    }
+  }
+
+  /// Calls NLopt; why it ended. Throws Error if the start fails, FileError in a build without NLopt.
+  std::string search(const std::string& method);
+
+  /// The best run of those in which all conditions hold; of all, if they hold in none.
+  const SweepRun& best() const {
+    return *std::ranges::max_element(done_, {}, [&](const SweepRun& r) { return rank(r); });
+  }
+  const Point& best_point() const { return points_[&best() - done_.data()]; }
+  bool holds() const { return holds(best()); }
+
+  Optimized result(const std::string& ended) const {
+    const std::string outcome = best().outcome();
+    Optimized o{optimum(0),
+                optimum(&best() - done_.data()),
+                runs_.unit(0),
+                outcome == "ok" ? "" : outcome,
+                {},
+                ended,
+                static_cast<long>(done_.size()),
+                std::ranges::count(done_, true, &SweepRun::failed)};
+    for (std::size_t k = 0; k < conditions_.size(); ++k)
+      o.conditions.push_back(fmt::format("{}: {}{}", conditions_[k],
+                                         with_unit(best().columns[1 + 2 * k].last, runs_.unit(1 + 2 * k)),
+                                         is_met(best(), 2 + 2 * k) ? "" : ", does not hold"));
+    return o;
+  }
+
+  /// The objective of each run, and the best one so far.
+  void draw(const std::string& file) const {
+    Series each{"run", {}, {}, SeriesStyle::points}, best{"best", {}, {}};
+    double least = HUGE_VAL;
+    for (std::size_t k = 0; k < done_.size(); ++k) {
+      if (holds(done_[k])) least = std::min(least, sign_ * done_[k].columns[0].last);
+      each.x.push_back(static_cast<double>(k + 1)), best.x.push_back(static_cast<double>(k + 1));
+      each.y.push_back(done_[k].failed ? NAN : done_[k].columns[0].last), best.y.push_back(sign_ * least);
+    }
+    write_chart(
+        file, {runs_.varied().loaded.title(), "run", {{column_title({objective_, runs_.unit(0), {}}), {each, best}}}});
+  }
+
+  const RunFunction& runs() const { return runs_; }
+
+ private:
+  double tolerance() const { return runs_.varied().loaded.scene.run.tolerance.relative; }
+  // The size of a formula: at the start.
+  double scale(std::size_t k) const {
+    const double first = std::abs(done_[0].columns[k].last);
+    return first > 0 ? first : 1;
+  }
+  bool is_met(const SweepRun& run, std::size_t k) const { return run.columns[k].last <= tolerance() * scale(k); }
+  bool holds(const SweepRun& run) const {
+    for (std::size_t k = 2; !run.failed && k < run.columns.size(); k += 2)
+      if (!is_met(run, k)) return false;
+    return !run.failed;
+  }
+  std::pair<int, double> rank(const SweepRun& run) const {
+    return run.failed ? std::pair(0, 0.0) : std::pair(holds(run) ? 2 : 1, -sign_ * run.columns[0].last);
+  }
+  Optimum optimum(std::size_t k) const {
+    const double value = done_[k].columns[0].last;
+    return {fmt::format("{} with {}", with_unit(value, runs_.unit(0)), runs_.text(points_[k])),
+            runs_.values(points_[k]), value};
+  }
+
+  // The objective and the excesses relative to their scales, at numbers from 0 to 1; of a run that failed the worst ones so
+  // far. NLopt asks for them one after the other, at one point.
+  const std::vector<double>& scaled(const double* u) {
+    Point x;
+    for (std::size_t k = 0; k < runs_.n(); ++k) x.push_back(std::lerp(runs_.low(k), runs_.high(k), u[k]));
+    if (!points_.empty() && points_.back() == x) return scaled_;
+    done_.push_back(runs_.at(x)), points_.push_back(x);
+    progress_.at(static_cast<double>(done_.size()));
+    if (done_.back().failed) return scaled_ = worst_;
+    scaled_.assign(1, sign_ * done_.back().columns[0].last / scale(0));
+    for (std::size_t k = 2; k < done_.back().columns.size(); k += 2)
+      scaled_.push_back(done_.back().columns[k].last / scale(k));
+    worst_.resize(scaled_.size(), -HUGE_VAL);
+    for (std::size_t k = 0; k < scaled_.size(); ++k) worst_[k] = std::max(worst_[k], scaled_[k]);
+    return scaled_;
+  }
+
+  const Interrupt& interrupt_;
+  RunFunction runs_;
+  int most_;
+  Progress progress_;
+  double sign_;
+  std::string objective_;
+  std::vector<std::string> conditions_;
+  std::vector<SweepRun> done_;
+  std::vector<Point> points_;
+  std::vector<double> scaled_, worst_;
+};
+
+#if LOCKSTEP_NLOPT
+
+std::string Optimization::search(const std::string& method) {
+  struct Call {
+    Optimization& all;
+    nlopt_opt nlopt;
+  };
+  const auto objective = [](unsigned, const double* u, double*, void* of) {
+    const Call& call = *static_cast<Call*>(of);
+    if (call.all.interrupt_.asked()) nlopt_force_stop(call.nlopt);
+    return call.all.scaled(u)[0];
+  };
+  const auto excesses = [](unsigned n, double* c, unsigned, const double* u, double*, void* of) {
+    std::copy_n(static_cast<Call*>(of)->all.scaled(u).begin() + 1, n, c);
+  };
+  std::vector<double> start, slack(conditions_.size(), tolerance());
+  for (std::size_t k = 0; k < runs_.n(); ++k) {
+    const double low = runs_.low(k), high = runs_.high(k);
+    start.push_back((std::clamp(runs_.given(k).value_or(0.5 * (low + high)), low, high) - low) / (high - low));
+  }
+  if (scaled(start.data()); done_[0].failed)
+    throw Error(fmt::format("the first run, with {}, failed: {}; give values at which it succeeds by --set",
+                            runs_.text(points_[0]), done_[0].status));
+  const nlopt_algorithm by = method == "direct"                                               ? NLOPT_GN_ORIG_DIRECT_L
+                             : method == "cobyla" || (method.empty() && !conditions_.empty()) ? NLOPT_LN_COBYLA
+                                                                                              : NLOPT_LN_NELDERMEAD;
+  const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> nlopt(nlopt_create(by, static_cast<unsigned>(start.size())),
+                                                                nlopt_destroy);
+  Call call{*this, nlopt.get()};
+  nlopt_set_lower_bounds1(nlopt.get(), 0);
+  nlopt_set_upper_bounds1(nlopt.get(), 1);
+  nlopt_set_xtol_abs1(nlopt.get(), tolerance());
+  nlopt_set_maxeval(nlopt.get(), most_);
+  nlopt_set_min_objective(nlopt.get(), objective, &call);
+  if (!slack.empty() && nlopt_add_inequality_mconstraint(nlopt.get(), static_cast<unsigned>(slack.size()), excesses,
+                                                         &call, slack.data()) != NLOPT_SUCCESS)
+    throw UsageError("--method: " + method + " takes no conditions; use cobyla or direct");
+  double least = 0;
+  const nlopt_result why = nlopt_optimize(nlopt.get(), start.data(), &least);
+  progress_.finish();
+  if (why == NLOPT_FORCED_STOP) return "interrupted";
+  if (why == NLOPT_MAXEVAL_REACHED) return "the number of runs was reached (--runs)";
+  return why > 0 || why == NLOPT_ROUNDOFF_LIMITED ? "converged" : "the method failed";
+}
+
+#else
+
+std::string Optimization::search(const std::string&) {
+  throw FileError("NLopt was not there when lockstep was built; install libnlopt-dev, configure and build again");
+}
+
+#endif
+
+Result optimize(const Arguments& args) {
+  const Interrupt interrupt;
+  Optimization all(args, interrupt);
+  all.runs().check_file();
+  const Optimized found = all.result(all.search(args["--method"]));
+  Result result(all.runs().varied().loaded, optimize_fields(), found);
+  all.runs().conclude(result, all.best_point(), all.best());
+  if (const std::string& picture = args["--picture"]; !picture.empty()) {
+    all.draw(picture);
+    result.files.push_back(picture);
+  }
+  if (interrupt.asked())
+    result.code = kExitInterrupted;
+  else if (!all.holds())
+    result.code = kExitFailure;
+  return result;
+}
+
+}  // namespace
+
+Command optimize_command() {
+  return {
+      "optimize",
+      join({settings_options(),
+            {Option{"--vary", "NAME=a:b", "a number that varies, and its range; may be repeated"}.needed().repeated(),
+             {"--minimize", "FORMULA", "formula of columns and channels at the end of the run"},
+             Option{"--maximize", "FORMULA", "the same, to be largest"}.without("--minimize"),
+             Option{"--subject-to", "CONDITION", "condition at the end of the run, max(T) < 3 N m; may be repeated"}
+                 .repeated(),
+             Option{"--method", "NAME", "default neldermead, with conditions cobyla; direct looks in the whole range"}
+                 .among("cobyla,neldermead,direct"),
+             {"--runs", "N", "runs at most; default 1000"},
+             kWrite,
+             {"--picture", "FILE.svg", "draw the objective of each run, as SVG and PNG"},
+             {"--quiet", "", "print errors only"},
+             kJson.without("--quiet")}}),
+      optimize,
+      R"--(NAME and FORMULA are those of `lockstep find`. The search begins with the values of the scene, and finds a minimum
+near them. There may be a lower one: begin elsewhere by --set, or look with --method direct first. A run that fails counts
+as the worst one so far. Exit code 1: the conditions held in no run.
+
+Example:
+  lockstep optimize slider_crank.json --vary crank="80 mm:120 mm" --minimize "max(T)" --subject-to "max(x) > 450 mm")--",
+      {&optimize_fields().schema()}};
+}
+
+}  // namespace lockstep

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "framework/tools/commands/run_function.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <lockstep/error.h>
+#include <lockstep/text.h>
+#include "framework/description/scene/place.h"
+#include "framework/description/scene/system_of.h"
+#include "framework/description/scene/write.h"
+#include "framework/mechanism/expression/expression.h"
+#include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/units.h"
+#include "framework/tools/program/files.h"
+#include "framework/tools/program/findings.h"
+
+namespace lockstep {
+namespace {
+
+using expression::Expression;
+using expression::Naming;
+using expression::Node;
+using expression::Operation;
+
+Expression read_formula(const std::string& text) {
+  static const std::vector<std::string> kTime{"t"};
+  return Expression(text, kTime, Naming::channels);
+}
+
+// The formula with channels, or their formulas, in place of the names of columns.
+std::string without_columns(std::string formula, const std::vector<ChannelRequest>& columns) {
+  const Expression read = read_formula(formula);
+  std::vector<Node> names = read.nodes();
+  std::erase_if(names, [](const Node& n) { return n.operation != Operation::name; });
+  std::ranges::sort(names, std::greater(), &Node::at);
+  for (const Node& n : names) {
+    const auto column = std::ranges::find(columns, expression::without_quotes(n.name), &ChannelRequest::column);
+    if (column == columns.end()) continue;
+    const std::string& channel = column->channel;
+    formula.replace(n.at, n.name.size(),
+                    channel.starts_with('=') ? "(" + channel.substr(1) + ")" : "'" + channel + "'");
+  }
+  return formula;
+}
+
+}  // namespace
+
+Sides sides_of(const std::string& option, const std::string& comparison) {
+  return as_usage(option, [&] {
+    std::string text(text::trimmed(comparison));
+    if (text.starts_with('=')) text.erase(0, 1);
+    for (std::size_t i = 1; i + 1 < text.size(); ++i)
+      if (text[i] == '=' && text[i + 1] != '=' && std::string_view("<>!=").find(text[i - 1]) == std::string::npos)
+        text.insert(i++, 1, '=');
+    const Expression read = read_formula(text);
+    const Node& root = read.node(read.root());
+    if (root.operation < Operation::less || root.operation > Operation::equal)
+      throw ModelError("\"" + comparison + "\" compares nothing; write \"max(T) = 3 N m\" or \"max(T) < 3 N m\"");
+    const std::size_t n = text[root.at + 1] == '=' ? 2 : 1;
+    const auto part = [&](std::size_t from, std::size_t to) {
+      return std::string(text::trimmed(text.substr(from, to)));
+    };
+    return Sides{part(0, root.at), part(root.at, n), part(root.at + n, text.size())};
+  });
+}
+
+RunFunction::RunFunction(VariedScene varied, const Interrupt& interrupt)
+    : varied_(std::move(varied)), interrupt_(interrupt) {
+  override_settings(varied_.loaded.scene.run, varied_.arguments, varied_.loaded.registry);
+  built_ = build_mechanism(varied_.loaded.scene, varied_.loaded.registry);
+  like_.add_column("t", "s");
+}
+
+void RunFunction::add(const std::string& option, const std::string& text, const std::string& formula) {
+  as_usage(option, [&] {
+    if (built_.run.until < 0) throw ModelError("the scene has no end time; give --until");
+    const std::string of_channels = "=" + without_columns(formula, varied_.loaded.scene.run.record);
+    like_.add_column(option + " " + text, make_channel(system_of(built_), of_channels).unit);
+    formulas_.push_back({of_channels, option + " " + text, {}});
+    return 0;
+  });
+}
+
+std::optional<double> RunFunction::given(std::size_t k) const try {
+  Value root = varied_.loaded.scene.root;
+  const std::string in_set = "set.", &place = varied_.variables[k].place;
+  const Value& value =
+      *find_place(root, place.starts_with(in_set) ? place.substr(in_set.size()) : place, varied_.loaded.registry).value;
+  if (const double* x = value.number()) return *x;
+  const Measured read = read_quantity(value.text() != nullptr ? *value.text() : "", Unit::any);
+  return read.problem.empty() ? std::optional(read.value) : std::nullopt;
+} catch (const ModelError&) {
+  return {};
+}
+
+Scene RunFunction::scene(const Point& x) const {
+  std::vector<Variable> variables = varied_.variables;
+  for (std::size_t k = 0; k < x.size(); ++k) variables[k].values = {Value(x[k])};
+  Scene s = vary_scene(varied_.loaded.scene, variables, std::vector<std::size_t>(x.size()), varied_.loaded.registry);
+  override_settings(s.run, varied_.arguments, varied_.loaded.registry);
+  return s;
+}
+
+SweepRun RunFunction::at(const Point& x) const {
+  const FindingScope unheard;  // the scene as it is written was read before
+  SweepRun run;
+  try {
+    Scene s = scene(x);
+    s.run.record = formulas_;
+    run = sweep_run(s, varied_.loaded.registry, like_, [&](const State&) { return !interrupt_.asked(); });
+  } catch (const std::exception& error) {
+    run.failed = true, run.status = error.what();
+  }
+  if (run.broken_off) run.failed = true, run.status = "interrupted";
+  const auto is_finite = [](const ColumnRange& c) { return std::isfinite(c.last); };
+  if (!run.failed && (run.columns.empty() || !std::ranges::all_of(run.columns, is_finite)))
+    run.failed = true, run.status = "a formula has no finite value at the end of the run";
+  return run;
+}
+
+SweepRun RunFunction::succeeded(const Point& x) const {
+  SweepRun run = at(x);
+  if (interrupt_.asked()) throw InterruptedError("interrupted");
+  if (run.failed) throw Error(fmt::format("the run with {} failed: {}", text(x), run.status));
+  return run;
+}
+
+std::string RunFunction::text(const Point& x) const {
+  std::string all;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const std::string& unit = varied_.shown[k].unit;
+    all += (all.empty() ? "" : ", ") + varied_.variables[k].path + " = " +
+           with_unit(unit.empty() ? x[k] : x[k] / in_si(1, unit).value, unit);
+  }
+  return all;
+}
+
+Json RunFunction::values(const Point& x) const {
+  Json all = Json::object();
+  for (std::size_t k = 0; k < x.size(); ++k) all[varied_.variables[k].path] = x[k];
+  return all;
+}
+
+void RunFunction::check_file() const {
+  const std::string& file = varied_.arguments["--write"];
+  if (file.empty()) return;
+  check_overwrites(file, varied_.loaded.scene);
+  check_writable(file);
+}
+
+void RunFunction::conclude(Result& result, const Point& x, const SweepRun& run) const {
+  const Scene found = scene(x);
+  if (const std::string& file = varied_.arguments["--write"]; !file.empty())
+    result.write(file, write_json(found.written.is_null() ? found.root : found.written));
+  CommandFindings::add(run.findings);
+  result.code = run.wrong ? kExitNotConserved : kExitOk;
+}
+
+std::string with_unit(double value, const std::string& unit) {
+  return fmt::format("{:.8g}{}", value, unit.empty() ? "" : " " + unit);
+}
+
+}  // namespace lockstep

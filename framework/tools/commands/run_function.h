@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// RunFunction: formulas at the end of a run, as functions of numbers of its scene.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <lockstep/sweep.h>
+#include "framework/tools/commands/sweep_plan.h"
+#include "framework/tools/program/options.h"
+#include "framework/tools/program/progress.h"
+
+namespace lockstep {
+
+/// A point: the values of --vary, SI units.
+using Point = std::vector<double>;
+
+/// Both sides of a comparison, "a < b", or of an equation, "a = b".
+struct Sides {
+  std::string left, sign, right;
+};
+/// Throws UsageError, which begins with the name of the option.
+Sides sides_of(const std::string& option, const std::string& comparison);
+
+/// The run of a scene at a point. It records formulas in place of the columns of the scene.
+class RunFunction {
+ public:
+  /// The numbers that vary, and their ranges: of read_ranges(), read_numbers().
+  RunFunction(VariedScene, const Interrupt&);
+  /// Adds a formula of columns and channels. `option` and its text are named in messages. Throws UsageError.
+  void add(const std::string& option, const std::string& text, const std::string& formula);
+
+  const VariedScene& varied() const { return varied_; }
+  std::size_t n() const { return varied_.variables.size(); }
+  double low(std::size_t k) const { return *varied_.variables[k].values.front().number(); }
+  double high(std::size_t k) const { return *varied_.variables[k].values.back().number(); }
+  /// The value that the scene gives; nothing if it gives none.
+  std::optional<double> given(std::size_t k) const;
+  const std::string& unit(std::size_t formula) const { return like_.columns()[formula + 1].unit; }
+
+  Scene scene(const Point&) const;
+  /// Its columns are the formulas; their last values are the results. A run without a finite result has failed, as one that
+  /// was interrupted.
+  SweepRun at(const Point&) const;
+  SweepRun succeeded(const Point&) const;  ///< the same; throws Error for a failed one
+  std::string text(const Point&) const;    ///< "crank = 103.2 mm, rod = 200 mm"
+  Json values(const Point&) const;         ///< by path
+
+  /// Throws UsageError and FileError for the file of --write.
+  void check_file() const;
+  /// Writes the scene of a point to that file; the findings and the exit code of the result are those of its run.
+  void conclude(Result&, const Point&, const SweepRun&) const;
+
+ private:
+  VariedScene varied_;
+  const Interrupt& interrupt_;
+  Mechanism built_;  // of the scene as it is, for units
+  std::vector<ChannelRequest> formulas_;
+  Table like_;
+};
+
+inline constexpr Option kWrite{"--write", "FILE.json",
+                               "write the scene with these values, next to the files that it reads"};
+
+/// The text of a result with its unit: "3 N m".
+std::string with_unit(double value, const std::string& unit);
+
+}  // namespace lockstep

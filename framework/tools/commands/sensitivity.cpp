@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The command sensitivity: derivatives of formulas of a run, and of natural frequencies, by numbers of its scene.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <lockstep/error.h>
+#include <lockstep/modes.h>
+#include "framework/tools/commands/linear_words.h"
+#include "framework/tools/commands/run_function.h"
+#include "framework/tools/commands/tool_commands.h"
+#include "framework/tools/program/method_specs.h"
+
+namespace lockstep {
+namespace {
+
+constexpr const char* kTightTolerance = "1e-12";  // of the runs: their errors are multiplied by 1/step
+
+/// The derivative of a result by a number.
+struct Slope {
+  std::string of, to;
+  double value = 0, derivative = NAN;
+  std::string unit;
+  double error = HUGE_VAL, relative = NAN;
+};
+
+const Fields<std::vector<Slope>>& slope_fields() {
+  static const Fields<Slope> kSlope{{"of", "", "of", &Slope::of},
+                                    {"to", "", "to", &Slope::to},
+                                    {"value", "", "value", &Slope::value},
+                                    {"derivative", "", "derivative", &Slope::derivative},
+                                    {"error", "", "estimated error", &Slope::error},
+                                    {"unit", "", "unit", &Slope::unit},
+                                    {"relative", "", "% per %", &Slope::relative}};
+  static const Fields<std::vector<Slope>> kFields{{"sensitivities", "sensitivities", std::identity(), kSlope}};
+  return kFields;
+}
+
+std::string unit_of_slope(const std::string& of, const std::string& to) {
+  if (to.empty()) return of;
+  return (of.empty() ? "1" : of) + "/" + (to.find_first_of(" /") == std::string::npos ? to : "(" + to + ")");
+}
+
+/// Results at a point: formulas at the end of a run, and natural frequencies.
+class Sensitivity {
+ public:
+  Sensitivity(const Arguments& args, const Interrupt& interrupt)
+      : runs_(read_numbers(args), interrupt), at_rest_(args) {
+    at_rest_.set("--equilibrium", "");
+    for (const std::string& formula : args.all("--of"))
+      runs_.add("--of", formula, formula), names_.push_back(formula), units_.push_back(runs_.unit(names_.size() - 1));
+    n_formulas_ = names_.size();
+    const int n_modes = args["--modes"].empty() ? 0 : whole_number("--modes", args["--modes"], kMostModes);
+    for (int k = 1; k <= n_modes; ++k) names_.push_back(fmt::format("frequency {}", k)), units_.emplace_back("Hz");
+    if (names_.empty())
+      throw UsageError("--of: a formula is missing; give one, as in --of \"max(T)\", or give --modes");
+  }
+
+  std::vector<Slope> find() const {
+    Point x;
+    for (std::size_t k = 0; k < runs_.n(); ++k)
+      if (x.push_back(runs_.given(k).value_or(0)); x[k] == 0)
+        throw UsageError("--to: \"" + path(k) + "\" is 0, and steps are parts of it; give another value by --set");
+    const std::vector<double> values = at(x);
+    std::vector<Slope> all;
+    for (std::size_t k = 0; k < x.size(); ++k)
+      for (Slope s : differences(x, k)) {
+        const std::size_t f = all.size() % names_.size();
+        s.of = names_[f], s.to = path(k), s.value = values[f], s.relative = s.derivative * x[k] / values[f];
+        s.unit = unit_of_slope(units_[f], runs_.varied().variables[k].unit);
+        all.push_back(std::move(s));
+      }
+    return all;
+  }
+
+  const Loaded& loaded() const { return runs_.varied().loaded; }
+
+ private:
+  static constexpr int kMostModes = 1000;
+
+  // Central differences d(h), with h halved, extrapolated to h = 0 (Richardson): d[j] = d[j-1] + (d[j-1] - d[j-1](2h))/(4^j - 1).
+  // That one is taken which differs least from both that it is made of (Ridders 1982).
+  std::vector<Slope> differences(const Point& x, std::size_t k) const {
+    constexpr double kFirst = 1.0 / 32;  // step, relative to the number
+    constexpr int kLevels = 6;
+    std::vector<Slope> best(names_.size());
+    std::vector<std::vector<double>> before(names_.size());
+    double h = kFirst * std::abs(x[k]);
+    for (int level = 0; level < kLevels; ++level, h /= 2) {
+      Point above = x, below = x;
+      above[k] += h, below[k] -= h;
+      const std::vector<double> plus = at(above), minus = at(below);
+      for (std::size_t f = 0; f < names_.size(); ++f) {
+        std::vector<double> d{(plus[f] - minus[f]) / (above[k] - below[k])};
+        for (std::size_t j = 1; j <= before[f].size(); ++j) {
+          const double fine = d.back(), coarse = before[f][j - 1];
+          d.push_back(fine + (fine - coarse) / (std::ldexp(1, 2 * static_cast<int>(j)) - 1));
+          const double error = std::max(std::abs(d.back() - fine), std::abs(d.back() - coarse));
+          if (error < best[f].error) best[f].error = error, best[f].derivative = d.back();
+        }
+        before[f] = std::move(d);
+      }
+    }
+    return best;
+  }
+
+  std::vector<double> at(const Point& x) const {
+    std::vector<double> values;
+    if (n_formulas_ > 0)
+      for (const ColumnRange& c : runs_.succeeded(x).columns) values.push_back(c.last);
+    if (values.size() == names_.size()) return values;
+    const FindingScope unheard;
+    const MechanismAt rest = motion_state(
+        std::make_unique<Mechanism>(build_mechanism(runs_.scene(x), loaded().registry)), loaded().registry, at_rest_);
+    for (const Mode& m : find_modes(*rest.dynamics, rest.state).modes)
+      if (m.kind == Mode::Kind::oscillation && values.size() < names_.size()) values.push_back(m.frequency());
+    if (values.size() < names_.size())
+      throw UsageError(
+          fmt::format("--modes: there are only {} oscillations with {}", values.size() - n_formulas_, runs_.text(x)));
+    return values;
+  }
+
+  std::string path(std::size_t k) const { return runs_.varied().variables[k].path; }
+
+  RunFunction runs_;
+  Arguments at_rest_;
+  std::vector<std::string> names_, units_;  // of formulas, then of frequencies
+  std::size_t n_formulas_ = 0;
+};
+
+Result sensitivity(const Arguments& given) {
+  Arguments args = given;
+  if (args["--tolerance"].empty()) args.set("--tolerance", kTightTolerance);
+  const Interrupt interrupt;
+  const Sensitivity all(args, interrupt);
+  return Result(all.loaded(), slope_fields(), all.find());
+}
+
+}  // namespace
+
+Command sensitivity_command() {
+  return {
+      "sensitivity",
+      join({settings_options(),
+            {Option{"--of", "FORMULA", "formula of columns and channels at the end of the run; may be repeated"}
+                 .repeated(),
+             {"--modes", "N", "also the N lowest natural frequencies at the equilibrium, as of `lockstep modes`"},
+             Option{"--to", "NAME", "number of the scene; may be repeated"}.needed().repeated(),
+             kJson}}),
+      sensitivity,
+      R"--(Derivatives are by differences, not exact: central differences of runs with steps of 1/32 of the number and less are
+extrapolated to zero. The estimated error is the least change between two extrapolations. The tolerance of the runs is
+1e-12 unless --tolerance is given. Extremes have no derivative where one peak takes over from another.
+
+Example:
+  lockstep sensitivity slider_crank.json --of "max(T)" --to crank --to rod)--",
+      {&slope_fields().schema()}};
+}
+
+}  // namespace lockstep

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The commands find, optimize and sensitivity, as a person calls them.
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+#include "tests/support/program.h"
+
+namespace search_values_test {
+
+using namespace lockstep::testing;
+using Json = nlohmann::json;
+using std::numbers::pi;
+
+namespace {
+
+// A point mass m = 2 kg at r = 0.3 m, driven at constant speed; with gravity its pin carries m r w^2 + m g at the bottom.
+// Rows are a third of a revolution apart, so that they miss the bottom.
+std::string rotor() {
+  return scene_file("rotor", R"--(
+  "parameters": {"speed": "10 rad/s", "r": "300 mm"}, "gravity": [0, -9.81, 0],
+  "bodies": [{"name": "mass", "mass": 2, "inertia": [0.01, 0.01, 0.01], "position": ["=r", 0, 0]}],
+  "joints": [{"name": "A", "type": "revolute", "p": "mass", "s": "ground", "at": [0, 0, 0],
+              "drive": {"axis": "rz", "law": {"type": "ramp", "slope": "=speed"}}}],
+  "run": {"until": 2, "output": 0.23, "tolerance": 1e-9,
+          "record": [{"F": "=norm(A.force_on_p_world)"}, {"phi": "A.rz"}]
+})--");
+}
+
+// A slider-crank without gravity: crank 1 kg and 0.1 m, rod 2 kg and 0.3 m, slider 3 kg, one revolution in 1 s. The
+// counterweight is at 0.1 m, opposite to the crank.
+std::string engine() {
+  return scene_file("engine", R"--(
+  "parameters": {"crank": "100 mm", "rod": "300 mm", "counterweight": "1 kg"},
+  "points": {"A": [0, 0, 0], "B": ["=crank", 0, 0], "C": "=B + [rod, 0, 0]"}, "gravity": [0, 0, 0],
+  "bodies": [{"name": "crank", "rod": {"mass": 1, "from": "A", "to": "B"}},
+             {"name": "rod", "rod": {"mass": 2, "from": "B", "to": "C"}},
+             {"name": "slider", "mass": 3, "inertia": [0.01, 0.01, 0.01], "position": "C"},
+             {"name": "weight", "mass": "=counterweight", "inertia": [0.01, 0.01, 0.01], "position": "=A - [crank, 0, 0]"}],
+  "joints": [{"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": "A",
+              "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 6.283185307179586}}},
+             {"name": "B", "type": "revolute", "p": "rod", "s": "crank", "at": "B"},
+             {"name": "C", "type": "revolute", "p": "slider", "s": "rod", "at": "C"},
+             {"name": "guide", "type": "prismatic", "p": "slider", "s": "ground", "at": "C", "axis": "x"},
+             {"name": "welded", "type": "fixed", "p": "weight", "s": "crank", "at": "A"}],
+  "run": {"until": 1, "output": 0.05, "tolerance": 1e-9,
+          "record": [{"shaking": "=norm(A.force_on_p_world + guide.force_on_p_world)"}]
+})--");
+}
+
+// A crank-rocker, one revolution in 1 s. P is a point of the coupler: px along BC, py across.
+std::string four_bar() {
+  return scene_file("path_generator", R"--(
+  "parameters": {"base": "40 m", "crank": "10 m", "coupler": "40 m", "rocker": "30 m", "px": "20 m", "py": "20 m",
+    "x0": "-10 m", "y0": "-10 m", "BD": "=D - B",
+    "beta": "=atan2(BD.y, BD.x) + acos((coupler^2 + dot(BD, BD) - rocker^2)/(2*coupler*norm(BD)))"},
+  "points": {"A": ["=x0", "=y0", 0], "B": "=A + [crank, 0, 0]", "D": "=A + [base, 0, 0]",
+             "C": "=B + coupler*[cos(beta), sin(beta), 0]",
+             "P": "=B + [px*cos(beta) - py*sin(beta), px*sin(beta) + py*cos(beta), 0]"},
+  "bodies": [{"name": "crank", "rod": {"mass": 1, "from": "A", "to": "B"}},
+             {"name": "coupler", "rod": {"mass": 1, "from": "B", "to": "C"}},
+             {"name": "rocker", "rod": {"mass": 1, "from": "D", "to": "C"}}],
+  "markers": [{"name": "P", "body": "coupler", "at": "P"}],
+  "joints": [{"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": "A",
+              "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 6.283185307179586}}},
+             {"name": "B", "type": "revolute", "p": "coupler", "s": "crank", "at": "B"},
+             {"name": "C", "type": "revolute", "p": "rocker", "s": "coupler", "at": "C"},
+             {"name": "D", "type": "revolute", "p": "rocker", "s": "ground", "at": "D"}],
+  "gravity": [0, 0, 0], "run": {"until": 1, "output": 1, "record": [{"x": "P.x"}, {"y": "P.y"}]})--");
+}
+
+// The sum of the squared distances of points from the path of P.
+std::string error_of_path(const std::vector<std::array<double, 2>>& points) {
+  std::string sum;
+  for (const auto& [x, y] : points)
+    sum +=
+        (sum.empty() ? "" : " + ") + ("min((x - " + std::to_string(x) + " m)^2 + (y - " + std::to_string(y) + " m)^2)");
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("find: the speed at which the peak force of a bearing reaches a limit", "[plugin][runner]") {
+  const double wanted = std::sqrt((100 - 2 * 9.81) / (2 * 0.3));
+  const std::string words = "find " + rotor() + " --vary speed=\"5 rad/s:20 rad/s\" --reach \"max(F) = 100 N\"";
+  const Json found = json_of(words + " --json");
+  CHECK(std::abs(found["values"]["speed"].get<double>() - wanted) <= 1e-6 * wanted);
+  CHECK(std::abs(found["value"].get<double>() - 100) <= 1e-5);
+  CHECK(found["unit"] == "N");
+  CHECK(found["runs"].get<int>() < 15);
+  const Called text = call(words + " --write rotor_found.json");
+  INFO(text.text);
+  CHECK(text.exit == 0);
+  CHECK(value_of(text.text, "found").starts_with("speed = 11.5744"));
+  CHECK(value_of(text.text, "reached").starts_with("max(F) = 100"));
+  // The scene that is written has the speed: its run has this force.
+  const Called run = call("run rotor_found.json --summary --no-picture");
+  INFO(run.text);
+  CHECK(run.exit == 0);
+  CHECK(contains(run.text, "100 N"));
+}
+
+TEST_CASE("find: the last value of a column, and channels that are no columns", "[plugin][runner]") {
+  // phi is 2 s times the speed; the turns counted in it are not lost.
+  const Json last = json_of("find " + rotor() + " --vary speed=5:20 --reach \"phi = 22 rad\" --json");
+  CHECK(std::abs(last["values"]["speed"].get<double>() - 11) <= 1e-6);
+  const Json mean =
+      json_of("find " + rotor() + " --vary r=0.1:1 --reach \"mass.vx^2 + mass.vy^2 = 16 m^2/s^2\" --json");
+  CHECK(std::abs(mean["values"]["r"].get<double>() - 0.4) <= 1e-6);
+}
+
+TEST_CASE("find: what cannot be found is an error with the next move", "[plugin][runner]") {
+  const std::string begin = "find " + rotor() + " --vary speed=5:20 --reach ";
+  check_refused(
+      call(begin + "\"max(F) = 1 kN\""), 1,
+      {"max(F) is 34.62 N with speed = 5 rad/s", "259.62 N with speed = 20 rad/s", "both are below", "lockstep sweep"});
+  check_refused(call(begin + "\"max(F) = 3 m\""), 2, {"--reach", "N", "m"});
+  check_refused(call(begin + "\"max(G) = 3 N\""), 2, {"--reach", "G"});
+  check_refused(call(begin + "\"max(F)\""), 2, {"compares nothing"});
+  check_refused(call(begin + "\"max(F) < 3 N\""), 2, {"is not an equation"});
+  check_refused(call("find " + rotor() + " --vary speed=5:20:3 --reach \"max(F) = 100 N\""), 2, {"expected NAME=a:b"});
+  check_refused(call("find " + rotor() + " --vary speed=20:5 --reach \"max(F) = 100 N\""), 2,
+                {"a smaller to a larger"});
+  // sign(phi - 26 rad) jumps from -1 to 1.
+  check_refused(call(begin + "\"sign(phi - 26 rad) = 0\""), 1, {"jumps over the value"});
+  // The rod is too short for the crank at one end of the range.
+  check_refused(call("find " + engine() + " --vary rod=\"50 mm:300 mm\" --reach \"max(shaking) = 10 N\""), 1,
+                {"the run with rod = 50 mm failed"});
+}
+
+TEST_CASE("optimize: the counterweight of least shaking force balances half of the reciprocating mass",
+          "[plugin][runner]") {
+  // A uniform rod is, for its force, half at each end. The reciprocating force has the first harmonic m r w^2, and no other
+  // odd one. The mean square of the shaking force is least if the weight balances all rotating and half of the
+  // reciprocating mass: 1/2 (of the crank) + 1 (of the rod) + (3 + 1)/2.
+  const Json j =
+      json_of("optimize " + engine() + " --vary counterweight=\"0.1 kg:10 kg\" --minimize \"rms(shaking)\" --json");
+  CHECK(std::abs(j["best"]["values"]["counterweight"].get<double>() - 3.5) <= 1e-3);
+  CHECK(j["best"]["value"].get<double>() < j["start"]["value"].get<double>());
+  CHECK(j["ended"] == "converged");
+  CHECK(j["unit"] == "N");
+  // With a limit of 2.5 kg at the limit, by the method for conditions.
+  const Json limited =
+      json_of("optimize " + engine() + " --vary counterweight=\"0.1 kg:10 kg\" --minimize \"rms(shaking)\"" +
+              " --subject-to \"weight.mass < 2.5 kg\" --json");
+  CHECK(std::abs(limited["best"]["values"]["counterweight"].get<double>() - 2.5) <= 1e-4);
+}
+
+TEST_CASE("optimize: a four-bar whose coupler point passes ten points", "[plugin][runner]") {
+  // Acharyya and Mandal, "Performance of EAs for four-bar linkage synthesis", Mechanism and Machine Theory 44 (2009), ten
+  // points without timing: every 40 degrees on an ellipse about (10, 10) with semi-axes 10 and 8, the first one twice.
+  // Published sums of squares: 2.28 (genetic), 1.97 (particle swarm), 1.95 (differential evolution).
+  std::vector<std::array<double, 2>> points;
+  for (int k = 0; k < 10; ++k)
+    points.push_back({10 + 10 * std::cos(2 * pi * k / 9), 10 + 8 * std::sin(2 * pi * k / 9)});
+  const std::string words =
+      "optimize " + four_bar() +
+      " --vary base=5:80 --vary crank=5:80 --vary coupler=5:80 --vary rocker=5:80 --vary px=-60:60"
+      " --vary py=-60:60 --vary x0=-60:60 --vary y0=-60:60 --minimize \"" +
+      error_of_path(points) + "\"";
+  const Json j = json_of(words + " --runs 500 --write path_found.json --json");
+  CHECK(j["start"]["value"].get<double>() > 1000);
+  CHECK(j["best"]["value"].get<double>() < 1.95);
+  // A second way to the distances: the path at close instants by closed form.
+  const Json& v = j["best"]["values"];
+  const auto of = [&](const char* name) { return v[name].get<double>(); };
+  std::vector<double> least(points.size(), HUGE_VAL);
+  constexpr int kInstants = 20000;
+  for (int i = 0; i < kInstants; ++i) {
+    const double angle = 2 * pi * i / kInstants, bx = of("crank") * std::cos(angle), by = of("crank") * std::sin(angle);
+    const double dx = of("base") - bx, dy = -by, bd2 = dx * dx + dy * dy, c = of("coupler"), r = of("rocker");
+    const double beta = std::atan2(dy, dx) + std::acos((c * c + bd2 - r * r) / (2 * c * std::sqrt(bd2)));
+    const double x = of("x0") + bx + of("px") * std::cos(beta) - of("py") * std::sin(beta);
+    const double y = of("y0") + by + of("px") * std::sin(beta) + of("py") * std::cos(beta);
+    for (std::size_t k = 0; k < points.size(); ++k)
+      least[k] = std::min(least[k], std::pow(x - points[k][0], 2) + std::pow(y - points[k][1], 2));
+  }
+  double sum = 0;
+  for (const double d : least) sum += d;
+  CHECK(std::abs(sum - j["best"]["value"].get<double>()) <= 1e-3 * sum);
+}
+
+TEST_CASE("optimize: maximum, conditions that cannot hold, and errors", "[plugin][runner]") {
+  // F = m r w^2 + m g is largest at the upper ends of both ranges.
+  const Json j = json_of("optimize " + rotor() + " --vary speed=5:20 --vary r=0.1:0.5 --maximize \"max(F)\" --json");
+  CHECK(std::abs(j["best"]["value"].get<double>() - 2 * (0.5 * 400 + 9.81)) <= 1e-4);
+  const std::string begin = "optimize " + rotor() + " --vary speed=5:20 ";
+  const Called none = call(begin + "--minimize \"max(F)\" --subject-to \"max(F) > 1 kN\" --runs 30");
+  INFO(none.text);
+  CHECK(none.exit == 1);
+  CHECK(contains(none.text, "does not hold"));
+  check_refused(call(begin), 2, {"--minimize or --maximize is missing"});
+  check_refused(call(begin + "--minimize \"max(F)\" --subject-to \"max(F) = 3 N\""), 2, {"is an equation"});
+  check_refused(call(begin + "--minimize \"max(F)\" --subject-to \"max(F) < 3 N\" --method neldermead"), 2,
+                {"neldermead takes no conditions"});
+  check_refused(call("optimize " + engine() + " --set rod=0.05 --vary counterweight=0:1 --minimize \"rms(shaking)\""),
+                1, {"the first run", "failed"});
+}
+
+TEST_CASE("sensitivity: derivatives of extremes, last values and frequencies", "[plugin][runner]") {
+  const Json j =
+      json_of("sensitivity " + rotor() + " --of \"max(F)\" --of phi --to speed --to r --json")["sensitivities"];
+  REQUIRE(j.size() == 4);
+  const std::vector<double> exact{2 * 2 * 0.3 * 10, 2, 2 * 100, 0};  // F = m r w^2 + m g, phi = w t
+  for (std::size_t k = 0; k < exact.size(); ++k) {
+    INFO(j[k].dump());
+    CHECK(std::abs(j[k]["derivative"].get<double>() - exact[k]) <= 1e-6 * std::max(exact[k], 1.0));
+    CHECK(j[k]["error"].get<double>() <= 1e-6 * std::max(exact[k], 1.0));
+  }
+  CHECK(j[0]["unit"] == "N/(rad/s)");
+  // A mass on a spring: f = sqrt(k/m)/(2 pi), df/dk = f/(2 k), df/dm = -f/(2 m).
+  const std::string spring = scene_file("spring_mass", R"--(
+  "parameters": {"k": "800 N/m", "m": "2 kg"}, "gravity": [0, 0, 0],
+  "bodies": [{"name": "mass", "mass": "=m", "inertia": [1, 1, 1], "position": [1, 0, 0]}],
+  "joints": [{"name": "guide", "type": "prismatic", "p": "mass", "s": "ground", "at": [1, 0, 0], "axis": "x"}],
+  "forces": [{"name": "spring", "type": "spring_damper", "p": "mass", "s": "ground", "at_p": [1, 0, 0], "at_s": [0, 0, 0],
+              "stiffness": "=k", "free_length": 1}],
+  "run": {"until": 1})--");
+  const Json f = json_of("sensitivity " + spring + " --modes 1 --to k --to m --json")["sensitivities"];
+  const double frequency = std::sqrt(400.0) / (2 * pi);
+  CHECK(std::abs(f[0]["derivative"].get<double>() - frequency / 1600) <= 1e-8);
+  CHECK(std::abs(f[1]["derivative"].get<double>() + frequency / 4) <= 1e-6);
+  check_refused(call("sensitivity " + spring + " --to k"), 2, {"a formula is missing"});
+  check_refused(call("sensitivity " + spring + " --modes 3 --to k"), 2, {"only 1 oscillations"});
+}
+
+}  // namespace search_values_test
