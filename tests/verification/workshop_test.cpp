@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mechanisms of the workshop, samples/scenes, against closed forms: Jansen's leg, a quick return, a scissor lift.
+// Mechanisms of the workshop, samples/scenes, against closed forms: Jansen's leg, a quick return, a scissor lift,
+// an engine.
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <lockstep/math.h>
 #include <lockstep/scene.h>
+#include <lockstep/splines.h>
 #include "tests/support/catch.h"
 #include "tests/support/run_scene.h"
 #include "tests/support/scene_folder.h"
@@ -143,6 +146,54 @@ TEST_CASE("scissor lift: force and work of the motion are those of Lagrange's eq
     largest = std::max(largest, std::abs(t["work"][i] - (V + M * q_d * q_d / 2 + work)));
   }
   CHECK(largest < 1e-8 * std::abs(t["work"].back()));
+}
+
+// 1/2 I(theta) theta'^2 = E, E' = (T(theta) - c theta') theta', by Runge-Kutta of order four with I and T in closed form.
+TEST_CASE("two-cylinder engine: its speed is that of one equation of motion", "[verification][scene]") {
+  constexpr double r = 0.04, l = 0.13, area = 50e-4, ambient = 1e5, J = 0.3, c = 0.56, m_rod = 0.5, m_piston = 0.4;
+  const Table t = ran("two_cylinder_engine");
+  REQUIRE(t.n_rows() == 12 * 72 + 1);
+  const double bar[][2] = {{0, 38},      {15, 48},    {30, 36},     {60, 14},     {100, 5.5}, {140, 3.2},
+                           {180, 1.6},   {220, 1.1},  {360, 1.05},  {400, 0.95},  {540, 0.95}, {600, 1.6},
+                           {640, 3.4},   {670, 8},    {700, 21},    {720, 38}};
+  SplinePoints points;
+  for (const auto& [deg, p] : bar) points.emplace_back(deg * kPi / 180, p * 1e5);
+  const LawPtr<MotionLaw> gas = laws::spline(points, {.ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
+  struct At {
+    double inertia, torque;
+  };
+  const auto at = [&](double theta) {
+    const double s = r * std::sin(theta), q = std::sqrt(l * l - s * s), y = r * std::cos(theta);
+    const double piston = -s - s * y / q, turn = -y / q, rod_x = (-s + piston) / 2, rod_y = y / 2;  // by theta
+    const double one = m_piston * piston * piston + m_rod * (rod_x * rod_x + rod_y * rod_y + l * l / 12 * turn * turn);
+    const double p = gas->at(theta).y + gas->at(theta + kTwoPi).y - 2 * ambient;
+    return At{J + 2 * one, -area * p * piston};
+  };
+  double theta = 0, w = 1500.0 / 60 * kTwoPi, E = 0.5 * at(0).inertia * w * w, most = 0, least = 1e9, sum = 0;
+  const auto rate = [&](double angle, double energy) {
+    const At a = at(angle);
+    const double speed = std::sqrt(2 * energy / a.inertia);
+    return std::pair(speed, (a.torque - c * speed) * speed);
+  };
+  constexpr int kParts = 40;
+  const double h = t["t"][1] / kParts;
+  double error = 0;
+  for (std::size_t row = 1; row < t.n_rows(); ++row) {
+    for (int k = 0; k < kParts; ++k) {
+      const auto a = rate(theta, E), b = rate(theta + h / 2 * a.first, E + h / 2 * a.second),
+                 d = rate(theta + h / 2 * b.first, E + h / 2 * b.second), e = rate(theta + h * d.first, E + h * d.second);
+      theta += h / 6 * (a.first + 2 * b.first + 2 * d.first + e.first);
+      E += h / 6 * (a.second + 2 * b.second + 2 * d.second + e.second);
+      w = rate(theta, E).first;
+      if (row > 10 * 72) most = std::max(most, w), least = std::min(least, w), sum += w;
+    }
+    error = std::max(error, std::abs(t["speed"][row] - w));
+  }
+  CHECK(error < 1e-4);
+  const double mean = sum / (2 * 72 * kParts);
+  CHECK(t["mean"].back() == Approx(mean).epsilon(1e-4));
+  CHECK(t["fluctuation"].back() == Approx((most - least) / mean).epsilon(1e-3));
+  CHECK(mean == Approx(1500.0 / 60 * kTwoPi).epsilon(0.1));  // it runs, and the brake holds it
 }
 
 }  // namespace workshop_test
