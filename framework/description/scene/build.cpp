@@ -238,20 +238,19 @@ void Builder::build() {
 
 // Parameters, points and tables, for formulas of channels.
 void Builder::define_numbers() {
-  for (const char* key : {"parameters", "points"})
-    if (const Value* object = scene_.root.find(key))
-      for (NamedNumbers& n : expression::read_constants(*object, part_of("scene", key))) system_.define(std::move(n));
-  const Value* const tables = scene_.root.find("tables");
-  if (tables == nullptr) return;
-  if (tables->object() == nullptr)
-    refuse(tables->where, "scene.tables", "expected an object of laws by name, got " + shown(*tables));
-  for (const Value::Member& m : *tables->object()) {
-    const std::string place = part_of("scene.tables", m.key);
-    if (const std::string fault = expression::name_fault(m.key); !fault.empty())
-      refuse(m.where, place, "\"" + m.key + "\" is not a valid name: " + fault);
-    if (std::ranges::find(system_.defined(), m.key, &NamedNumbers::name) != system_.defined().end())
-      refuse(m.where, place, "a parameter, a point or another table has this name; choose another one");
-    system_.define({.name = m.key, .table = registry_.scalar_law(m.value, place)});
+  for (const std::string key : {"parameters", "points", "tables"}) {
+    const Value* const object = scene_.root.find(key);
+    if (object == nullptr) continue;
+    for (NamedNumbers& n : expression::read_constants(*object, part_of("scene", key))) {
+      if (key == "tables") {
+        const Value& law = *object->find(n.name);
+        const std::string place = part_of("scene.tables", n.name);
+        if (std::ranges::find(system_.defined(), n.name, &NamedNumbers::name) != system_.defined().end())
+          refuse(law.where, place, "a parameter, a point or another table has this name; choose another one");
+        n.table = registry_.scalar_law(law, place), n.values.clear();
+      }
+      system_.define(std::move(n));
+    }
   }
 }
 

@@ -273,6 +273,9 @@ std::vector<NamedNumbers> read_constants(const Value& object, const std::string&
     } else if (m.value.object() == nullptr) {
       c.values = {read_number(m.value, Unit::any, place)};
       note_unit(m.value);
+    } else if (const Value* const points = m.value.find("points"); points != nullptr && points->list() != nullptr) {
+      for (const Value& point : *points->list())
+        if (point.list() != nullptr && point.list()->size() > 1) note_unit((*point.list())[1]);
     }
   }
   return all;

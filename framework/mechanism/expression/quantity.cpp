@@ -298,12 +298,14 @@ class Evaluation {
     return q;
   }
 
-  // Its numbers have no dimension of their own.
+  // Without a unit in its points its value is of any dimension.
   Amount of_table(const Node& n) const {
     if (of_values()) refuse(n, "a table is of the motion; formulas of parameters and points cannot read it");
     if (const Amount x = child(n, 1); x.is_vector) refuse_argument(n, x, "a number");
+    const Amount* const table = names_(e_.node(n.children[0]).name);
     Amount q = Amount::number(1);
-    q.any = q.measured = true;
+    q.measured = true, q.any = table == nullptr || !table->measured;
+    if (!q.any) q.dimension = table->dimension, q.with_unit = table->with_unit;
     return q;
   }
 

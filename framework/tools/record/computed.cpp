@@ -38,14 +38,14 @@ class OfMotion {
     if (p.t0 <= instant_ && instant_ <= p.t1) at_ = p.at(instant_);
     if (window_ == kWhole && !pieces_.empty())
       total_ = with(pieces_.front(), begin_, HUGE_VAL, total_), pieces_.clear();
-    pieces_.push_back(p);
+    pieces_.push_back({p, part(p, p.t0, p.t1)});
     while (pieces_.front().t1 < p.t1 - window_) pieces_.pop_front();
   }
   double value(double t, double present) const {
     if (f_ == Function::at) return t < instant_ ? present : at_;
     const double from = std::max(begin_, t - window_), length = t - from;
     double total = window_ == kWhole ? total_ : is_sum() ? 0 : present;
-    for (const Piece& p : pieces_) total = with(p, from, t, total);
+    for (const Seen& p : pieces_) total = with(p, from, t, total);
     if (!is_sum()) return sign() * std::max(sign() * total, sign() * present);
     if (f_ == Function::integral) return total;
     if (!(length > 0)) return f_ == Function::rms ? std::abs(present) : present;
@@ -62,29 +62,37 @@ class OfMotion {
   void load(SnapshotReader& in) {
     for (double* x : {&begin_, &last_, &at_, &total_}) *x = in.get();
     pieces_.resize(static_cast<std::size_t>(in.get_count()));
-    for (Piece& p : pieces_) {
+    for (Seen& p : pieces_) {
       p.t0 = in.get(), p.t1 = in.get();
       for (double& x : p.v) x = in.get();
+      p.whole = part(p, p.t0, p.t1);
     }
   }
 
   static constexpr double kWhole = HUGE_VAL;
 
  private:
+  struct Seen : Piece {
+    double whole = 0;  // part() of all of it
+  };
   bool is_sum() const { return f_ != Function::min && f_ != Function::max; }
   double sign() const { return f_ == Function::min ? -1 : 1; }
   // The integral or the extreme, with that of a piece between two times.
-  double with(const Piece& p, double from, double to, double total) const {
+  double with(const Seen& p, double from, double to, double total) const {
     const double a = std::max(p.t0, from), b = std::min(p.t1, to);
     if (!(a < b)) return total;
-    if (!is_sum()) return sign() * std::max(sign() * total, sign() * p.most(a, b, sign()));
-    return total + p.integral(a, b, [&](double v) { return f_ == Function::rms ? v * v : v; });
+    const double of = a == p.t0 && b == p.t1 ? p.whole : part(p, a, b);
+    return is_sum() ? total + of : sign() * std::max(sign() * total, sign() * of);
+  }
+  double part(const Piece& p, double a, double b) const {
+    if (!is_sum()) return p.most(a, b, sign());
+    return p.integral(a, b, [&](double v) { return f_ == Function::rms ? v * v : v; });
   }
 
   Function f_;
   FormulaFunction of_;
   double window_, instant_;
-  std::deque<Piece> pieces_;  // the last, or those of the window
+  std::deque<Seen> pieces_;  // the last, or those of the window
   double begin_ = 0, last_ = 0, at_ = 0, total_ = 0;  // total_: of all before the pieces
 };
 
