@@ -106,7 +106,7 @@ TEST_CASE("a point that does not exist is an error with its name, the sizes and 
   };
   for (const Bad& bad : {
            Bad{"meet(A, 0.1 m, B, 0.2 m, left)",
-               {"s.json:5:21: scene.points.C", "the circles do not meet: the centres are 0.5 m apart",
+               {"s.json:4:21: scene.points.C", "the circles do not meet: the centres are 0.5 m apart",
                 "radii 0.1 m and 0.2 m need 0.1 m to 0.3 m", "change a radius, or move a centre"}},
            Bad{"meet(A, 0.9 m, B, three, left)", {"0.5 m apart", "need 0.6 m to 1.2 m"}},
            Bad{"meet(A, three, A, three, left)", {"both centres are at the same point", "move one"}},
