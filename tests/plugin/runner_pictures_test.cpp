@@ -191,9 +191,10 @@ TEST_CASE("the table of a picture has the drawn columns, and no others", "[runne
 
 // x = cos(w t): between rows half a swing apart the picture's rows lie on the curve.
 TEST_CASE("the table of a picture is dense if the method can interpolate", "[runner]") {
-  const std::string text = R"({"lockstep": 1, "bodies": [{"name": "b", "particle": 1, "position": [1, 0, 0]}],
+  const std::string text = R"~({"lockstep": 1, "bodies": [{"name": "b", "particle": 1, "position": [1, 0, 0]}],
     "forces": [{"name": "F", "type": "spring_damper", "p": "b", "s": "ground", "at_s": [-9, 0, 0], "stiffness": 4, "free_length": 9}],
-    "run": {"tolerance": 1e-10, "output": 1.5, "until": 6, "record": ["b.x", "b.vx", {"moved": "=integral(b.vx)"}], "integrator": )";
+    "run": {"tolerance": 1e-10, "output": 1.5, "until": 6, "record": ["b.x", "b.vx", {"moved": "=integral(b.vx)"}],
+            "integrator": )~";
   for (const bool dense : {true, false}) {
     const Registry registry = builtin_registry();
     const std::string method = dense ? R"("dop853"}})" : R"({"type": "rattle2"}, "step": 0.004}})";

@@ -50,6 +50,10 @@ TEST_CASE("two circles meet to the left and to the right of the line of their ce
   is(met("meet(B, four, A, three, right)"), {0.18, 0.24, 0});
   is(met("meet(A, three, up, four, left)"), {-0.24, 0.18, 0});
   is(met("meet(A + [0, 0, 1 m], 0.3 m, B + [0, 0, 1 m], 2*20 cm, left)"), {0.18, 0.24, 1});
+  // in the plane xz: y points to the viewer, so that x points up if z points to the right
+  is(met("meet(A, three, [0, 0, 0.5 m], four, left, [0, 1, 0])"), {0.24, 0, 0.18});
+  is(met("meet(A, three, [0, 0, 0.5 m], four, right, [0, 1 m, 0])"), {-0.24, 0, 0.18});
+  is(met("meet(A, three, high - [0, 0, 0.1 m], four, left, [0, -3, 0])"), {0.18, 0, 0.24});
   // the side as a number
   is(met("meet(A, three, B, four, side)"), {0.18, -0.24, 0});
   is(met("meet(A, three, B, four, side)", {"side=2"}), {0.18, 0.24, 0});
@@ -102,12 +106,16 @@ TEST_CASE("a point that does not exist is an error with its name, the sizes and 
   };
   for (const Bad& bad : {
            Bad{"meet(A, 0.1 m, B, 0.2 m, left)",
-               {"s.json:5:21: scene.points.C", "the circles do not meet: the centres are 0.5 m apart",
+               {"s.json:4:21: scene.points.C", "the circles do not meet: the centres are 0.5 m apart",
                 "radii 0.1 m and 0.2 m need 0.1 m to 0.3 m", "change a radius, or move a centre"}},
            Bad{"meet(A, 0.9 m, B, three, left)", {"0.5 m apart", "need 0.6 m to 1.2 m"}},
            Bad{"meet(A, three, A, three, left)", {"both centres are at the same point", "move one"}},
            Bad{"meet(A, -three, B, four, left)", {"a radius is negative: -0.3 m"}},
-           Bad{"meet(A, three, high, four, left)", {"the centres differ by 0.1 m in z", "give both the same z"}},
+           Bad{"meet(A, three, high, four, left)",
+               {"the centres differ by 0.1 m along the axis", "which is z if no other is given"}},
+           Bad{"meet(A, three, B, four, left, [1, 0, 0])", {"the centres differ by 0.5 m along the axis"}},
+           Bad{"meet(A, three, B, four, left, [0, 0, 0])", {"the axis has no direction"}},
+           Bad{"meet(A, three, B, four, left, 1)", {"argument 6 of meet is a pure number"}},
            Bad{"meet(A, three, B, four, 0)", {"the side is 0; give left, right, 1 or -1"}},
            Bad{"meet(A, three, B, four, middle)", {"unknown name \"middle\""}},
            Bad{"meet(A, three, B, four)", {"argument 2 of meet is a length", "meet(A, r, B, s, left) of circles"}},

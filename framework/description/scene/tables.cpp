@@ -41,7 +41,7 @@ joints | list of objects; link | | joints, couplings and other constraints
 links | list of objects; link | | another name of "joints"; a scene with both has one list, in the order of the file
 forces | list of objects; force | | applied forces and torques
 events | list of objects; event | | changes of the active joints and forces during the run
-require | any | | conditions that must hold: formulas of parameters and channels, ["=r > 0 m", {"bearing": "=norm(B.force_on_p_world) < 50 N"}]
+require | list of conditions | | formulas of parameters and channels that must hold, ["=r > 0 m", {"bearing": "=norm(B.force_on_p_world) < 50 N"}]
 run | object; run | | integrator, duration and output
 ## include | | another scene as a part of this one: its points, bodies, markers, joints, forces and events
 scene | text | ! | file of the other scene, relative to the folder of this one

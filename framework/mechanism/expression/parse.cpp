@@ -41,7 +41,7 @@ constexpr std::array<Signature, 33> kFunctions{{{"sin", 1, 1, Takes::angle},
                                                 {"dot", 2, 2, Takes::vectors, Gives::product},
                                                 {"cross", 2, 2, Takes::vectors, Gives::product},
                                                 {"table", 2, 2, Takes::any, Gives::any},
-                                                {"meet", 4, 5, Takes::places, Gives::alike},
+                                                {"meet", 4, 6, Takes::places, Gives::alike},
                                                 {"mean", 1, 1, Takes::any, Gives::alike},
                                                 {"rms", 1, 1, Takes::any, Gives::alike},
                                                 {"integral", 1, 1, Takes::any, Gives::times_time},
@@ -338,12 +338,12 @@ class ExpressionParser {
       fail(at, called + " takes " + std::to_string(s->least) + (s->most > s->least ? " or more" : "") +
                    (s->most == 1 ? " argument" : " arguments") + ", and " + std::to_string(arguments.size()) +
                    (arguments.size() == 1 ? " is given" : " are given"));
-    if (f == Function::meet) name_side(e_.nodes_[arguments.back()]);
+    if (f == Function::meet && arguments.size() > 4) name_side(e_.nodes_[arguments[4]]);
     put(Operation::call, at, std::move(arguments));
     last().function = f;
     return e_.root();
   }
-  // left is 1, right -1, as the last argument of meet() only.
+  // left is 1, right -1, as the fifth argument of meet() only.
   static void name_side(Node& n) {
     if (n.operation != Operation::name || (n.name != "left" && n.name != "right")) return;
     n.operation = Operation::number, n.value = n.name == "left" ? 1 : -1;

@@ -309,20 +309,21 @@ class Evaluation {
     return q;
   }
 
-  // meet(A, r, B, s, side) of circles, meet(A, B, C, D) of lines.
+  // meet(A, r, B, s, side) or meet(A, r, B, s, side, axis) of circles, meet(A, B, C, D) of lines.
   Amount met(const Node& n, const std::vector<Amount>& a) const {
-    const bool circles = a.size() == 5;
+    const bool circles = a.size() > 4;
     Amount q = a[0];
     for (std::size_t k = 0; k < a.size(); ++k) {
-      const bool side = k == 4, point = !side && (!circles || k % 2 == 0);
-      if (a[k].is_vector != point || (side && !is_number(a[k])))
+      const bool vector = k == 5 || (k != 4 && (!circles || k % 2 == 0));
+      if (a[k].is_vector != vector || (k == 4 && !is_number(a[k])))
         refuse(n, "argument " + std::to_string(k + 1) + " of meet is " + article_name_of(a[k]) +
                       "; write meet(A, r, B, s, left) of circles about A and B, meet(A, B, C, D) of lines");
       Amount other = a[k];
-      q.is_vector = point;
-      if (!side) unite(n, q, other, "arguments of one function");
+      q.is_vector = vector;
+      if (k < 4) unite(n, q, other, "arguments of one function");
     }
-    const Meeting m = circles ? meeting_of_circles(a[0].v, a[1].v[0], a[2].v, a[3].v[0], a[4].v[0])
+    const Vec3 axis = a.size() == 6 ? a[5].v : Vec3::UnitZ();
+    const Meeting m = circles ? meeting_of_circles(a[0].v, a[1].v[0], a[2].v, a[3].v[0], a[4].v[0], axis)
                               : meeting_of_lines(a[0].v, a[1].v, a[2].v, a[3].v);
     if (of_values() && !m.problem.empty()) refuse(n, m.problem);
     q.v = m.at, q.is_vector = true, q.is_zero = false;

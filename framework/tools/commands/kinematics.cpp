@@ -307,9 +307,7 @@ Result follow(const Arguments& args, bool inverse) {
   Result result(loaded, kinematics_fields(), found);
   result.brief = text_of_motion(std::move(found), m);
   result.files = {csv};
-  std::vector<std::string> notes;
-  draw_run(args, csv, loaded.title(), rows.rows(), details.get(), m.run, outputs, result.files, notes);
-  for (const std::string& note : notes) tell(fmt::format("note: {}\n", note));
+  draw_told(args, csv, loaded.title(), rows.rows(), details.get(), m.run, outputs, result.files);
   result.code = exit_code_of(broken, false);
   return result;
 }

@@ -349,9 +349,7 @@ void draw_curves(const Arguments& args, const std::string& title, const Table& c
   std::erase_if(run.draw, [](const auto& panel) { return panel.empty(); });
   RowEnvelope rows(curves);
   for (std::size_t i = 0; i < curves.n_rows(); ++i) rows.add(curves, i);
-  std::vector<std::string> notes;
-  draw_run(args, args["--record"], title, rows, nullptr, run, {}, files, notes);
-  for (const std::string& note : notes) tell(fmt::format("note: {}\n", note));
+  draw_told(args, args["--record"], title, rows, nullptr, run, {}, files);
 }
 
 Result vary(const Arguments& args) {

@@ -12,6 +12,7 @@
 #include "framework/tools/charts/chart_path.h"
 #include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/terminal.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
@@ -155,6 +156,14 @@ bool draw_run(const Arguments& args, const std::string& csv, const std::string& 
   if (run.draw.empty() && n_drawn < n)
     notes.push_back(fmt::format("drawn: {} of {} columns, at most six per panel; choose with run.draw", n_drawn, n));
   return true;
+}
+
+void draw_told(const Arguments& args, const std::string& csv, const std::string& title, const RowEnvelope& rows,
+               const PictureRows* details, const RunSettings& run, const RunOutputs& outputs,
+               std::vector<std::string>& files) {
+  std::vector<std::string> notes;
+  if (!draw_run(args, csv, title, rows, details, run, outputs, files, notes) || !args.has("--quiet"))
+    for (const std::string& note : notes) tell(fmt::format("note: {}\n", note));
 }
 
 }  // namespace lockstep

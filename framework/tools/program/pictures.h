@@ -35,5 +35,8 @@ std::unique_ptr<PictureRows> picture_rows(Mechanism&, const std::string& csv, co
 bool draw_run(const Arguments&, const std::string& csv, const std::string& title, const RowEnvelope&,
               const PictureRows* details, const RunSettings&, const RunOutputs&, std::vector<std::string>& files,
               std::vector<std::string>& notes);
+/// The same with lines of its notes; with --quiet only why drawing failed.
+void draw_told(const Arguments&, const std::string& csv, const std::string& title, const RowEnvelope&,
+               const PictureRows* details, const RunSettings&, const RunOutputs&, std::vector<std::string>& files);
 
 }  // namespace lockstep
