@@ -93,12 +93,10 @@ TEST_CASE("find: the speed at which the peak force of a bearing reaches a limit"
   CHECK(std::abs(found["values"]["speed"].get<double>() - wanted) <= 1e-6 * wanted);
   CHECK(std::abs(found["value"].get<double>() - 100) <= 1e-5);
   CHECK(found["unit"] == "N");
-  CHECK(found["runs"].get<int>() < 15);
   const Called text = call(words + " --write rotor_found.json");
   INFO(text.text);
   CHECK(text.exit == 0);
-  CHECK(value_of(text.text, "found").starts_with("speed = 11.5744"));
-  CHECK(value_of(text.text, "reached").starts_with("max(F) = 100"));
+  CHECK(value_of(text.text, "found") == "max(F) = 100 N with speed = 11.574397 rad/s");
   // The scene that is written has the speed: its run has this force.
   const Called run = call("run rotor_found.json --summary --no-picture");
   INFO(run.text);
@@ -119,14 +117,13 @@ TEST_CASE("find: what cannot be found is an error with the next move", "[plugin]
   const std::string begin = "find " + rotor() + " --vary speed=5:20 --reach ";
   check_refused(
       call(begin + "\"max(F) = 1 kN\""), 1,
-      {"max(F) is 34.62 N with speed = 5 rad/s", "259.62 N with speed = 20 rad/s", "both are below", "lockstep sweep"});
+      {"max(F) is 34.62 N with speed = 5 rad/s", "259.62 N with speed = 20 rad/s", "both below", "lockstep sweep"});
   check_refused(call(begin + "\"max(F) = 3 m\""), 2, {"--reach", "N", "m"});
   check_refused(call(begin + "\"max(G) = 3 N\""), 2, {"--reach", "G"});
   check_refused(call(begin + "\"max(F)\""), 2, {"compares nothing"});
   check_refused(call(begin + "\"max(F) < 3 N\""), 2, {"is not an equation"});
   check_refused(call("find " + rotor() + " --vary speed=5:20:3 --reach \"max(F) = 100 N\""), 2, {"expected NAME=a:b"});
-  check_refused(call("find " + rotor() + " --vary speed=20:5 --reach \"max(F) = 100 N\""), 2,
-                {"a smaller to a larger"});
+  check_refused(call("find " + rotor() + " --vary speed=20:5 --reach \"max(F) = 100 N\""), 2, {"expected NAME=a:b"});
   // sign(phi - 26 rad) jumps from -1 to 1.
   check_refused(call(begin + "\"sign(phi - 26 rad) = 0\""), 1, {"jumps over the value"});
   // The rod is too short for the crank at one end of the range.
@@ -144,7 +141,7 @@ TEST_CASE("optimize: the counterweight of least shaking force balances half of t
   CHECK(std::abs(j["best"]["values"]["counterweight"].get<double>() - 3.5) <= 1e-3);
   CHECK(j["best"]["value"].get<double>() < j["start"]["value"].get<double>());
   CHECK(j["ended"] == "converged");
-  CHECK(j["unit"] == "N");
+  CHECK(j["best"]["unit"] == "N");
   // With a limit of 2.5 kg at the limit, by the method for conditions.
   const Json limited =
       json_of("optimize " + engine() + " --vary counterweight=\"0.1 kg:10 kg\" --minimize \"rms(shaking)\"" +
@@ -194,7 +191,7 @@ TEST_CASE("optimize: maximum, conditions that cannot hold, and errors", "[plugin
   const Called none = call(begin + "--minimize \"max(F)\" --subject-to \"max(F) > 1 kN\" --runs 30");
   INFO(none.text);
   CHECK(none.exit == 1);
-  CHECK(contains(none.text, "does not hold"));
+  CHECK(contains(none.text, "they held together in no run"));
   check_refused(call(begin), 2, {"--minimize or --maximize is missing"});
   check_refused(call(begin + "--minimize \"max(F)\" --subject-to \"max(F) = 3 N\""), 2, {"is an equation"});
   check_refused(call(begin + "--minimize \"max(F)\" --subject-to \"max(F) < 3 N\" --method neldermead"), 2,

@@ -15,6 +15,7 @@
 namespace lockstep {
 namespace {
 
+constexpr int kMostModes = 1000;
 constexpr const char* kTightTolerance = "1e-12";  // of the runs: their errors are multiplied by 1/step
 
 /// The derivative of a result by a number.
@@ -77,8 +78,6 @@ class Sensitivity {
   const Loaded& loaded() const { return runs_.varied().loaded; }
 
  private:
-  static constexpr int kMostModes = 1000;
-
   // Central differences d(h), with h halved, extrapolated to h = 0 (Richardson): d[j] = d[j-1] + (d[j-1] - d[j-1](2h))/(4^j - 1).
   // That one is taken which differs least from both that it is made of (Ridders 1982).
   std::vector<Slope> differences(const Point& x, std::size_t k) const {
