@@ -73,7 +73,7 @@ class Optimization {
   const SweepRun& run(std::size_t k) const { return done_[k]; }
 
   Optimized result(const std::string& ended) const {
-    const auto outcome = [&](std::size_t k) { return runs_.outcome(objective_, points_[k], done_[k]); };
+    const auto outcome = [&](std::size_t k) { return runs_.outcome("", points_[k], done_[k]); };
     Optimized o{outcome(0),
                 outcome(best()),
                 {},
@@ -97,8 +97,10 @@ class Optimization {
       each.x.push_back(static_cast<double>(k + 1)), each.y.push_back(value), best.y.push_back(sign_ * least);
     }
     best.x = each.x;
+    const bool log = std::ranges::none_of(each.y, [](double value) { return value <= 0; });
     write_chart(
-        file, {runs_.varied().loaded.title(), "run", {{column_title({objective_, runs_.unit(0), {}}), {each, best}}}});
+        file,
+        {runs_.varied().loaded.title(), "run", {{column_title({"objective", runs_.unit(0), {}}), {each, best}, log}}});
   }
 
   const RunFunction& runs() const { return runs_; }

@@ -150,7 +150,8 @@ std::string RunFunction::text(const Point& x) const {
 
 Outcome RunFunction::outcome(const std::string& name, const Point& x, const SweepRun& run) const {
   const double value = run.columns[0].last;
-  Outcome o{fmt::format("{} = {} with {}", name, with_unit(value, unit(0)), text(x)), Json::object(), value, unit(0)};
+  Outcome o{fmt::format("{}{} with {}", name.empty() ? "" : name + " = ", with_unit(value, unit(0)), text(x)),
+            Json::object(), value, unit(0)};
   for (std::size_t k = 0; k < x.size(); ++k) o.values[varied_.variables[k].path] = x[k];
   if (run.outcome() != "ok") o.status = run.outcome();
   return o;

@@ -55,7 +55,7 @@ class RunFunction {
   SweepRun at(const Point&) const;
   SweepRun succeeded(const Point&) const;  ///< the same; throws Error for a failed one
   std::string text(const Point&) const;    ///< "crank = 103.2 mm, rod = 200 mm"
-  /// The value of the first formula, which is called `name`.
+  /// The value of the first formula; its text begins with `name`, if there is one.
   Outcome outcome(const std::string& name, const Point&, const SweepRun&) const;
 
   /// Throws UsageError and FileError for the file of --write.
