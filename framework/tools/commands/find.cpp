@@ -71,7 +71,7 @@ must be above, at the other below. NAME is that of `lockstep sweep`. The formula
 counts at the end of the run: max(T) is the largest value of the whole run, T the last one. Exit code 1: no such value.
 
 Example:
-  lockstep find slider_crank.json --vary crank="80 mm:120 mm" --reach "max(T) = 3 N m")",
+  lockstep find samples/scenes/slider_crank.json --vary crank=100mm:200mm --reach "max(drive_torque) = 3 N m")",
       {&outcome_fields().schema()}};
 }
 

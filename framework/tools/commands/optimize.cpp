@@ -242,7 +242,7 @@ near them. There may be a lower one: begin elsewhere by --set, or look with --me
 as the worst one so far. Exit code 1: the conditions held in no run.
 
 Example:
-  lockstep optimize slider_crank.json --vary crank="80 mm:120 mm" --minimize "max(T)" --subject-to "max(x) > 450 mm")--",
+  lockstep optimize samples/scenes/slider_crank.json --vary crank=100mm:200mm --minimize "max(drive_torque)")--",
       {&optimize_fields().schema()}};
 }
 

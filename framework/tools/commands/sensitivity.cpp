@@ -153,7 +153,7 @@ extrapolated to zero. The estimated error is the least change between two extrap
 1e-12 unless --tolerance is given. Extremes have no derivative where one peak takes over from another.
 
 Example:
-  lockstep sensitivity slider_crank.json --of "max(T)" --to crank --to rod)--",
+  lockstep sensitivity samples/scenes/slider_crank.json --of "max(drive_torque)" --to crank --to rod)--",
       {&slope_fields().schema()}};
 }
 
