@@ -10,6 +10,7 @@
 #include <lockstep/error.h>
 #include "framework/mechanism/expression/evaluate.h"
 #include "framework/mechanism/expression/quantity.h"
+#include "framework/mechanism/expression/quotes.h"
 #include "framework/tools/record/channel_entry.h"
 #include "framework/tools/record/piece.h"
 
