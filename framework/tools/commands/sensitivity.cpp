@@ -115,8 +115,8 @@ class Sensitivity {
     for (const Mode& m : find_modes(*rest.dynamics, rest.state).modes)
       if (m.kind == Mode::Kind::oscillation && values.size() < names_.size()) values.push_back(m.frequency());
     if (values.size() < names_.size())
-      throw UsageError(
-          fmt::format("--modes: there are only {} oscillations with {}", values.size() - n_formulas_, runs_.text(x)));
+      throw UsageError(fmt::format("--modes: {} frequencies are asked for, and the equilibrium has {} with {}",
+                                   names_.size() - n_formulas_, values.size() - n_formulas_, runs_.text(x)));
     return values;
   }
 
