@@ -152,7 +152,7 @@ TEST_CASE("optimize: the counterweight of least shaking force balances half of t
 TEST_CASE("optimize: a four-bar whose coupler point passes ten points", "[plugin][runner]") {
   // Acharyya and Mandal, "Performance of EAs for four-bar linkage synthesis", Mechanism and Machine Theory 44 (2009), ten
   // points without timing: every 40 degrees on an ellipse about (10, 10) with semi-axes 10 and 8, the first one twice.
-  // Published sums of squares: 2.28 (genetic), 1.97 (particle swarm), 1.95 (differential evolution).
+  // Their best sum of squares is 1.95 (differential evolution). The limit here is a tenth of it.
   std::vector<std::array<double, 2>> points;
   for (int k = 0; k < 10; ++k)
     points.push_back({10 + 10 * std::cos(2 * pi * k / 9), 10 + 8 * std::sin(2 * pi * k / 9)});
@@ -163,7 +163,7 @@ TEST_CASE("optimize: a four-bar whose coupler point passes ten points", "[plugin
       error_of_path(points) + "\"";
   const Json j = json_of(words + " --runs 500 --write path_found.json --json");
   CHECK(j["start"]["value"].get<double>() > 1000);
-  CHECK(j["best"]["value"].get<double>() < 1.95);
+  CHECK(j["best"]["value"].get<double>() < 0.195);
   // A second way to the distances: the path at close instants by closed form.
   const Json& v = j["best"]["values"];
   const auto of = [&](const char* name) { return v[name].get<double>(); };
@@ -180,7 +180,7 @@ TEST_CASE("optimize: a four-bar whose coupler point passes ten points", "[plugin
   }
   double sum = 0;
   for (const double d : least) sum += d;
-  CHECK(std::abs(sum - j["best"]["value"].get<double>()) <= 1e-3 * sum);
+  CHECK(std::abs(sum - j["best"]["value"].get<double>()) <= 1e-4 * sum);
 }
 
 TEST_CASE("optimize: maximum, conditions that cannot hold, and errors", "[plugin][runner]") {
