@@ -104,7 +104,10 @@ TEST_CASE("results of other commands fit their schemas", "[runner]") {
                  "atlas " + four_bar + " --budget 1s --until 0.05 --vary run.step=1e-3,1e-2 --vary gravity.1=-9,-1 "
                  "--integrators rk4",
                  n);
-  CHECK(n == 13);
+  check_document("find", "find " + four_bar + " --vary base=280mm:300mm --reach \"base = 290 mm\"", n);
+  check_document("optimize", "optimize " + four_bar + " --vary base=280mm:300mm --maximize base --runs 9", n);
+  check_document("sensitivity", "sensitivity " + four_bar + " --of base --to base", n);
+  CHECK(n == 16);
 }
 
 TEST_CASE("text has a label a line, tables of lists, and nothing of what is empty", "[runner]") {

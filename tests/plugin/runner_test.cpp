@@ -83,10 +83,10 @@ TEST_CASE("options of the command line stand over the scene", "[runner]") {
 }
 
 TEST_CASE("every command has help with an example", "[runner]") {
-  for (const char* verb :
-       {"",        "run",     "check",  "list",      "describe",   "schema", "assemble", "statics", "kinematics",
-        "inverse", "explain", "modes",  "linearize", "matrices",   "chart",  "advise",   "sweep",   "atlas",
-        "demo",    "import",  "report", "reference", "completion", "man",    "resume"}) {
+  for (const char* verb : {"",          "run",        "check",   "list",    "describe", "schema",    "assemble",
+                           "statics",   "kinematics", "inverse", "explain", "modes",    "linearize", "matrices",
+                           "chart",     "advise",     "sweep",   "atlas",   "demo",     "import",    "report",
+                           "reference", "completion", "man",     "resume",  "find",     "optimize",  "sensitivity"}) {
     const Called r = call(std::string(verb) + " --help");
     INFO(verb);
     CHECK(r.exit == 0);
@@ -109,8 +109,9 @@ TEST_CASE("the examples of the help texts run as they stand", "[runner]") {
   fs::remove(fs::path(kFolder) / "samples");
   fs::create_directory_symlink(samples, fs::path(kFolder) / "samples");
   int n = 0;
-  for (const std::string verb : {"run", "check", "assemble", "statics", "kinematics", "inverse", "explain", "modes",
-                                 "linearize", "matrices", "atlas", "list", "describe", "schema", "reference"}) {
+  for (const std::string verb :
+       {"run", "check", "assemble", "statics", "kinematics", "inverse", "explain", "modes", "linearize", "matrices",
+        "atlas", "list", "describe", "schema", "reference", "find", "optimize", "sensitivity"}) {
     const std::string help = call(verb + " --help").text;
     const std::size_t begin = help.find("  lockstep ", help.find("Example:")) + 2;
     const std::string line = help.substr(begin, help.find('\n', begin) - begin);
@@ -119,7 +120,7 @@ TEST_CASE("the examples of the help texts run as they stand", "[runner]") {
     CHECK(r.exit == 0);
     ++n;
   }
-  CHECK(n == 15);
+  CHECK(n == 18);
 }
 
 TEST_CASE("wrong words are a usage error", "[runner]") {

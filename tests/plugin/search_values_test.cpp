@@ -93,12 +93,10 @@ TEST_CASE("find: the speed at which the peak force of a bearing reaches a limit"
   CHECK(std::abs(found["values"]["speed"].get<double>() - wanted) <= 1e-6 * wanted);
   CHECK(std::abs(found["value"].get<double>() - 100) <= 1e-5);
   CHECK(found["unit"] == "N");
-  CHECK(found["runs"].get<int>() < 15);
   const Called text = call(words + " --write rotor_found.json");
   INFO(text.text);
   CHECK(text.exit == 0);
-  CHECK(value_of(text.text, "found").starts_with("speed = 11.5744"));
-  CHECK(value_of(text.text, "reached").starts_with("max(F) = 100"));
+  CHECK(value_of(text.text, "found") == "max(F) = 100 N with speed = 11.574397 rad/s");
   // The scene that is written has the speed: its run has this force.
   const Called run = call("run rotor_found.json --summary --no-picture");
   INFO(run.text);
@@ -119,14 +117,13 @@ TEST_CASE("find: what cannot be found is an error with the next move", "[plugin]
   const std::string begin = "find " + rotor() + " --vary speed=5:20 --reach ";
   check_refused(
       call(begin + "\"max(F) = 1 kN\""), 1,
-      {"max(F) is 34.62 N with speed = 5 rad/s", "259.62 N with speed = 20 rad/s", "both are below", "lockstep sweep"});
+      {"max(F) is 34.62 N with speed = 5 rad/s", "259.62 N with speed = 20 rad/s", "both below", "lockstep sweep"});
   check_refused(call(begin + "\"max(F) = 3 m\""), 2, {"--reach", "N", "m"});
   check_refused(call(begin + "\"max(G) = 3 N\""), 2, {"--reach", "G"});
   check_refused(call(begin + "\"max(F)\""), 2, {"compares nothing"});
   check_refused(call(begin + "\"max(F) < 3 N\""), 2, {"is not an equation"});
   check_refused(call("find " + rotor() + " --vary speed=5:20:3 --reach \"max(F) = 100 N\""), 2, {"expected NAME=a:b"});
-  check_refused(call("find " + rotor() + " --vary speed=20:5 --reach \"max(F) = 100 N\""), 2,
-                {"a smaller to a larger"});
+  check_refused(call("find " + rotor() + " --vary speed=20:5 --reach \"max(F) = 100 N\""), 2, {"expected NAME=a:b"});
   // sign(phi - 26 rad) jumps from -1 to 1.
   check_refused(call(begin + "\"sign(phi - 26 rad) = 0\""), 1, {"jumps over the value"});
   // The rod is too short for the crank at one end of the range.
@@ -144,18 +141,18 @@ TEST_CASE("optimize: the counterweight of least shaking force balances half of t
   CHECK(std::abs(j["best"]["values"]["counterweight"].get<double>() - 3.5) <= 1e-3);
   CHECK(j["best"]["value"].get<double>() < j["start"]["value"].get<double>());
   CHECK(j["ended"] == "converged");
-  CHECK(j["unit"] == "N");
+  CHECK(j["best"]["unit"] == "N");
   // With a limit of 2.5 kg at the limit, by the method for conditions.
   const Json limited =
       json_of("optimize " + engine() + " --vary counterweight=\"0.1 kg:10 kg\" --minimize \"rms(shaking)\"" +
-              " --subject-to \"weight.mass < 2.5 kg\" --json");
+              " --subject-to \"counterweight < 2.5 kg\" --json");
   CHECK(std::abs(limited["best"]["values"]["counterweight"].get<double>() - 2.5) <= 1e-4);
 }
 
 TEST_CASE("optimize: a four-bar whose coupler point passes ten points", "[plugin][runner]") {
   // Acharyya and Mandal, "Performance of EAs for four-bar linkage synthesis", Mechanism and Machine Theory 44 (2009), ten
   // points without timing: every 40 degrees on an ellipse about (10, 10) with semi-axes 10 and 8, the first one twice.
-  // Published sums of squares: 2.28 (genetic), 1.97 (particle swarm), 1.95 (differential evolution).
+  // Their best sum of squares is 1.95 (differential evolution). The limit here is a tenth of it.
   std::vector<std::array<double, 2>> points;
   for (int k = 0; k < 10; ++k)
     points.push_back({10 + 10 * std::cos(2 * pi * k / 9), 10 + 8 * std::sin(2 * pi * k / 9)});
@@ -166,7 +163,7 @@ TEST_CASE("optimize: a four-bar whose coupler point passes ten points", "[plugin
       error_of_path(points) + "\"";
   const Json j = json_of(words + " --runs 500 --write path_found.json --json");
   CHECK(j["start"]["value"].get<double>() > 1000);
-  CHECK(j["best"]["value"].get<double>() < 1.95);
+  CHECK(j["best"]["value"].get<double>() < 0.195);
   // A second way to the distances: the path at close instants by closed form.
   const Json& v = j["best"]["values"];
   const auto of = [&](const char* name) { return v[name].get<double>(); };
@@ -183,7 +180,7 @@ TEST_CASE("optimize: a four-bar whose coupler point passes ten points", "[plugin
   }
   double sum = 0;
   for (const double d : least) sum += d;
-  CHECK(std::abs(sum - j["best"]["value"].get<double>()) <= 1e-3 * sum);
+  CHECK(std::abs(sum - j["best"]["value"].get<double>()) <= 1e-4 * sum);
 }
 
 TEST_CASE("optimize: maximum, conditions that cannot hold, and errors", "[plugin][runner]") {
@@ -194,7 +191,7 @@ TEST_CASE("optimize: maximum, conditions that cannot hold, and errors", "[plugin
   const Called none = call(begin + "--minimize \"max(F)\" --subject-to \"max(F) > 1 kN\" --runs 30");
   INFO(none.text);
   CHECK(none.exit == 1);
-  CHECK(contains(none.text, "does not hold"));
+  CHECK(contains(none.text, "they held together in no run"));
   check_refused(call(begin), 2, {"--minimize or --maximize is missing"});
   check_refused(call(begin + "--minimize \"max(F)\" --subject-to \"max(F) = 3 N\""), 2, {"is an equation"});
   check_refused(call(begin + "--minimize \"max(F)\" --subject-to \"max(F) < 3 N\" --method neldermead"), 2,
@@ -227,7 +224,7 @@ TEST_CASE("sensitivity: derivatives of extremes, last values and frequencies", "
   CHECK(std::abs(f[0]["derivative"].get<double>() - frequency / 1600) <= 1e-8);
   CHECK(std::abs(f[1]["derivative"].get<double>() + frequency / 4) <= 1e-6);
   check_refused(call("sensitivity " + spring + " --to k"), 2, {"a formula is missing"});
-  check_refused(call("sensitivity " + spring + " --modes 3 --to k"), 2, {"only 1 oscillations"});
+  check_refused(call("sensitivity " + spring + " --modes 3 --to k"), 2, {"3 frequencies", "has 1 with k = 800 N/m"});
 }
 
 }  // namespace search_values_test

@@ -77,8 +77,8 @@ TEST_CASE("a table is a function of anything, with its derivatives", "[unit][exp
   sine.table = laws::spline(many, {.ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
   const FormulaFunction g("=table(s, x)", {"x"}, {sine});
   for (const double x : {-100.3, 0.0, 1.0, 3e4}) {
-    const double at[] = {x};
-    CHECK(g(std::span<const double>(at)) == Approx(std::sin(x)).margin(1e-11));  // 3e4: round-off of the argument
+    const Time at[] = {Time(x)};
+    CHECK(g(std::span<const Time>(at)).v == Approx(std::sin(x)).margin(1e-11));  // 3e4: round-off of the argument
   }
 }
 

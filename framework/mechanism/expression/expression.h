@@ -109,7 +109,7 @@ struct Node {
 /// How a formula writes names.
 enum class Naming {
   words,    ///< "A", "rod.to"; of a point, "A.x" is a component
-  channels  ///< with points: "B.force_on_p_world.x", "P.x@Q"; in quotes, which stay, of any characters: 'left wheel.rz'
+  channels  ///< with points: "B.force_on_p_world.x", "P.x@Q"; in quotes with any characters: 'left wheel.rz'
 };
 
 /// A formula. Precedence, from the loosest: ? :, ||, &&, one comparison, + -, * /, signs and !, ^ (from the right),
@@ -143,9 +143,6 @@ LOCKSTEP_API std::vector<std::string> names_in(const Expression&);
 /// The channels that a column reads: the column itself, or the names of its formula "=..."; one without a last part stands
 /// for three, with "_x", "_y", "_z". Throws ModelError as Expression.
 LOCKSTEP_API std::vector<std::string> channels_in(const std::string& column);
-
-/// A name that stands in quotes, without them.
-LOCKSTEP_API std::string without_quotes(const std::string& name);
 
 /// Why it may not name a parameter, which is a letter or '_', then letters, digits and '_', and no function or constant;
 /// "" if it may.

@@ -9,6 +9,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/support/at_end.h"
+#include "framework/mechanism/expression/quotes.h"
 
 namespace lockstep::expression {
 namespace {
@@ -462,10 +463,6 @@ std::vector<std::string> channels_in(const std::string& column) {
   for (const std::string& name : names_in(Expression(column, {}, Naming::channels)))
     for (const char* axis : {"", "_x", "_y", "_z"}) all.push_back(without_quotes(name) + axis);
   return all;
-}
-
-std::string without_quotes(const std::string& name) {
-  return name.starts_with('\'') ? name.substr(1, name.size() - 2) : name;
 }
 
 std::string name_fault(std::string_view word) {

@@ -6,6 +6,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/expression/quotes.h"
 
 namespace lockstep::expression {
 namespace {

@@ -14,22 +14,6 @@
 namespace lockstep {
 namespace {
 
-struct Found {
-  std::string text, reached, status;
-  Json values;
-  double value;
-  std::string unit;
-  long runs;
-};
-
-const Fields<Found>& find_fields() {
-  static const Fields<Found> kFields{{"found", "", "found", &Found::text}, {"reached", "", "reached", &Found::reached},
-                                     {"values", "", "", &Found::values},   {"value", "", "", &Found::value},
-                                     {"unit", "", "", &Found::unit},       {"status", "", "status", &Found::status},
-                                     {"runs", "", "runs", &Found::runs}};
-  return kFields;
-}
-
 Result find(const Arguments& args) {
   using Limits = std::numeric_limits<double>;
   const Interrupt interrupt;
@@ -63,15 +47,11 @@ Result find(const Arguments& args) {
   const double jump =
       std::sqrt(runs.varied().loaded.scene.run.tolerance.relative) * std::max(std::abs(fa), std::abs(fb));
   if (std::max(at_low, at_high) > jump)
-    throw Error(fmt::format("{} jumps over the value to reach, from {} to {}, near {}; see `lockstep sweep` there",
-                            sides.left, value(low), value(high), runs.text({low})));
+    throw Error(fmt::format("{} jumps over the value to reach near {}; see `lockstep sweep` there", sides.left,
+                            runs.text({low})));
   const double x = at_low < at_high ? low : high;
-  const SweepRun& run = done.at(x);
-  const std::string outcome = run.outcome();
-  Result result(runs.varied().loaded, find_fields(),
-                Found{runs.text({x}), fmt::format("{} = {}", sides.left, value(x)), outcome == "ok" ? "" : outcome,
-                      runs.values({x}), run.columns[0].last, runs.unit(0), static_cast<long>(done.size())});
-  runs.conclude(result, {x}, run);
+  Result result(runs.varied().loaded, outcome_fields(), runs.outcome(sides.left, {x}, done.at(x)));
+  runs.conclude(result, {x}, done.at(x));
   return result;
 }
 
@@ -91,8 +71,8 @@ must be above, at the other below. NAME is that of `lockstep sweep`. The formula
 counts at the end of the run: max(T) is the largest value of the whole run, T the last one. Exit code 1: no such value.
 
 Example:
-  lockstep find slider_crank.json --vary crank="80 mm:120 mm" --reach "max(T) = 3 N m")",
-      {&find_fields().schema()}};
+  lockstep find samples/scenes/slider_crank.json --vary crank=100mm:200mm --reach "max(drive_torque) = 3 N m")",
+      {&outcome_fields().schema()}};
 }
 
 }  // namespace lockstep

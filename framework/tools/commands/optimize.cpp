@@ -22,27 +22,17 @@ namespace {
 
 constexpr int kRuns = 1000;  // default
 
-struct Optimum {
-  std::string text;
-  Json values;
-  double value;
-};
 struct Optimized {
-  Optimum start, best;
-  std::string unit, status;
+  Outcome start, best;
   std::vector<std::string> conditions;
   std::string ended;
   long runs, failed;
 };
 
 const Fields<Optimized>& optimize_fields() {
-  static const Fields<Optimum> kOptimum{
-      {"text", "", "", &Optimum::text}, {"values", "", "", &Optimum::values}, {"value", "", "", &Optimum::value}};
   const auto words = [](const Json& o) { return o["text"].get<std::string>(); };
-  static const Fields<Optimized> kFields{{"start", "start", &Optimized::start, kOptimum, words},
-                                         {"best", "best", &Optimized::best, kOptimum, words},
-                                         {"unit", "", "", &Optimized::unit},
-                                         {"status", "", "status", &Optimized::status},
+  static const Fields<Optimized> kFields{{"start", "start", &Optimized::start, outcome_fields(), words},
+                                         {"best", "best", &Optimized::best, outcome_fields(), words},
                                          {"conditions", "", "conditions", &Optimized::conditions},
                                          {"ended", "", "ended", &Optimized::ended},
                                          {"runs", "", "runs", &Optimized::runs},
@@ -77,26 +67,23 @@ class Optimization {
   std::string search(const std::string& method);
 
   /// The best run of those in which all conditions hold; of all, if they hold in none.
-  const SweepRun& best() const {
-    return *std::ranges::max_element(done_, {}, [&](const SweepRun& r) { return rank(r); });
-  }
-  const Point& best_point() const { return points_[&best() - done_.data()]; }
-  bool holds() const { return holds(best()); }
+  std::size_t best() const { return std::ranges::max_element(ranks_) - ranks_.begin(); }
+  bool holds(std::size_t k) const { return ranks_[k].first == kHolds; }
+  const Point& point(std::size_t k) const { return points_[k]; }
+  const SweepRun& run(std::size_t k) const { return done_[k]; }
 
   Optimized result(const std::string& ended) const {
-    const std::string outcome = best().outcome();
-    Optimized o{optimum(0),
-                optimum(&best() - done_.data()),
-                runs_.unit(0),
-                outcome == "ok" ? "" : outcome,
+    const auto outcome = [&](std::size_t k) { return runs_.outcome("", points_[k], done_[k]); };
+    Optimized o{outcome(0),
+                outcome(best()),
                 {},
                 ended,
                 static_cast<long>(done_.size()),
                 std::ranges::count(done_, true, &SweepRun::failed)};
     for (std::size_t k = 0; k < conditions_.size(); ++k)
-      o.conditions.push_back(fmt::format("{}: {}{}", conditions_[k],
-                                         with_unit(best().columns[1 + 2 * k].last, runs_.unit(1 + 2 * k)),
-                                         is_met(best(), 2 + 2 * k) ? "" : ", does not hold"));
+      o.conditions.push_back(conditions_[k] + ": " +
+                             with_unit(done_[best()].columns[1 + 2 * k].last, runs_.unit(1 + 2 * k)));
+    if (!holds(best())) o.conditions.emplace_back("they held together in no run");
     return o;
   }
 
@@ -105,12 +92,15 @@ class Optimization {
     Series each{"run", {}, {}, SeriesStyle::points}, best{"best", {}, {}};
     double least = HUGE_VAL;
     for (std::size_t k = 0; k < done_.size(); ++k) {
-      if (holds(done_[k])) least = std::min(least, sign_ * done_[k].columns[0].last);
-      each.x.push_back(static_cast<double>(k + 1)), best.x.push_back(static_cast<double>(k + 1));
-      each.y.push_back(done_[k].failed ? NAN : done_[k].columns[0].last), best.y.push_back(sign_ * least);
+      const double value = done_[k].failed ? NAN : done_[k].columns[0].last;
+      if (holds(k)) least = std::min(least, sign_ * value);
+      each.x.push_back(static_cast<double>(k + 1)), each.y.push_back(value), best.y.push_back(sign_ * least);
     }
+    best.x = each.x;
+    const bool log = std::ranges::none_of(each.y, [](double value) { return value <= 0; });
     write_chart(
-        file, {runs_.varied().loaded.title(), "run", {{column_title({objective_, runs_.unit(0), {}}), {each, best}}}});
+        file,
+        {runs_.varied().loaded.title(), "run", {{column_title({"objective", runs_.unit(0), {}}), {each, best}, log}}});
   }
 
   const RunFunction& runs() const { return runs_; }
@@ -119,22 +109,8 @@ class Optimization {
   double tolerance() const { return runs_.varied().loaded.scene.run.tolerance.relative; }
   // The size of a formula: at the start.
   double scale(std::size_t k) const {
-    const double first = std::abs(done_[0].columns[k].last);
-    return first > 0 ? first : 1;
-  }
-  bool is_met(const SweepRun& run, std::size_t k) const { return run.columns[k].last <= tolerance() * scale(k); }
-  bool holds(const SweepRun& run) const {
-    for (std::size_t k = 2; !run.failed && k < run.columns.size(); k += 2)
-      if (!is_met(run, k)) return false;
-    return !run.failed;
-  }
-  std::pair<int, double> rank(const SweepRun& run) const {
-    return run.failed ? std::pair(0, 0.0) : std::pair(holds(run) ? 2 : 1, -sign_ * run.columns[0].last);
-  }
-  Optimum optimum(std::size_t k) const {
-    const double value = done_[k].columns[0].last;
-    return {fmt::format("{} with {}", with_unit(value, runs_.unit(0)), runs_.text(points_[k])),
-            runs_.values(points_[k]), value};
+    const double first = done_[0].columns[k].last;
+    return first == 0 ? 1 : std::abs(first);
   }
 
   // The objective and the excesses relative to their scales, at numbers from 0 to 1; of a run that failed the worst ones so
@@ -145,14 +121,18 @@ class Optimization {
     if (!points_.empty() && points_.back() == x) return scaled_;
     done_.push_back(runs_.at(x)), points_.push_back(x);
     progress_.at(static_cast<double>(done_.size()));
-    if (done_.back().failed) return scaled_ = worst_;
+    if (ranks_.emplace_back(kFailed, 0); done_.back().failed) return scaled_ = worst_;
     scaled_.assign(1, sign_ * done_.back().columns[0].last / scale(0));
     for (std::size_t k = 2; k < done_.back().columns.size(); k += 2)
       scaled_.push_back(done_.back().columns[k].last / scale(k));
+    const bool holds = std::all_of(scaled_.begin() + 1, scaled_.end(), [&](double c) { return c <= tolerance(); });
+    ranks_.back() = {holds ? kHolds : kEnded, -scaled_[0]};
     worst_.resize(scaled_.size(), -HUGE_VAL);
     for (std::size_t k = 0; k < scaled_.size(); ++k) worst_[k] = std::max(worst_[k], scaled_[k]);
     return scaled_;
   }
+
+  enum Verdict { kFailed, kEnded, kHolds };  // kHolds: with all conditions
 
   const Interrupt& interrupt_;
   RunFunction runs_;
@@ -163,6 +143,7 @@ class Optimization {
   std::vector<std::string> conditions_;
   std::vector<SweepRun> done_;
   std::vector<Point> points_;
+  std::vector<std::pair<Verdict, double>> ranks_;  // the larger, the better
   std::vector<double> scaled_, worst_;
 };
 
@@ -225,14 +206,14 @@ Result optimize(const Arguments& args) {
   all.runs().check_file();
   const Optimized found = all.result(all.search(args["--method"]));
   Result result(all.runs().varied().loaded, optimize_fields(), found);
-  all.runs().conclude(result, all.best_point(), all.best());
+  all.runs().conclude(result, all.point(all.best()), all.run(all.best()));
   if (const std::string& picture = args["--picture"]; !picture.empty()) {
     all.draw(picture);
     result.files.push_back(picture);
   }
   if (interrupt.asked())
     result.code = kExitInterrupted;
-  else if (!all.holds())
+  else if (!all.holds(all.best()))
     result.code = kExitFailure;
   return result;
 }
@@ -261,7 +242,7 @@ near them. There may be a lower one: begin elsewhere by --set, or look with --me
 as the worst one so far. Exit code 1: the conditions held in no run.
 
 Example:
-  lockstep optimize slider_crank.json --vary crank="80 mm:120 mm" --minimize "max(T)" --subject-to "max(x) > 450 mm")--",
+  lockstep optimize samples/scenes/slider_crank.json --vary crank=100mm:200mm --minimize "max(drive_torque)")--",
       {&optimize_fields().schema()}};
 }
 

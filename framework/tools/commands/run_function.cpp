@@ -13,6 +13,7 @@
 #include "framework/description/scene/system_of.h"
 #include "framework/description/scene/write.h"
 #include "framework/mechanism/expression/expression.h"
+#include "framework/mechanism/expression/quotes.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/program/files.h"
@@ -48,6 +49,15 @@ std::string without_columns(std::string formula, const std::vector<ChannelReques
 }
 
 }  // namespace
+
+const Fields<Outcome>& outcome_fields() {
+  static const Fields<Outcome> kFields{{"text", "", "found", &Outcome::text},
+                                       {"values", "", "", &Outcome::values},
+                                       {"value", "", "", &Outcome::value},
+                                       {"unit", "", "", &Outcome::unit},
+                                       {"status", "", "status", &Outcome::status}};
+  return kFields;
+}
 
 Sides sides_of(const std::string& option, const std::string& comparison) {
   return as_usage(option, [&] {
@@ -139,10 +149,13 @@ std::string RunFunction::text(const Point& x) const {
   return all;
 }
 
-Json RunFunction::values(const Point& x) const {
-  Json all = Json::object();
-  for (std::size_t k = 0; k < x.size(); ++k) all[varied_.variables[k].path] = x[k];
-  return all;
+Outcome RunFunction::outcome(const std::string& name, const Point& x, const SweepRun& run) const {
+  const double value = run.columns[0].last;
+  Outcome o{fmt::format("{}{} with {}", name.empty() ? "" : name + " = ", with_unit(value, unit(0)), text(x)),
+            Json::object(), value, unit(0)};
+  for (std::size_t k = 0; k < x.size(); ++k) o.values[varied_.variables[k].path] = x[k];
+  if (run.outcome() != "ok") o.status = run.outcome();
+  return o;
 }
 
 void RunFunction::check_file() const {

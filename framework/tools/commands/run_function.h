@@ -23,6 +23,16 @@ struct Sides {
 /// Throws UsageError, which begins with the name of the option.
 Sides sides_of(const std::string& option, const std::string& comparison);
 
+/// The result of a run at a point.
+struct Outcome {
+  std::string text;    ///< "max(T) = 3 N m with crank = 103.2 mm"
+  Json values;         ///< of the point, by path
+  double value;        ///< of a formula
+  std::string unit{},  ///< of the value
+      status{};        ///< SweepRun::outcome(); "" of one that succeeded
+};
+const Fields<Outcome>& outcome_fields();
+
 /// The run of a scene at a point. It records formulas in place of the columns of the scene.
 class RunFunction {
  public:
@@ -45,7 +55,8 @@ class RunFunction {
   SweepRun at(const Point&) const;
   SweepRun succeeded(const Point&) const;  ///< the same; throws Error for a failed one
   std::string text(const Point&) const;    ///< "crank = 103.2 mm, rod = 200 mm"
-  Json values(const Point&) const;         ///< by path
+  /// The value of the first formula; its text begins with `name`, if there is one.
+  Outcome outcome(const std::string& name, const Point&, const SweepRun&) const;
 
   /// Throws UsageError and FileError for the file of --write.
   void check_file() const;

@@ -15,6 +15,7 @@
 namespace lockstep {
 namespace {
 
+constexpr int kMostModes = 1000;
 constexpr const char* kTightTolerance = "1e-12";  // of the runs: their errors are multiplied by 1/step
 
 /// The derivative of a result by a number.
@@ -77,8 +78,6 @@ class Sensitivity {
   const Loaded& loaded() const { return runs_.varied().loaded; }
 
  private:
-  static constexpr int kMostModes = 1000;
-
   // Central differences d(h), with h halved, extrapolated to h = 0 (Richardson): d[j] = d[j-1] + (d[j-1] - d[j-1](2h))/(4^j - 1).
   // That one is taken which differs least from both that it is made of (Ridders 1982).
   std::vector<Slope> differences(const Point& x, std::size_t k) const {
@@ -116,8 +115,8 @@ class Sensitivity {
     for (const Mode& m : find_modes(*rest.dynamics, rest.state).modes)
       if (m.kind == Mode::Kind::oscillation && values.size() < names_.size()) values.push_back(m.frequency());
     if (values.size() < names_.size())
-      throw UsageError(
-          fmt::format("--modes: there are only {} oscillations with {}", values.size() - n_formulas_, runs_.text(x)));
+      throw UsageError(fmt::format("--modes: {} frequencies are asked for, and the equilibrium has {} with {}",
+                                   names_.size() - n_formulas_, values.size() - n_formulas_, runs_.text(x)));
     return values;
   }
 
@@ -154,7 +153,7 @@ extrapolated to zero. The estimated error is the least change between two extrap
 1e-12 unless --tolerance is given. Extremes have no derivative where one peak takes over from another.
 
 Example:
-  lockstep sensitivity slider_crank.json --of "max(T)" --to crank --to rod)--",
+  lockstep sensitivity samples/scenes/slider_crank.json --of "max(drive_torque)" --to crank --to rod)--",
       {&slope_fields().schema()}};
 }
 

@@ -124,19 +124,12 @@ VariedScene read_numbers(const Arguments& args) {
 
 VariedScene read_ranges(const Arguments& args) {
   std::vector<std::string> texts = args.all("--vary");
-  for (std::string& text : texts) {
-    const std::size_t equals = std::min(text.find('='), text.size()), colon = text.find(':', equals);
-    if (colon == std::string::npos || text.find(':', colon + 1) != std::string::npos)
-      throw UsageError("--vary: \"" + text +
-                       "\": expected NAME=a:b, a range from a to b, as in crank=\"80 mm:120 mm\"");
-    text[colon] = ',';
-  }
+  for (std::string& text : texts) std::replace(text.begin(), text.end(), ':', ',');
   VariedScene varied = read_varied(args, "--vary", texts, false);
   for (const Variable& v : varied.variables) {
     const double *low = v.values.front().number(), *high = v.values.back().number();
     if (v.values.size() != 2 || low == nullptr || high == nullptr || !(*low < *high))
-      throw UsageError("--vary: \"" + v.path + "\" needs a range of numbers from a smaller to a larger one, as in " +
-                       v.path + "=1:5");
+      throw UsageError("--vary: \"" + v.path + "\": expected NAME=a:b, a range from a smaller to a larger number");
   }
   warn_left_behind(varied.variables, varied.loaded);
   return varied;
