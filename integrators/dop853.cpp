@@ -14,7 +14,7 @@ constexpr double kC[kAll] =
     {0, 0.05260015195876773, 0.0789002279381516, 0.1183503419072274, 0.2816496580927726, 0.3333333333333333, 0.25,
      0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0, 1.0, 0.1, 0.2, 0.7777777777777778};
 
-// Rows 0 ... 11: the step; 12: its end; 13 ... 15: for dense output only.
+// Rows 0 ... 11: the step; 12: its end, whose weights are those of the step; 13 ... 15: for dense output only.
 constexpr double kA[kAll][15] = {
   {},
   {0.05260015195876773},
@@ -40,9 +40,6 @@ constexpr double kA[kAll][15] = {
    -0.00010834732869724932, 0.0003825710908356584, -0.00034046500868740456, 0.1413124436746325},
   {-0.42889630158379194, 0, 0, 0, 0, -4.697621415361164, 7.683421196062599, 4.06898981839711, 0.3567271874552811, 0,
    0, 0, -0.0013990241651590145, 2.9475147891527724, -9.15095847217987}};
-constexpr double kB[kStages] = 
-    {0.054293734116568765, 0, 0, 0, 0, 4.450312892752409, 1.8915178993145003, -5.801203960010585, 0.3111643669578199,
-     -0.1521609496625161, 0.20136540080403034, 0.04471061572777259};
 
 // Differences from the embedded results of orders 5 and 3.
 constexpr double kError5[kStages] = 
@@ -66,8 +63,8 @@ constexpr double kDense[4][kAll] = {
    -37.45832313645163, 104.0996495089623, 29.8402934266605, -43.53345659001114, 96.32455395918828, -39.17726167561544,
    -149.72683625798564}};
 // clang-format on
-constexpr EmbeddedScheme kScheme{"dop853", {8, kStages, kAll, 15, kA[0], kB, kC}, 12, 11, 6.1, kError5, kError3, 4,
-                                 kDense[0]};
+constexpr EmbeddedScheme kScheme{
+    "dop853", {8, kStages, kAll, 15, kA[0], kA[kStages], kC}, 12, 11, 6.1, kError5, kError3, 4, kDense[0]};
 
 }  // namespace
 

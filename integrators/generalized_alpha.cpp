@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/mechanism/rows/loads.h"
 
@@ -25,12 +26,7 @@ constexpr double kReactions = 1e-6;  // relative to its first change: the end of
 constexpr double kSlow = 0.2;        // a larger ratio of two changes needs a fresh matrix
 
 // Largest change of a position or rotation, the latter times the length; likewise of velocities.
-double largest_change(const VecX& d, double length) {
-  double most = 0;
-  for (Eigen::Index i = 0; i < d.size(); i += 6)
-    most = std::max({most, d.segment<3>(i).norm(), length * d.segment<3>(i + 3).norm()});
-  return d.allFinite() ? most : HUGE_VAL;
-}
+double largest_change(const VecX& d, double length) { return d.allFinite() ? length * speed_of(d, length) : HUGE_VAL; }
 
 }  // namespace
 

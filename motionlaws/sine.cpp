@@ -1,33 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/laws.h>
 
-#include <cmath>
-
 #include <lockstep/math.h>
 
 #include "motionlaws/law_types.h"
 
 namespace lockstep {
-namespace {
 
-class Sine final : public MotionLaw {
- public:
-  explicit Sine(const SineSettings& k) : k_(k) {
-    require_finite("sine", {{"amplitude", k.amplitude}, {"omega", k.omega}, {"phase", k.phase}, {"offset", k.offset}});
-  }
-  LawValue at(double t) const override {
-    const double a = k_.omega * t + k_.phase;
-    const double s = k_.amplitude * std::sin(a), c = k_.amplitude * std::cos(a);
-    return {k_.offset + s, k_.omega * c, -k_.omega * k_.omega * s};
-  }
-
- private:
-  SineSettings k_;
-};
-
-}  // namespace
-
-LawPtr<MotionLaw> laws::sine(const SineSettings& k) { return std::make_shared<const Sine>(k); }
+LawPtr<MotionLaw> laws::sine(const SineSettings& k) {
+  require_finite("sine", {{"amplitude", k.amplitude}, {"omega", k.omega}, {"phase", k.phase}, {"offset", k.offset}});
+  return law([k](Time t) { return k.offset + k.amplitude * sin(k.omega * t + k.phase); });
+}
 
 double omega_of(const Params& p) {
   if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given as well as omega; give one of the two");

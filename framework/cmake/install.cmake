@@ -17,7 +17,7 @@ endif()
 
 install(DIRECTORY framework/include/lockstep DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
         FILES_MATCHING PATTERN "*.h")
-install(FILES ${PROJECT_BINARY_DIR}/generated/lockstep/version.h ${old_headers}
+install(FILES ${PROJECT_BINARY_DIR}/generated/lockstep/version.h
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lockstep COMPONENT development)
 
 install(DIRECTORY samples/scenes DESTINATION ${data_folder} COMPONENT program

@@ -4,7 +4,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <lockstep/charts.h>
+#include "framework/tools/charts/chart_grid.h"
 #include "samples/shared/output.h"
 #include "tests/support/stability_probe.h"
 
@@ -31,7 +31,8 @@ int main() {
   std::vector<MapSpec> maps;
   for (const Limit& limit : kLimits) {
     MapSpec map;
-    map.title = limit.method, map.x_label = "gain times step, alpha h = beta h", map.y_label = "step h [s]";
+    map.title = fmt::format("{}, theory (2.16): {:.3f}", limit.method, limit.gain_h);
+    map.x_label = "gain times step, alpha h = beta h", map.y_label = "step h [s]";
     map.x = gain_h, map.y = steps;
     map.log_x = map.log_y = true;
     map.kinds = {{"accurate", "#6fbfae"}, {"inaccurate", "#f2c14e"}, {"failed", "#cf5b50"}};
@@ -43,16 +44,19 @@ int main() {
         ++counts[verdict];
         csv << fmt::format("{},{:.4g},{:.4g},{}\n", limit.method, g, h, kWords[verdict]);
       }
-    map.curves = {{fmt::format("theory (2.16): {:.3f}", limit.gain_h),
-                   {limit.gain_h, limit.gain_h},
-                   {steps.front() * 0.9, steps.back() * 1.1},
-                   SeriesStyle::lines}};
+    map.curves = {
+        {"theory", {limit.gain_h, limit.gain_h}, {steps.front() * 0.9, steps.back() * 1.1}, SeriesStyle::lines}};
     fmt::print("{:20} accurate {:4}, inaccurate {:4}, failed {:4} of {} runs\n", limit.method, counts[kWorks],
                counts[kInaccurate], counts[kFails], gain_h.size() * steps.size());
     maps.push_back(std::move(map));
   }
-  write_maps(samples::output("stability_map"),
-             "Baumgarte stabilisation: a rod of 1 m swings for 2 s; accurate: within 1 cm of the reference solution",
-             maps, 1000, 900);
+  write_map_grid(
+      samples::output("stability_map"),
+      {.title = "Baumgarte stabilisation: a rod of 1 m swings for 2 s; accurate: within 1 cm of the reference solution",
+       .n_columns = 1,
+       .maps = maps,
+       .curve_label = "theory (2.16)",
+       .width = 1000,
+       .map_height = 430});
   fmt::print("{}, stability_map.svg, stability_map.png\n", file);
 }

@@ -35,7 +35,7 @@ WildStarts try_starts(Mechanism& m, Dynamics& dynamics, int starts) {
   State first = m.system.start();
   dynamics.to_slots(first);
   first.v.setZero();
-  Scatter random(1);
+  Draw random(1);
   for (; out.starts < starts; ++out.starts) {
     State state = first;
     scatter(m.system, 2 * m.system.length(), random, state);

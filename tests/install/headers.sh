@@ -25,16 +25,6 @@ compiles() {  # compiles FILE WHAT
 }
 
 mapfile -t headers < <(cd "$include" && find lockstep -name '*.h' | sort)
-old=()  # of those that lead to a new path
-for ((i = ${#headers[@]} - 1; i >= 0; --i)); do
-  new="$(sed -n 's/^#pragma message("<.*> is now <\(.*\)>")$/\1/p' "$include/${headers[i]}")"
-  [ -n "$new" ] || continue
-  old+=("${headers[i]}")
-  [ -e "$include/$new" ] && grep -qxF "#include <$new>" "$include/${headers[i]}" || { echo "<${headers[i]}> does not lead to <$new>"; failed=1; }
-  unset "headers[i]"
-done
-headers=("${headers[@]}")
-if [ "${#old[@]}" -lt 25 ]; then echo "only ${#old[@]} old paths of headers lead to new ones"; failed=1; fi
 strange="$(cd "$include" && find . -type f -not -path './lockstep/*.h')"
 if [ -n "$strange" ]; then printf 'installed beside the public headers:\n%s\n' "$strange"; failed=1; fi
 if [ "${#headers[@]}" -gt 72 ]; then echo "${#headers[@]} headers are installed; about seventy are meant to be"; failed=1; fi

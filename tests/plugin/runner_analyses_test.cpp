@@ -53,9 +53,6 @@ TEST_CASE("runner: check counts degrees of freedom, redundant constraints and re
   const Called flat = call("check --verbose " + sample("slider_crank"));
   CHECK(value_of(flat.text, "plane") ==
         "normal z; out-of-plane constraints and reactions are left out (--full counts them)");
-  const Called old_name = call("mobility " + sample("pendulum"));
-  CHECK(contains(old_name.text, text.text));
-  CHECK(contains(old_name.text, "warning: `lockstep mobility` is now `lockstep check --verbose`"));
 }
 
 // What a run integrates, the laws alone give.

@@ -81,7 +81,7 @@ TEST_CASE("a wrong path is rejected with the nearest right one", "[unit][scene]"
   check_words(find.refusal("boddies.rodd.rod.mass"), {"the scene has no \"boddies\"", "\"bodies.rod.rod.mass\"?"});
   for (const char* joints : {"links", "joints"}) {
     std::string path = std::string(joints) + ".A.drive.slope";
-    rename_old_keys(path);
+    rename_joints(path);
     check_words(find.refusal(path), {"\"joints.A.drive\" has no \"slope\"", "\"joints.A.drive.law.slope\"?"});
   }
   CHECK_FALSE(says(find.refusal("links.A.zz"), {"did you mean"}));  // no number of another name

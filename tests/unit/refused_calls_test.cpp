@@ -12,7 +12,6 @@
 #include <lockstep/author/params.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/batch.h>
-#include <lockstep/charts.h>
 #include <lockstep/couplings.h>
 #include <lockstep/forces.h>
 #include <lockstep/frame_laws.h>
@@ -26,6 +25,7 @@
 #include <lockstep/splines.h>
 #include <lockstep/step_loop.h>
 #include "framework/mechanism/params/read.h"
+#include "framework/tools/charts/chart_grid.h"
 #include "framework/tools/precision/work_precision_chart.h"
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"
@@ -51,11 +51,14 @@ void make_copies(const std::function<void(CopiesOptions&)>& change) {
 MapSpec map_with(const std::function<void(MapSpec&)>& change) {
   MapSpec map;
   map.title = "a map", map.x = map.y = {1, 2};
-  map.cells = {1, 2, 3, 4};
+  map.cells = {0, 1, 0, 1};
+  map.kinds = {{"good", "#2a9d6f"}, {"bad", "#c8443c"}};
   change(map);
   return map;
 }
-void draw(const std::function<void(MapSpec&)>& change) { write_map("nothing", map_with(change)); }
+void draw(const std::function<void(MapSpec&)>& change) {
+  write_map_grid("nothing", {.title = "maps", .maps = {map_with(change)}});
+}
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -70,7 +73,9 @@ TEST_CASE("a mechanism rejects unknown names", "[unit][refusals]") {
       {"no force", [&] { system.add(std::unique_ptr<Force>()); }, {"no force was given", "make one first"}},
       {"no state", [&] { system.add(std::unique_ptr<Auxiliary>()); }, {"no auxiliary was given", "make one first"}},
       {"no solver", [&] { Dynamics(system, nullptr); }, {"dynamics: no solver is given", "SparseSolver"}},
-      {"no law", [&] { hinge.drive(Axis::rz, nullptr); }, {"joint 'hinge'", "drive on rz", "has no law", "give it one"}},
+      {"no law",
+       [&] { hinge.drive(Axis::rz, nullptr); },
+       {"joint 'hinge'", "drive on rz", "has no law", "give it one"}},
       {"a row twice", [] { mask_from("x y x"); }, {"mask", "has the word \"x\" twice", "give it once"}},
   });
 }
@@ -167,16 +172,11 @@ TEST_CASE("pictures reject impossible data", "[unit][refusals]") {
        {"has no cell to draw", "give it numbers"}},
       {"a kind",
        [] { draw([](MapSpec& m) {
-              m.kinds = {{"good", ""}, {"bad", ""}};
+              m.cells = {1, 2, 3, 4};
             }); },
        {"a cell of kind 4", "the kinds are 0 to 1"}},
-      {"bars",
-       [] {
-         write_bars("nothing", {"bars", "y", {"a", "b"}, {{"one", {1}}}});
-       },
-       {"bars \"bars\"", "group \"one\" has 1 values for 2 categories", "give one each"}},
       {"no file",
-       [] { write_map("", map_with([](MapSpec&) {})); },
+       [] { write_map_grid("", {.title = "maps", .maps = {map_with([](MapSpec&) {})}}); },
        {"cannot write a chart to \"\"", "give a file name"}},
       {"no runs",
        [] { integrators_chart({}, "costs", {}, CostKind::cpu); },
@@ -283,11 +283,6 @@ TEST_CASE("checks, tables and pictures reject empty data", "[unit][refusals]") {
       {"no time",
        [] { check_law(*laws::ramp(1), {.from = 2, .to = 1}); },
        {"check_law: the end 1 s must be after the start 2 s", "a later end"}},
-      {"bars",
-       [] {
-         write_bars("nothing", {"bars", "y", {"a"}, {{"one", {kNaN}}}});
-       },
-       {"bars \"bars\" have nothing to draw", "give them numbers"}},
       {"copies in other coordinates",
        [] {
          test::Family family(1, [](int k) { return test::chain(1, k); });

@@ -36,7 +36,7 @@ TEST_CASE("samples are assembled from random starts as often as the table states
     State first = m.system.start();
     dynamics.to_slots(first);
     first.v.setZero();
-    Scatter random(1);
+    Draw random(1);
     int assembled = 0;
     for (int k = 0; k < 30; ++k) {
       State state = first;

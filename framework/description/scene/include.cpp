@@ -138,7 +138,7 @@ Value read_included(const Params& p, Definitions& outer, SceneReading& reading, 
   inner.root = read_json_file(inner.file);
   if (inner.root.object() == nullptr) p.refuse("scene", "\"" + inner.file + "\" is not an object");
   check_format(inner.root);
-  rename_old_keys(inner.root);
+  rename_joints(inner.root);
   set_parameters(inner.root, p, outer, formulas);
   reading.files.push_back(inner.file);
   resolve_formulas(inner, reading);

@@ -38,12 +38,10 @@ void check_format(const Value& root);
 /// Throws SceneError: unknown keys, values that are not of their form.
 void read_root(Scene&);
 
-/// Gives renamed keys of a scene's root their present names and logs a warning for each, with its place. Throws
-/// SceneError if an object has the old and the new name of a key.
-void rename_old_keys(Value& root);
-
-/// The same for the third step of a path such as links.A.one_sided.restitution.
-LOCKSTEP_API void rename_old_keys(std::string& path);
+/// "joints" is another name of the list "links" of a scene: here it gets that one.
+void rename_joints(Value& root);
+/// The same in a path such as joints.A.unilateral.restitution.
+LOCKSTEP_API void rename_joints(std::string& path);
 
 /// The settings of a scene, with defaults for what it leaves out (or null). Throws SceneError.
 LOCKSTEP_API RunSettings read_run(const Value&);

@@ -65,7 +65,7 @@ Scene scene_from(Value root, std::string file, const IncludeRule& rule, bool aga
   if (scene.root.object() == nullptr)
     refuse(scene.root.where, "scene", "expected an object ({\"lockstep\": 1, ...}), got " + shown(scene.root));
   check_format(scene.root);
-  rename_old_keys(scene.root);
+  rename_joints(scene.root);
   SceneReading reading{{scene.file}, rule};
   resolve_formulas(scene, reading);
   read_root(scene);

@@ -221,7 +221,7 @@ void set_value(Value& root, const std::string& text, const Scene& scene, const R
       equals == std::string::npos ? "" : std::string(text::trimmed(std::string_view(text).substr(equals + 1)));
   if (path.empty() || word.empty())
     throw ModelError("\"" + text + "\": expected NAME=VALUE, as in crank=\"120 mm\" or bodies.rod.mass=2");
-  rename_old_keys(path);
+  rename_joints(path);
   if (word.starts_with('[')) word = "=" + word;
   if (word.starts_with('='))
     if (Value* vector = vector_named(root, path, scene)) return replace(*vector, word);
@@ -253,7 +253,7 @@ Variable read_variable(const std::string& text, const Scene& scene, const Regist
     if (v.path == fixed || v.path.starts_with(std::string(fixed) + "."))
       throw ModelError("\"" + v.path + "\" cannot vary; plugins and columns are the same in all runs");
   const bool says_joints = v.path.starts_with("joints.");
-  rename_old_keys(v.path);
+  rename_joints(v.path);
   Value root = written_root(scene);
   ScenePlace place = place_of(root, v.path, scene, registry);
   v.place = place.path, v.near = shown_path(place.near);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/dynamics.h>
 
-#include <array>
 #include <cmath>
 
 #include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/scales.h"
 #include "framework/dynamics/tree/closure_rows.h"
+#include "framework/mechanism/rows/loads.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -66,16 +66,9 @@ void Evaluation::residuals(VecX& C, VecX& Cd) const { find_residuals(rows_, inpu
 void Evaluation::velocity_residual(const VecX& v, VecX& Cd) const {
   check_size("Evaluation::velocity_residual: a vector", v.size(), f_.size());
   Cd.resize(rows_.n_rows);
-  for (const RowEntry& e : rows_.entries) {
-    const RowView block = rows_.block(e);
-    for (int k = 0; k < e.m; ++k) {
-      double& cd = Cd[e.first_row + k] = block.Ct(k);
-      for (int i = 0; i < e.slots.n; ++i) {
-        const std::array<double, 6> J = block.J(i, k);
-        cd += Eigen::Map<const Vec6>(J.data()).dot(v.segment<6>(6 * e.slots[i]));
-      }
-    }
-  }
+  for (const RowEntry& e : rows_.entries)
+    for (int k = 0; k < e.m; ++k) Cd[e.first_row + k] = rows_.block(e).Ct(k);
+  for_each_jacobian(rows_, [&](int row, int slot, const auto& J) { Cd[row] += J.dot(v.segment<6>(6 * slot)); });
 }
 
 double Evaluation::norm(const VecX& c) const {

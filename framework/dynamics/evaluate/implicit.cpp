@@ -7,6 +7,7 @@
 #include "framework/dynamics/evaluate/newton_factor.h"
 #include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/solvers/scales.h"
+#include "framework/mechanism/rows/loads.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -70,14 +71,7 @@ struct NewtonMatrix::Work : NewtonNumbers {
 
   void copy_rows(const RowTable& rows) {
     double* out = J.data();
-    for (const RowEntry& e : rows.entries) {
-      const RowView block = rows.block(e);
-      for (int i = 0; i < e.slots.n; ++i)
-        for (int k = 0; k < e.m; ++k, out += 6) {
-          const auto r = block.J(i, k);
-          std::copy(&r[0], &r[0] + 6, out);
-        }
-    }
+    for_each_jacobian(rows, [&](int, int, const auto& r) { out = std::copy_n(r.data(), 6, out); });
   }
 
   // (9.16) d(w x J w)/dw = w~ J - (J w)~

@@ -3,7 +3,6 @@
 #include <lockstep/dynamics.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -17,6 +16,7 @@
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/mechanism/rows/loads.h"
 
 namespace lockstep {
 
@@ -28,14 +28,10 @@ constexpr double kBeside = 0.1;  // rad, or parts of the length: to the nearest 
 MatX rows_transposed(const Evaluation& e) {
   const double per_turn = 1 / e.system().length();
   MatX Jt = MatX::Zero(e.force().size(), e.rows().n_rows);
-  for (const RowEntry& entry : e.rows().entries) {
-    const RowView block = e.rows().block(entry);
-    for (int i = 0; i < entry.slots.n; ++i)
-      for (int k = 0; k < entry.m; ++k) {
-        const std::array<double, 6> J = block.J(i, k);
-        for (int c = 0; c < 6; ++c) Jt(6 * entry.slots[i] + c, entry.first_row + k) += (c < 3 ? 1 : per_turn) * J[c];
-      }
-  }
+  for_each_jacobian(e.rows(), [&](int row, int slot, const auto& J) {
+    Jt.block<3, 1>(6 * slot, row) += J.template head<3>();
+    Jt.block<3, 1>(6 * slot + 3, row) += per_turn * J.template tail<3>();
+  });
   return Jt;
 }
 

@@ -102,18 +102,18 @@ std::vector<DependentRows> RowSpace::sets() const {
   for (int place = regular; place < n_rows(); ++place) {
     const VecX shares = circuit(place, regular);
     for (int row = 0; row < n_rows(); ++row)
-      if (std::abs(shares[row]) > kShare) sets.join(row, row_at(place));
+      if (std::abs(shares[row]) > kShare) join(sets, row, row_at(place));
   }
   std::map<int, DependentRows> found;  // by the set's number
   for (int place = regular; place < n_rows(); ++place) {
-    DependentRows& set = found[sets.of(row_at(place))];
+    DependentRows& set = found[sets.find_set(row_at(place))];
     if (place >= exact)
       ++set.too_many;
     else
       ++set.nearly, set.pivot = std::max(set.pivot, pivot(place));
   }
   for (int row = 0; row < n_rows(); ++row)
-    if (const auto set = found.find(sets.of(row)); set != found.end()) set->second.rows.push_back(row);
+    if (const auto set = found.find(sets.find_set(row)); set != found.end()) set->second.rows.push_back(row);
   std::vector<DependentRows> out;
   for (auto& [number, set] : found) out.push_back(std::move(set));
   std::ranges::sort(out, {}, [](const DependentRows& s) { return s.rows.front(); });

@@ -3,6 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -24,31 +25,8 @@ using Qr = Eigen::ColPivHouseholderQR<MatX>;
 constexpr double kRankTolerance = 1e-10;
 constexpr int kMaxRefinements = 2;
 
-// L L^T = M, row-major, in place of M's lower triangle.
-bool cholesky(double* L, int n) {
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j <= i; ++j) {
-      double s = L[i * n + j];
-      for (int k = 0; k < j; ++k) s -= L[i * n + k] * L[j * n + k];
-      if (i == j && !(s > 0.0)) return false;
-      L[i * n + j] = i == j ? std::sqrt(s) : s / L[j * n + j];
-    }
-  return true;
-}
-
-// x <- L^-1 x and x <- L^-T x for one block.
-void solve_lower(const double* L, int n, double* x) {
-  for (int i = 0; i < n; ++i) {
-    for (int k = 0; k < i; ++k) x[i] -= L[i * n + k] * x[k];
-    x[i] /= L[i * n + i];
-  }
-}
-void solve_lower_transposed(const double* L, int n, double* x) {
-  for (int i = n - 1; i >= 0; --i) {
-    for (int k = i + 1; k < n; ++k) x[i] -= L[k * n + i] * x[k];
-    x[i] /= L[i * n + i];
-  }
-}
+/// A block of M, and in its place L of L L^T, as Eigen::LLT leaves it.
+using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 }  // namespace
 
@@ -71,7 +49,7 @@ class DenseFactorization final : public Factorization {
   void compute(const Kkt& kkt) override {
     std::copy_n(kkt.M.begin(), kkt.pattern.size_M, L_.begin());
     for (std::size_t slot = 0; slot < kkt.pattern.width.size(); ++slot)
-      if (!cholesky(&L_[kkt.pattern.M[slot]], kkt.pattern.width[slot]))
+      if (Eigen::Map<Block> M = block(kkt.pattern, slot); Eigen::LLT<Eigen::Ref<Block>>(M).info() != Eigen::Success)
         throw SolveError(fmt::format(
             "solver dense: the mass matrix of rigid group {} is not positive definite; give its body a mass "
             "and an inertia above zero",
@@ -128,15 +106,22 @@ class DenseFactorization final : public Factorization {
   PivotWatch watch_;
   int rank_ = 0;
 
-  void invert_L(const KktPattern& pattern, VecX& x) const {
-    for_each_mass(pattern,
-                  [&](int first, int width, std::size_t at) { solve_lower(&L_[at], width, x.data() + first); });
+  Eigen::Map<Block> block(const KktPattern& pattern, std::size_t slot) {
+    const int width = pattern.width[slot];
+    return {&L_[pattern.M[slot]], width, width};
   }
 
-  void invert_Lt(const KktPattern& pattern, VecX& x) const {
-    for_each_mass(pattern, [&](int first, int width, std::size_t at) {
-      solve_lower_transposed(&L_[at], width, x.data() + first);
-    });
+  // x <- L^-1 x and x <- L^-T x.
+  void invert_L(const KktPattern& pattern, VecX& x) {
+    for (std::size_t k = 0; k < pattern.width.size(); ++k)
+      block(pattern, k).triangularView<Eigen::Lower>().solveInPlace(x.segment(pattern.first[k], pattern.width[k]));
+  }
+  void invert_Lt(const KktPattern& pattern, VecX& x) {
+    for (std::size_t k = 0; k < pattern.width.size(); ++k)
+      block(pattern, k)
+          .transpose()
+          .triangularView<Eigen::Upper>()
+          .solveInPlace(x.segment(pattern.first[k], pattern.width[k]));
   }
 
   // B^T = L^-1 J^T E^-1/2, column by column.
@@ -150,8 +135,9 @@ class DenseFactorization final : public Factorization {
     for (const KktLink& link : kkt.pattern.links)
       for (int i = 0; i < link.n_slots; ++i) {
         const auto slot = static_cast<std::size_t>(link.slot[i]);
-        for (int j = link.first_row; j < link.first_row + link.m; ++j)
-          solve_lower(&L_[kkt.pattern.M[slot]], kkt.pattern.width[slot], &Bt_(kkt.pattern.first[slot], j));
+        block(kkt.pattern, slot)
+            .triangularView<Eigen::Lower>()
+            .solveInPlace(Bt_.block(kkt.pattern.first[slot], link.first_row, kkt.pattern.width[slot], link.m));
       }
   }
 

@@ -2,7 +2,6 @@
 #include "framework/dynamics/solvers/graph.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include <boost/graph/adjacency_list.hpp>
 #include <boost/graph/biconnected_components.hpp>
@@ -23,19 +22,6 @@ void couple(Neighbours& neighbours, int a, int b) {
   if (a != b) insert(neighbours[a], b), insert(neighbours[b], a);
 }
 
-Parts::Parts(int n) : root_(n) { std::iota(root_.begin(), root_.end(), 0); }
-
-int Parts::of(int k) {
-  while (root_[k] != k) k = root_[k] = root_[root_[k]];
-  return k;
-}
-
-bool Parts::join(int a, int b) {
-  a = of(a), b = of(b);
-  root_[b] = a;
-  return a != b;
-}
-
 std::vector<std::vector<int>> LinkGraph::links_of_slots() const {
   std::vector<std::vector<int>> out(n_slots);
   for (int l = 0; l < static_cast<int>(slots.size()); ++l)
@@ -49,7 +35,7 @@ bool LinkGraph::is_tree() const {
   const int ground = n_slots;
   Parts parts(n_slots + 1);
   return std::all_of(slots.begin(), slots.end(), [&](const auto& ends) {
-    return ends.size() == 1 || ends.size() == 2 ? parts.join(ends.size() < 2 ? ground : ends[1], ends[0]) : false;
+    return (ends.size() == 1 || ends.size() == 2) && join(parts, ends.size() < 2 ? ground : ends[1], ends[0]);
   });
 }
 

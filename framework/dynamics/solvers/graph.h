@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <boost/container/small_vector.hpp>
+#include <boost/pending/disjoint_sets.hpp>
 
 #include <lockstep/author/passes.h>
 #include <lockstep/detail/export.h>
@@ -20,18 +21,13 @@ using Neighbours = std::vector<std::vector<int>>;  ///< of each node, sorted, wi
 /// Couples two nodes, once.
 void couple(Neighbours&, int a, int b);
 
-/// Disjoint sets that are merged (union-find).
-class LOCKSTEP_API Parts {
- public:
-  explicit Parts(int n);
-  /// The representative of the part of k.
-  int of(int k);
-  /// Merges two parts; false when they are one already.
-  bool join(int a, int b);
-
- private:
-  std::vector<int> root_;
-};
+using Parts = boost::disjoint_sets_with_storage<>;  ///< of a graph
+/// Merges the parts of two nodes; false when they are one already.
+inline bool join(Parts& parts, int a, int b) {
+  const int one = parts.find_set(a), two = parts.find_set(b);
+  parts.link(one, two);
+  return one != two;
+}
 
 /// Which slots each link touches; the ground is not a slot.
 struct LinkGraph {

@@ -45,7 +45,7 @@ struct Graph {
     Parts parts(links.n_slots);
     const auto part_of = [&](int l) {  // -1: on hubs only
       int found = -1;
-      for (const int s : links.slots[l]) found = is_hub(s) ? found : parts.of(s);
+      for (const int s : links.slots[l]) found = is_hub(s) ? found : parts.find_set(s);
       return found;
     };
     const auto on_hub = [&](int l) {
@@ -53,7 +53,7 @@ struct Graph {
     };
     for (int l = 0; l < n_links(); ++l)
       for (const int s : links.slots[l])
-        if (!is_hub(s)) parts.join(part_of(l), s);
+        if (!is_hub(s)) join(parts, part_of(l), s);
     std::vector<int> holds(links.n_slots, 0);  // links that tie the part to the ground or a hub
     for (int l = 0; l < n_links(); ++l)
       if (part_of(l) >= 0 && (links.slots[l].size() == 1 || on_hub(l))) ++holds[part_of(l)];

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "framework/dynamics/solvers/scales.h"
+#include "framework/mechanism/rows/loads.h"
 
 namespace lockstep {
 
@@ -44,16 +45,12 @@ void find_residuals(const RowTable& table, std::span<const Motion> motions, VecX
   C.resize(table.n_rows), Cd.resize(table.n_rows);
   for (const RowEntry& e : table.entries) {
     const RowView block = table.block(e);
-    for (int k = 0; k < e.m; ++k) {
-      const int row = e.first_row + k;
-      C[row] = block.C(k), Cd[row] = block.Ct(k);
-      for (int i = 0; i < e.slots.n; ++i) {
-        const Motion& O = motions[e.slots[i] + 1];
-        const std::array<double, 6> J = block.J(i, k);
-        Cd[row] += Vec3(J[0], J[1], J[2]).dot(O.v) + Vec3(J[3], J[4], J[5]).dot(O.w);
-      }
-    }
+    for (int k = 0; k < e.m; ++k) C[e.first_row + k] = block.C(k), Cd[e.first_row + k] = block.Ct(k);
   }
+  for_each_jacobian(table, [&](int row, int slot, const auto& J) {
+    const Motion& O = motions[slot + 1];
+    Cd[row] += J.template head<3>().dot(O.v) + J.template tail<3>().dot(O.w);
+  });
 }
 
 double ClosureRows::norm(const VecX& c) const {

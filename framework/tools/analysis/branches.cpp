@@ -24,7 +24,7 @@ BranchReport find_branches(Dynamics& dynamics, const State& start, const BranchO
   BranchReport report;
   report.branches.push_back({first, 1, 0, 0, ""});
   report.starts = 1;
-  Scatter random(options.seed);
+  Draw random(options.seed);
   for (; report.starts <= options.starts; ++report.starts) {
     State state = first;
     scatter(system, 2 * system.length(), random, state);

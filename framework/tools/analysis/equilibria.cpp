@@ -83,7 +83,7 @@ EquilibriaReport find_equilibria(Dynamics& dynamics, const State& start, const E
   own.report = find_equilibrium(dynamics, own.state, {.friction = false});
   take(std::move(own));
   report.starts = 1;
-  Scatter random(options.seed);
+  Draw random(options.seed);
   double reach = system.length();  // that of bodies; springs may be longer
   for (const auto& force : system.forces())
     for (const Marker* p : force->markers())

@@ -7,12 +7,8 @@
 #include "framework/foundation/math/limits.h"
 
 namespace lockstep {
-Vec3 Scatter::vector(double size) {
-  const double x = number(size), y = number(size), z = number(size);
-  return {x, y, z};
-}
 
-void scatter(const System& system, double size, Scatter& random, State& state) {
+void scatter(const System& system, double size, Draw& random, State& state) {
   const Plane plane = system.plane();
   for (int k = 0; k < system.n_slots(); ++k) {
     Pose pose = state.slot_pose(k);

@@ -2,30 +2,18 @@
 // Random starts of a mechanism, projected onto its constraints, and distances of poses.
 #pragma once
 
-#include <random>
 #include <string>
 
 #include <lockstep/detail/export.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
+#include "framework/tools/check/draw.h"
 
 namespace lockstep {
 
-/// Random numbers that are the same everywhere.
-class LOCKSTEP_API Scatter {
- public:
-  explicit Scatter(unsigned seed) : engine_(seed) {}
-  /// Each component in [-size, size).
-  Vec3 vector(double size);
-
- private:
-  double number(double size) { return size * (0x1p-52 * static_cast<double>(engine_() >> 11) - 1); }
-  std::mt19937_64 engine_;
-};
-
 /// Moves every slot by up to `size`, m, along each axis, and rotates it at random; in a plane within it and about its
 /// normal.
-LOCKSTEP_API void scatter(const System&, double size, Scatter&, State&);
+LOCKSTEP_API void scatter(const System&, double size, Draw&, State&);
 
 /// Newton's method onto the rows, with halved steps where one does not reduce |C|. False if it ends elsewhere, or where
 /// rows are not finite or contradict one another on the way. The state is in the slots' own coordinates.

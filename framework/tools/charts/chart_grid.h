@@ -32,6 +32,25 @@ struct GridSpec {
 /// Writes `<base>.svg` and `<base>.png` as write_chart does, with the same errors.
 LOCKSTEP_API void write_grid(const std::string& path, const GridSpec&);
 
+/// A map: cells of a grid, each of one kind (accurate, wrong, failed), and curves over them.
+struct MapSpec {
+  std::string title,          ///< above the map; "": none
+      x_label,                ///< of the x axis, with the unit
+      y_label;                ///< of the y axis, with the unit
+  std::vector<double> x,      ///< centres of the columns of cells, at least two, rising
+      y;                      ///< centres of the rows of cells, at least two, rising
+  bool log_x = false,         ///< logarithmic x axis
+      log_y = false;          ///< logarithmic y axis
+  std::vector<double> cells;  ///< row after row from the lowest y: number of the kind; NaN: empty
+  /// A colour of a map and its meaning.
+  struct Kind {
+    std::string label,  ///< in the legend
+        color;          ///< "#rrggbb"
+  };
+  std::vector<Kind> kinds{};
+  std::vector<Series> curves{};  ///< drawn over the cells, black if they have no colour
+};
+
 /// All maps have the kinds of the first; their curves are drawn black, with one entry in the legend for lines and one for
 /// crosses.
 struct MapGridSpec {
@@ -44,7 +63,7 @@ struct MapGridSpec {
   int width = 1300, map_height = 360;  ///< pixels
 };
 
-/// Writes `<base>.svg` and `<base>.png` as write_map does, with the same errors.
+/// Writes `<base>.svg` and `<base>.png` as write_chart does. Throws ModelError for centres that do not rise.
 LOCKSTEP_API void write_map_grid(const std::string& path, const MapGridSpec&);
 
 }  // namespace lockstep

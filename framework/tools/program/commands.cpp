@@ -327,11 +327,6 @@ int run_program(std::vector<Command> (*commands)(), bool calls_tools, int argc, 
   try {
     const std::vector<Command> made = commands();
     std::vector<const char*> words(argv, argv + argc);
-    if (argc > 1 && std::string_view(argv[1]) == "mobility") {
-      tell(
-          "warning: `lockstep mobility` is now `lockstep check --verbose`; the next release reads only the new name\n");
-      words[1] = "check", words.push_back("--verbose");
-    }
     if (argc > 1 && std::string_view(argv[1]) == "plugins" && (argc == 2 || argv[2][0] == '-'))
       words.insert(words.begin() + 2, "list");
     return printed(run_words({made, calls_tools}, static_cast<int>(words.size()), words.data()));

@@ -83,7 +83,7 @@ std::vector<std::vector<Span>> loops(const std::vector<LoopJoint>& joints, int n
   for (std::size_t last = 0; last < joints.size(); ++last) {
     const int a = joints[last].p->body->slot, b = joints[last].s->body->slot;
     if (a == b) continue;
-    if (parts.join(a + 1, b + 1)) {
+    if (join(parts, a + 1, b + 1)) {
       of_slot[a + 1].push_back(last), of_slot[b + 1].push_back(last);
       continue;
     }

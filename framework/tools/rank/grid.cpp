@@ -2,26 +2,17 @@
 #include <lockstep/analysis.h>
 
 #include <cassert>
-#include <charconv>
 
 #include <lockstep/error.h>
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep {
-namespace {
-
-// A whole number that fills the text; 0 for anything else.
-long whole(std::string_view text) {
-  long n = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
-  return error == std::errc() && end == text.data() + text.size() ? n : 0;
-}
-
-}  // namespace
 
 Shard read_shard(const std::string& text) {
   const std::size_t bar = text.find('/');
   Shard shard{0, 0};
-  if (bar != std::string::npos) shard = {whole(text.substr(0, bar)), whole(text.substr(bar + 1))};
+  if (bar != std::string::npos)
+    shard = {number_in<long>(text.substr(0, bar)).value_or(0), number_in<long>(text.substr(bar + 1)).value_or(0)};
   if (shard.index < 1 || shard.count < 1)
     throw ModelError("\"" + text + "\" is not a share; write i/n with whole numbers from 1, as in 2/8");
   if (shard.index > shard.count)
