@@ -107,10 +107,11 @@ class Optimization {
 
  private:
   double tolerance() const { return runs_.varied().loaded.scene.run.tolerance.relative; }
-  // The size of a formula: at the start.
+  // The size of a formula: at the start; of an excess at least that of the left side.
   double scale(std::size_t k) const {
-    const double first = done_[0].columns[k].last;
-    return first == 0 ? 1 : std::abs(first);
+    const auto size = [&](std::size_t i) { return std::abs(done_[0].columns[i].last); };
+    const double first = std::max(size(k), size(std::max<std::size_t>(k, 1) - 1));
+    return first == 0 ? 1 : first;
   }
 
   // The objective and the excesses relative to their scales, at numbers from 0 to 1; of a run that failed the worst ones so

@@ -174,7 +174,7 @@ void RunFunction::conclude(Result& result, const Point& x, const SweepRun& run) 
 }
 
 std::string with_unit(double value, const std::string& unit) {
-  return fmt::format("{:.8g}{}", value, unit.empty() ? "" : " " + unit);
+  return fmt::format("{:.6g}{}", value, unit.empty() ? "" : " " + unit);
 }
 
 }  // namespace lockstep
