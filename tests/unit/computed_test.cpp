@@ -75,6 +75,22 @@ TEST_CASE("the rate of a recorded quantity is its derivative", "[unit][record]")
   CHECK(t.column("d").unit == "rad/s");
 }
 
+// Rows lie inside steps: what the window has lost at its end must not be missing at theirs.
+TEST_CASE("a mean over the last period is that of its window in every row", "[unit][record]") {
+  const std::string often = std::string(kScene).replace(std::string(kScene).find("0.25"), 4, "0.003");
+  Simulation run(build_mechanism(
+      scene_from_text(often + R"~({"mean": "=mean(last(t^2, 0.5 s))"}, {"most": "=max(last(t^2 - t*1.5 s, 0.5 s))"}]}})~", "last.json"),
+      builtin_registry()));
+  run.run();
+  const Table& table = run.table();
+  for (std::size_t i = 0; i < table.n_rows(); ++i) {
+    const double t = table["t"][i], from = std::max(t - 0.5, 0.0);
+    const auto f = [](double x) { return x * x - 1.5 * x; };
+    if (t > 0.01) CHECK(table["mean"][i] == Approx((t * t * t - from * from * from) / 3 / (t - from)).epsilon(1e-10));
+    CHECK(table["most"][i] == Approx(std::max(f(t), f(from))).margin(1e-12));
+  }
+}
+
 TEST_CASE("functions of the motion are those of its closed form", "[unit][record]") {
   const Table t =
       run_with(R"~({"turn": "=integral('big end.rz_d')"}, "big end.rz", {"mean": "=mean(sin('big end.rz'))"},

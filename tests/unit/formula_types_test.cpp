@@ -206,7 +206,7 @@ TEST_CASE("formulas of types are rejected in words", "[unit][scene]") {
   };
   check_words(force(R"("force": "=q", "torque": "=q")"), {"remove one of the two"});
   check_words(force(R"("coordinate": "x")"), {"give \"force\" or \"torque\""});
-  check_words(force(R"("force": "=q", "coordinate": "rx")"), {"a force is along x, y or z"});
+  check_words(force(R"("force": "=q", "coordinate": "rx")"), {"a force is along x, y, z or distance"});
   check_words(force(R"("force": "=qdd")"), {"force 'F', force", "unknown name \"qdd\"", "did you mean \"qd\""});
   check_words(force(R"("force": "=q", "link": "A")"), {"unknown joint"});
   check_words(force(R"("force": "=-3 m/s*q")"), {"force 'F', force", "m^2/s", "a force is expected", "q is a length"});

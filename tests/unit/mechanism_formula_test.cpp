@@ -36,7 +36,7 @@ Table run_of(const std::string& scene) {
 }
 
 std::string refusal(const std::string& scene) {
-  return message_of<ModelError>([&] { built(scene); });
+  return message_of<SceneError>([&] { built(scene); });
 }
 
 // Two carriages on one line, and the forces and columns of a test.
@@ -126,7 +126,7 @@ TEST_CASE("the tangent of a force has the derivatives to all that its formula re
       {"name": "d", "sphere": {"mass": 2, "radius": 0.2}, "position": [0.2, 1.2, 0.8]}],
     "joints": [{"name": "C", "type": "lock", "mask": "x", "p": "c", "s": "d", "at": [0, 0, 0]}],
     "forces": [{"name": "f", "type": "function_force", "p": "a", "s": "b", "at": [0.3, 0.1, 0], "coordinate": "y",
-      "force": "=q*C.rz + 3*qd*c.distance@d - dot(c.v, d) + C.angle_x_d*c.distance_d@a + norm(c.omega@d)*max(C.y_d, q)"},
+      "force": "=q*C.rz + 3*qd*c.distance@d - dot(c.v, d) + C.angle_x_d*c.distance_d@a + c.omega_x@d*max(C.y_d, q)"},
       {"name": "g", "type": "function_force", "p": "a", "s": "b", "at": [0.3, 0.1, 0], "coordinate": "rx",
       "torque": "=(q + a.omega_world_x)*c.x@a + qd*C.vz^2"},
       {"name": "h", "type": "function_force", "p": "a", "s": "b", "at_p": [0.3, 0.1, 0], "at_s": [0, 0.5, 0],
@@ -201,7 +201,8 @@ TEST_CASE("a magnet pulls by the distance, and the fall takes the time of its cl
   const double mu = 3, r0 = 1, r = 0.3, x = r / r0;
   const double fall = std::sqrt(r0 * r0 * r0 / (2 * mu)) * (std::acos(std::sqrt(x)) + std::sqrt(x * (1 - x)));
   const Table t = run_of(R"~("bodies": [{"name": "nail", "particle": 2, "position": [0, 1, 0]}],
-    "forces": [{"name": "magnet", "type": "function_force", "p": "nail", "s": "ground", "coordinate": "distance",
+    "forces": [{"name": "magnet", "type": "function_force", "p": "nail", "s": "ground", "at_p": [0, 1, 0], "at_s": [0, 0, 0],
+      "coordinate": "distance",
       "force": "=-6 N m^2/q^2"}],
     "events": [{"name": "near", "when": {"channel": "nail.y", "crosses": 0.3, "direction": "falling"}, "stop": true}],
     "run": {"until": 2, "output": 0.05, "tolerance": 1e-11, "record": ["nail.y"]})~");
@@ -290,7 +291,7 @@ TEST_CASE("a formula of a force reports what it cannot read", "[unit][forces]") 
   CHECK(problem("=k*B.z_d").find("a force is expected") != std::string::npos);
   CHECK(problem("=mean(B.z)*k").find("can be the outer function of a column only") != std::string::npos);
   CHECK(problem("=k*a").find("a number is expected; this is a vector") != std::string::npos);
-  CHECK(problem("=table(gas, q)").find("the name of a table is expected") != std::string::npos);
+  CHECK(problem("=table(gas, q)").find("unknown name \"gas\"") != std::string::npos);
   CHECK(refusal(R"("parameters": {"f": 2}, "tables": {"f": {"type": "spline", "points": [[0, 1], [1, 2]]}})")
             .find("has this name") != std::string::npos);
   CHECK(refusal(R"("tables": {"sin": {"type": "spline", "points": [[0, 1], [1, 2]]}})").find("not a valid name") !=

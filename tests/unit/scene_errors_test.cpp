@@ -233,7 +233,7 @@ const std::vector<Bad> kLinks = {
      {"force 'f', coordinate", "a torque is about rx, ry or rz"}},
     {TWO_BODIES ONE_LINK
      R"("forces": [{"name": "f", "type": "function_force", "link": "A", "coordinate": ~"rz", "force": "=1"}])",
-     {"force 'f', coordinate", "a force is along x, y or z"}},
+     {"force 'f', coordinate", "a force is along x, y, z or distance"}},
     {TWO_BODIES R"("gravity": [0, 0, -9.81], "planar": ~"z")", {"planar with normal z", "-9.81 m/s^2"}},
     {TWO_BODIES
      R"("planar": "z", "links": [{"name": ~"A", "type": "lock", "mask": "x", "p": "arm", "s": "ground", "at": [0,0,0], "axis": [1,1,1]}])",

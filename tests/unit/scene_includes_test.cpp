@@ -78,6 +78,7 @@ const std::vector<Row> kRows = {
     {"description", Does::leaves, R"("more of it")", "4"},
     {"parameters", Does::applies, R"({"L": "2 m"})", R"({"L": true})"},
     {"points", Does::takes, R"({"P": ["=L", 0, 0]})", R"({"P": 3})"},
+    {"tables", Does::applies, R"({"g": {"type": "ramp", "slope": 2}})", R"({"g": "=1 +"})"},
     {"require", Does::leaves_said, R"(["=L > 1 m"])", R"(["L > 1 m"])"},
     {"requires", Does::takes, R"(["drag"])", R"(["../drag.so"])"},
     {"gravity", Does::leaves_said, R"([0, "-1.62 m/s^2", 0])", "[0, 1]"},

@@ -86,6 +86,13 @@ void Scope::find_vector(const std::string& name) {
     }
 }
 
+std::vector<std::string> Scope::names() const {
+  std::vector<std::string> known;
+  for (const Entry& each : entries_) known.push_back(each.called);
+  known.emplace_back("pi");
+  return known;
+}
+
 const Scope::Name& Scope::of(const Expression& e, const Node& n) {
   const Name* name = find(n.name);
   std::string problem;
@@ -101,10 +108,7 @@ const Scope::Name& Scope::of(const Expression& e, const Node& n) {
     }
     name = find(n.name);
   } else if (name == nullptr) {
-    std::vector<std::string> known;
-    for (const Entry& each : entries_) known.push_back(each.called);
-    known.emplace_back("pi");
-    problem = "unknown name \"" + n.name + "\"" + text::suggestion(n.name, known);
+    problem = "unknown name \"" + n.name + "\"" + text::suggestion(n.name, names());
   }
   if (name == nullptr) e.refuse(n, problem);
   if (name->clash)

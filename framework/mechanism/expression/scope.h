@@ -41,6 +41,7 @@ class LOCKSTEP_API Scope {
   const Name* find(const std::string& name) { return entry(name) != nullptr ? &entry(name)->name : nullptr; }
   /// Its value and dimension; null: it is not known. Of a variable the value means nothing.
   const Amount* amount(const std::string& name) { return entry(name) != nullptr ? &entry(name)->amount : nullptr; }
+  std::vector<std::string> names() const;  ///< those that are known already, for messages
   /// The number that a node gives. Throws ModelError with formula, column and problem.
   FormulaFunction compiled(const Expression&, int node, const OfMotion& = {});
   /// The dimension of a node of a formula that is compiled; nothing if it reads a name of unknown dimension.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/mechanism/expression/evaluate.h"
 #include "framework/mechanism/expression/scope.h"
 #include "framework/mechanism/forces/effort.h"
@@ -58,7 +59,8 @@ std::unique_ptr<Force> CoordinateForce::make(const Attachment& attachment, const
   try {
     const std::vector<std::string> own = {"q", "qd", "t"};
     expression::Scope scope([&](const std::string& name) {
-      if (!attachment.coordinate) throw ModelError("unknown name \"" + name + "\"; known: q, qd, t");
+      if (!attachment.coordinate || name.find('.') == std::string::npos)
+        throw ModelError("unknown name \"" + name + "\"" + text::suggestion(name, scope.names()));
       reads.push_back(attachment.coordinate(name));
       if (own.size() + reads.size() > kMostVariables)
         throw ModelError("the formula reads more than " + std::to_string(kMostVariables) + " numbers; split the force");

@@ -39,7 +39,7 @@ class OfMotion {
     if (window_ == kWhole && !pieces_.empty())
       total_ = with(pieces_.front(), begin_, HUGE_VAL, total_), pieces_.clear();
     pieces_.push_back({p, part(p, p.t0, p.t1)});
-    while (pieces_.front().t1 < p.t1 - window_) pieces_.pop_front();
+    while (pieces_.front().t1 < p.t0 - window_) pieces_.pop_front();  // windows begin inside the step too
   }
   double value(double t, double present) const {
     if (f_ == Function::at) return t < instant_ ? present : at_;
