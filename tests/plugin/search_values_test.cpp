@@ -118,7 +118,7 @@ TEST_CASE("find: what cannot be found is an error with the next move", "[plugin]
   check_refused(
       call(begin + "\"max(F) = 1 kN\""), 1,
       {"max(F) is 34.62 N with speed = 5 rad/s", "259.62 N with speed = 20 rad/s", "both below", "lockstep sweep"});
-  check_refused(call(begin + "\"max(F) = 3 m\""), 2, {"--reach", "N", "m"});
+  check_refused(call(begin + "\"max(F) = 3 m\""), 2, {"--reach", "a force and a length are subtracted"});
   check_refused(call(begin + "\"max(G) = 3 N\""), 2, {"--reach", "G"});
   check_refused(call(begin + "\"max(F)\""), 2, {"compares nothing"});
   check_refused(call(begin + "\"max(F) < 3 N\""), 2, {"is not an equation"});
@@ -192,7 +192,7 @@ TEST_CASE("optimize: maximum, conditions that cannot hold, and errors", "[plugin
   INFO(none.text);
   CHECK(none.exit == 1);
   CHECK(contains(none.text, "they held together in no run"));
-  check_refused(call(begin), 2, {"--minimize or --maximize is missing"});
+  check_refused(call(begin), 2, {"--minimize: a formula is missing"});
   check_refused(call(begin + "--minimize \"max(F)\" --subject-to \"max(F) = 3 N\""), 2, {"is an equation"});
   check_refused(call(begin + "--minimize \"max(F)\" --subject-to \"max(F) < 3 N\" --method neldermead"), 2,
                 {"neldermead takes no conditions"});
