@@ -38,7 +38,7 @@ std::string chars_of(double value, Format... format) {
 // Words of Adams, Simscape, MuJoCo, URDF and plain English, each before the names that it may mean here.
 constexpr std::string_view kSynonyms =
     "hinge=revolute pin=revolute pivot=revolute rotational=revolute continuous=revolute revolution=revolute "
-    "ball=spherical socket=spherical ball_joint=spherical slider=prismatic slide=prismatic translational=prismatic "
+    "ball=spherical socket=spherical ball_joint=spherical slider=prismatic translational=prismatic "
     "sliding=prismatic linear=prismatic weld=fixed rigid=fixed bolt=fixed hooke=universal cardan=universal "
     "u_joint=universal planar=plane_on_plane plane=plane_on_plane thread=screw helical=screw lead_screw=screw "
     "rack=rack_and_pinion pinion=rack_and_pinion gears=gear gear_pair=gear pulley=belt rod=distance rope=distance "
@@ -48,7 +48,8 @@ constexpr std::string_view kSynonyms =
     "rsda=torsion_spring_damper force=applied_force torque=applied_torque motor=torque_motor,drive "
     "actuator=force_motor,drive friction=joint_friction motion=drive input=drive motors=drive joints=links "
     "constraints=joints parts=bodies colour=visual color=visual limits=stops range=stops limit=stops body1=p body2=s "
-    "i=p j=s parent=s child=p base=s follower=p density=mass weight=mass diameter=radius origin=at,position rest_length=free_length "
+    "i=p j=s parent=s child=p base=s follower=p density=mass weight=mass diameter=radius origin=at,position "
+    "rest_length=free_length "
     "location=at anchor=at pos=position quat=orientation euler=orientation rotation=orientation vel=velocity "
     "angular_velocity=omega_world dt=step timestep=step duration=until stop_time=until end=until tend=until time=until "
     "tol=tolerance rtol=tolerance k=stiffness c=damping d=damping rk45=dopri5 ode45=dopri5 dopri=dopri5 "
@@ -56,7 +57,8 @@ constexpr std::string_view kSynonyms =
     "verlet=semi_implicit_euler hht=generalized_alpha newmark=generalized_alpha ida=radau5 ode15s=radau5 gstiff=radau5 "
     "step5=poly345 step=poly345 havsin=harmonic_rise smoothstep=poly345 linear_law=ramp sin=sine table=spline "
     "csv=spline meter=m metre=m newton=N minute=min hour=h radian=rad kgm^2=kg*m^2 world=ground velocity=speed "
-    "diaginertia=inertia fullinertia=inertia fx=force_on_p_world_x fy=force_on_p_world_y fz=force_on_p_world_z";
+    "diaginertia=inertia fullinertia=inertia fx=force_on_p_world_x fy=force_on_p_world_y fz=force_on_p_world_z "
+    "slide=prismatic,translation one_sided=unilateral spin=rotation slip=offset";
 
 // The candidate that a synonym means; "" if there is none.
 std::string meant(std::string_view word, std::span<const std::string> candidates) {
