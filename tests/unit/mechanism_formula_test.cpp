@@ -181,6 +181,25 @@ TEST_CASE("the tangent of a force has the derivatives to all that its formula re
   }
 }
 
+// Oracle: the channel of the same name.
+TEST_CASE("what a formula of a force reads is the channel of that name", "[unit][forces]") {
+  for (const std::string name :
+       {"C.y", "C.vx", "C.z_d", "C.angle_x", "C.angle_z", "C.angle_y_d", "C.omega_y", "a.x", "a.vz", "a.omega_world_x", "C.P.y",
+        "c.x@d", "c.vy@C.P", "c.omega_z@d", "c.distance@d", "c.distance_d@a"}) {
+    CAPTURE(name);
+    const Table t = run_of(R"~("bodies": [
+        {"name": "a", "sphere": {"mass": 1, "radius": 0.1}, "position": [0.1, 0.2, -0.3], "velocity": [1, 2, 3]},
+        {"name": "c", "box": {"mass": 2, "size": [0.2, 0.4, 0.6]}, "position": [0.7, -1, 0.5], "velocity": [0, 1, 0],
+         "omega_world": [1, 5, -2]},
+        {"name": "d", "box": {"mass": 2, "size": [0.6, 0.2, 0.1]}, "position": [0.7, 1.2, 0.8], "omega_world": [0.3, 0.1, 3]}],
+      "joints": [{"name": "C", "type": "lock", "mask": "x", "p": "c", "s": "d", "at_p": [0.7, -0.8, 0.5], "at_s": [0.7, 1, 0.9]}],
+      "forces": [{"name": "f", "type": "function_force", "p": "a", "s": "ground", "at": [0.1, 0.2, -0.3], "coordinate": "y",
+        "force": "=0.001*)~" + name +
+                           R"~("}], "run": {"until": 0.5, "output": 0.1, "record": ["f.force", ")~" + name + R"~("]})~");
+    for (std::size_t i = 0; i < t.n_rows(); ++i) CHECK(t["f.force"][i] == Approx(0.001 * t[name][i]).margin(1e-14));
+  }
+}
+
 TEST_CASE("two particles with a Lennard-Jones force keep their energy", "[unit][forces]") {
   const Table t = run_of(R"~("parameters": {"eps": "2 J", "sig": "0.5 m"}, "bodies": [
       {"name": "P", "particle": 1, "position": [0.9, 0, 0], "velocity": [0, 0.4, 0.1]}, {"name": "Q", "particle": 3}],
