@@ -210,9 +210,9 @@ TEST_CASE("commands of the pages are those of the program", "[pages]") {
 TEST_CASE("options that the pages mention exist", "[pages]") {
   std::string all;
   for (const std::string verb :
-       {"run",      "report",  "demo",       "describe", "schema",     "import",      "check",
-        "assemble", "statics", "kinematics", "explain",  "modes",      "linearize",   "matrices",
-        "atlas",    "chart",   "advise",     "sweep",    "new-plugin", "plugins list"})
+       {"run",     "report",     "demo",    "describe", "schema",      "import",     "check",       "assemble",
+        "statics", "kinematics", "explain", "modes",    "linearize",   "matrices",   "atlas",       "chart",
+        "advise",  "sweep",      "find",    "optimize", "sensitivity", "new-plugin", "plugins list"})
     all += help_of(verb);
   for (const Page& of : pages()) {
     if (of.name == "framework/CHANGELOG.md") continue;  // history

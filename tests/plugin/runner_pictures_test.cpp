@@ -166,7 +166,8 @@ TEST_CASE("kinematics, inverse and statics --vary draw as a run does", "[runner]
   CHECK_FALSE(fs::exists(kRunnerFolder + "/driven.svg"));
   check_refused(call("inverse" + rest + " --picture Bx:Bz"), 2, {"\"Bz\" is not recorded"});
 
-  const std::string lift = "statics '" + std::string(paths::kScenes) + "/scissor_lift.json' --record raised.csv --vary ";
+  const std::string lift =
+      "statics '" + std::string(paths::kScenes) + "/scissor_lift.json' --record raised.csv --vary ";
   const std::string text = drawn(lift + "angle='10 deg:40 deg:5'", "raised");
   for (const char* word : {"parameters.angle [rad]", "height"}) CHECK(contains(text, word));
   fs::remove(kRunnerFolder + "/raised.svg");

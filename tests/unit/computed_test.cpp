@@ -76,10 +76,12 @@ TEST_CASE("the rate of a recorded quantity is its derivative", "[unit][record]")
 }
 
 // Rows lie inside steps: what the window has lost at its end must not be missing at theirs.
-TEST_CASE("a mean over the last period is that of its window in every row", "[unit][record]") {
+TEST_CASE("a mean over the last period is that of its window at every output", "[unit][record]") {
   const std::string often = std::string(kScene).replace(std::string(kScene).find("0.25"), 4, "0.003");
   Simulation run(build_mechanism(
-      scene_from_text(often + R"~({"mean": "=mean(last(t^2, 0.5 s))"}, {"most": "=max(last(t^2 - t*1.5 s, 0.5 s))"}]}})~", "last.json"),
+      scene_from_text(
+          often + R"~({"mean": "=mean(last(t^2, 0.5 s))"}, {"most": "=max(last(t^2 - t*1.5 s, 0.5 s))"}]}})~",
+          "last.json"),
       builtin_registry()));
   run.run();
   const Table& table = run.table();

@@ -220,10 +220,8 @@ TEST_CASE("formulas with units are held against what they read and drive", "[uni
                                  force = dimension_of(Unit::force), torque = dimension_of(Unit::torque);
   const std::vector<MeasuredVariable> variables = {
       {"t", dimension_of(Unit::time)}, {"q", length}, {"rz", angle}, {"e1", Dimension{}}, {"u", std::nullopt}};
-  const std::vector<NamedNumbers> constants = {{"L", {0.1}, "m"},
-                                                       {"w", {3}, "rad/s"},
-                                                       {"n", {2}},
-                                                       {"A", {1, 2, 3}, "m"}};
+  const std::vector<NamedNumbers> constants = {
+      {"L", {0.1}, "m"}, {"w", {3}, "rad/s"}, {"n", {2}}, {"A", {1, 2, 3}, "m"}};
   const auto problem = [&](const char* text, const std::optional<Dimension>& value) {
     return message_of<ModelError>([&] { check_dimensions(text, variables, constants, value); });
   };

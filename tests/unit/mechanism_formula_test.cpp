@@ -56,8 +56,8 @@ TEST_CASE("a table is a function of anything, with its derivatives", "[unit][exp
   // x^3 by a clamped cubic spline, which is exact
   NamedNumbers cubic;
   cubic.name = "f";
-  cubic.table = laws::spline({{-1, -1}, {0.5, 0.125}, {2, 8}}, {.ends = SplineEnds::clamped},
-                             {.start_rate = 3, .end_rate = 12});
+  cubic.table =
+      laws::spline({{-1, -1}, {0.5, 0.125}, {2, 8}}, {.ends = SplineEnds::clamped}, {.start_rate = 3, .end_rate = 12});
   const FormulaFunction f("=2*table(f, x - t)", {"x", "t"}, {cubic});
   for (const double x : {-0.7, 0.1, 1.3}) {
     const std::array<Time, 2> v = {Time(x + 0.4, 3, 5), Time(0.4, 1, 0)};  // x - t has the rates 2 and 5
@@ -71,7 +71,8 @@ TEST_CASE("a table is a function of anything, with its derivatives", "[unit][exp
 
   SplinePoints many;
   constexpr int kPoints = 100'000;
-  for (int i = 0; i <= kPoints; ++i) many.emplace_back(2 * pi * i / kPoints, i == kPoints ? 0 : std::sin(2 * pi * i / kPoints));
+  for (int i = 0; i <= kPoints; ++i)
+    many.emplace_back(2 * pi * i / kPoints, i == kPoints ? 0 : std::sin(2 * pi * i / kPoints));
   NamedNumbers sine;
   sine.name = "s";
   sine.table = laws::spline(many, {.ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
@@ -177,25 +178,26 @@ TEST_CASE("the tangent of a force has the derivatives to all that its formula re
         differences.col((k < 6 ? 0 : n - 6) + 6 * slot + k) =
             -(load(*force, slot, k, h) - load(*force, slot, k, -h)) / (2 * h);
     CHECK((exact - differences).cwiseAbs().maxCoeff() < 1e-8 * (1 + exact.cwiseAbs().maxCoeff()));
-    CHECK(exact.rightCols(n).cwiseAbs().maxCoeff() > 0.1 * (force->name() != "h"));
+    if (force->name() != "h") CHECK(exact.rightCols(n).cwiseAbs().maxCoeff() > 0.1);
   }
 }
 
 // Oracle: the channel of the same name.
-TEST_CASE("what a formula of a force reads is the channel of that name", "[unit][forces]") {
+TEST_CASE("a formula of a force reads the channels that it names", "[unit][forces]") {
   for (const std::string name :
-       {"C.y", "C.vx", "C.z_d", "C.angle_x", "C.angle_z", "C.angle_y_d", "C.omega_y", "a.x", "a.vz", "a.omega_world_x", "C.P.y",
-        "c.x@d", "c.vy@C.P", "c.omega_z@d", "c.distance@d", "c.distance_d@a"}) {
+       {"C.y", "C.vx", "C.z_d", "C.angle_x", "C.angle_z", "C.angle_y_d", "C.omega_y", "a.x", "a.vz", "a.omega_world_x",
+        "C.P.y", "c.x@d", "c.vy@C.P", "c.omega_z@d", "c.distance@d", "c.distance_d@a"}) {
     CAPTURE(name);
-    const Table t = run_of(R"~("bodies": [
+    const Table t =
+        run_of(R"~("bodies": [
         {"name": "a", "sphere": {"mass": 1, "radius": 0.1}, "position": [0.1, 0.2, -0.3], "velocity": [1, 2, 3]},
         {"name": "c", "box": {"mass": 2, "size": [0.2, 0.4, 0.6]}, "position": [0.7, -1, 0.5], "velocity": [0, 1, 0],
          "omega_world": [1, 5, -2]},
         {"name": "d", "box": {"mass": 2, "size": [0.6, 0.2, 0.1]}, "position": [0.7, 1.2, 0.8], "omega_world": [0.3, 0.1, 3]}],
       "joints": [{"name": "C", "type": "lock", "mask": "x", "p": "c", "s": "d", "at_p": [0.7, -0.8, 0.5], "at_s": [0.7, 1, 0.9]}],
       "forces": [{"name": "f", "type": "function_force", "p": "a", "s": "ground", "at": [0.1, 0.2, -0.3], "coordinate": "y",
-        "force": "=0.001*)~" + name +
-                           R"~("}], "run": {"until": 0.5, "output": 0.1, "record": ["f.force", ")~" + name + R"~("]})~");
+        "force": "=0.001*)~" +
+               name + R"~("}], "run": {"until": 0.5, "output": 0.1, "record": ["f.force", ")~" + name + R"~("]})~");
     for (std::size_t i = 0; i < t.n_rows(); ++i) CHECK(t["f.force"][i] == Approx(0.001 * t[name][i]).margin(1e-14));
   }
 }
@@ -237,7 +239,8 @@ TEST_CASE("a dipole swings in a field", "[unit][forces]") {
     "forces": [{"name": "field", "type": "function_force", "link": "pivot", "torque": "=-mB*sin(q)"}],
     "run": {"until": 3, "output": 0.1, "tolerance": 1e-11, "record": [
       {"E": "=energy.kinetic - mB*cos(pivot.rz)"}, "pivot.rz"]})~");
-  for (std::size_t i = 0; i < t.n_rows(); ++i) CHECK(t["E"][i] == Approx(-0.3 * std::cos(100 * pi / 180)).epsilon(1e-9));
+  for (std::size_t i = 0; i < t.n_rows(); ++i)
+    CHECK(t["E"][i] == Approx(-0.3 * std::cos(100 * pi / 180)).epsilon(1e-9));
 }
 
 // Gas in a cylinder: the piston's force is a table of the crank angle. Oracle: its work, 1/2 I w^2, by the same integral.
@@ -245,7 +248,8 @@ TEST_CASE("a gas force follows a table of the crank angle", "[unit][forces]") {
   const std::string table = R"("tables": {"gas": {"type": "spline", "points": [["0 deg", "8 bar"], ["90 deg", "3 bar"],
       ["180 deg", "1 bar"], ["270 deg", "1.5 bar"], ["360 deg", "8 bar"]], "ends": "periodic", "outside": "repeat"}},)";
   for (const char* integrator : {"dopri5", "radau5"}) {
-    const Table t = run_of(table + R"~("parameters": {"area": "20 cm^2"}, "bodies": [
+    const Table t =
+        run_of(table + R"~("parameters": {"area": "20 cm^2"}, "bodies": [
       {"name": "crank", "rod": {"mass": 2, "from": [0, 0, 0], "to": [0.05, 0, 0]}},
       {"name": "rod", "rod": {"mass": 1, "from": [0.05, 0, 0], "to": [0.25, 0, 0]}},
       {"name": "piston", "sphere": {"mass": 1, "radius": 0.03}, "position": [0.25, 0, 0]}],
@@ -256,7 +260,8 @@ TEST_CASE("a gas force follows a table of the crank angle", "[unit][forces]") {
       {"name": "bore", "type": "prismatic", "p": "piston", "s": "ground", "at": [0.25, 0, 0], "axis": "x"}],
     "forces": [{"name": "pressure", "type": "function_force", "link": "bore",
       "force": "=-area*table(gas, main.rz)"}],
-    "run": {"integrator": ")~" + std::string(integrator) + R"~(", "until": 0.05, "output": 0.001, "tolerance": 1e-10, "record": [
+    "run": {"integrator": ")~" +
+               std::string(integrator) + R"~(", "until": 0.05, "output": 0.001, "tolerance": 1e-10, "record": [
       "energy.kinetic", {"work": "=integral(-area*table(gas, main.rz)*piston.vx)"}, "main.rz",
       {"p": "=table(gas, main.rz)"}]})~");
     for (std::size_t i = 0; i < t.n_rows(); ++i)
@@ -301,8 +306,7 @@ TEST_CASE("a formula couples the coordinates of joints", "[unit][links]") {
 
 TEST_CASE("a formula of a force reports what it cannot read", "[unit][forces]") {
   const auto problem = [](const std::string& force) {
-    return refusal(carriages(R"({"name": "f", "type": "function_force", "link": "A", "force": ")" +
-                                 force + R"("})",
+    return refusal(carriages(R"({"name": "f", "type": "function_force", "link": "A", "force": ")" + force + R"("})",
                              R"("record": [])"));
   };
   CHECK(problem("=k*C.z").find("\"C.z\" is no parameter, table or coordinate") != std::string::npos);

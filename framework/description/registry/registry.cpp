@@ -55,8 +55,7 @@ void put_tables(Params& of, const Registry& laws) {
 
 Params with_laws(Params of, const Registry* laws) {
   for (const Key& key : of.keys()) {
-    if (key.form == Form::any && key.name == "parameters" && laws != nullptr && of.has(key.name))
-      put_tables(of, *laws);
+    if (key.form == Form::any && key.name == "parameters" && laws != nullptr && of.has(key.name)) put_tables(of, *laws);
     const Value v = holds_law(key.form) ? of.given_or_default(key) : Value();
     if (v.is_null() || (laws == nullptr && !of.has(key.name))) continue;
     if (laws == nullptr) of.refuse(key.name, "it holds a law, and no registry is given to make it; pass one");

@@ -6,8 +6,8 @@
 #include "framework/description/registry/law_units.h"
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/split.h"
-#include "framework/mechanism/system/coordinate_names.h"
 #include "framework/foundation/support/finding_kinds.h"
+#include "framework/mechanism/system/coordinate_names.h"
 
 namespace lockstep {
 namespace {

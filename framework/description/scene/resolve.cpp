@@ -78,7 +78,8 @@ class Resolver {
     wrong_.attempt([&] { scene_.parameters = definitions_.all(); });
     if (Value* const tables = member(scene_.root, "tables")) walk(*tables, "scene.tables");
     for (Value::Member& m : root) {
-      static const std::vector<std::string> kTexts = {"$schema", "title", "description", "requires", "require", "tables"};
+      static const std::vector<std::string> kTexts = {"$schema",  "title",   "description",
+                                                      "requires", "require", "tables"};
       if (std::find(kTexts.begin(), kTexts.end(), m.key) != kTexts.end()) continue;
       if (m.key == "parameters" || m.key == "points")
         settle(m);

@@ -58,7 +58,8 @@ Json part_schema(const Key& key, const Part& part) {
   if (h == "list of texts") return list_of(text);
   if (h == "list of names or objects") return list_of(any_of({text, object}));
   if (h == "list of lists of texts") return list_of(list_of(text));
-  if (h.starts_with("list of channel names") || h == "list of conditions") return list_of(any_of({text, members(text)}));
+  if (h.starts_with("list of channel names") || h == "list of conditions")
+    return list_of(any_of({text, members(text)}));
   if (h == "[x, y, z], 3 rows of 3, or object") return any_of({vector, formula, exactly(vector, 3), object});
   if (h == "[x, y, z] or choice") return any_of({vector, formula, choice});
   if (h == "object of quantities") return members(any_of({number, vector}));

@@ -125,8 +125,7 @@ class FormulaCompiler {
     const Signature& f = signature_of(n.function);
     if (is_of_motion(n)) {
       if (!of_motion_)
-        e_.refuse(n,
-                  std::string(f.name) + "(...) is of the motion; it can be the outer function of a column only");
+        e_.refuse(n, std::string(f.name) + "(...) is of the motion; it can be the outer function of a column only");
       return {{variable(of_motion_(n))}};
     }
     if (n.function == Function::table) return {{table(n)}};
@@ -243,7 +242,8 @@ template Jet<8> FormulaFunction::operator()(std::span<const Jet<8>>) const;
 
 Key constants_key() {
   return {"parameters", Form::any, Unit::none, kOptional,
-          "object of numbers: named numbers for its formulas, and tables, which are laws; those of the scene are known too"};
+          "object of numbers: named numbers for its formulas, and tables, which are laws; those of the scene are known "
+          "too"};
 }
 
 std::vector<NamedNumbers> read_constants(const Params& p, const std::string& key) {

@@ -128,8 +128,8 @@ std::optional<Amount> Scope::dimension_of(const Expression& e, int node, const s
     const Name* const known = find(name);
     return known != nullptr && known->meaning.variable >= 0;
   };
-  return expression::dimension_of(e, node, [this](const std::string& name) { return amount(name); }, varies, hint,
-                                  strict);
+  return expression::dimension_of(
+      e, node, [this](const std::string& name) { return amount(name); }, varies, hint, strict);
 }
 
 void Scope::check(const Expression& e, const std::optional<Dimension>& value) {

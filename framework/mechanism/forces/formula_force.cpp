@@ -25,7 +25,7 @@ const TypeInfo& CoordinateForce::info() {
   static const TypeInfo info{
       "function_force",
       "force or torque by a formula of a coordinate q of P relative to S, its rate qd, time t, and coordinates of "
-      "others: crank.rz, crank.rz_d, P.x, P.distance@Q",
+      "others, such as crank.rz, crank.rz_d and P.x",
       {{"force", Form::text, Unit::none, kOptional,
         "force on P along an axis of S, or away from S, N: \"=-800*q - 20*qd + 5*sin(t)\", q in m, all numbers in SI "
         "or all with units"},
@@ -74,8 +74,8 @@ std::unique_ptr<Force> CoordinateForce::make(const Attachment& attachment, const
     const expression::Expression e(k.text(key), own, expression::Naming::channels);
     expression::FormulaFunction f = scope.compiled(e, e.root());
     scope.check(e, dimension_of(torque ? Unit::torque : Unit::force));
-    return std::make_unique<CoordinateForce>(attachment.name, p_of(attachment, k), s_of(attachment, k), q,
-                                             std::move(f), std::move(reads));
+    return std::make_unique<CoordinateForce>(attachment.name, p_of(attachment, k), s_of(attachment, k), q, std::move(f),
+                                             std::move(reads));
   } catch (const SceneError&) {
     throw;
   } catch (const ModelError& error) {

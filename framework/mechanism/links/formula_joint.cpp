@@ -80,7 +80,7 @@ struct CoupledRow : PhiHooks {
 
   template <class T, class... More>
   T operator()(const LockCoords<T>& first, const More&... more) const {
-    std::array<T, std::size_t(kEach* n + 1)> v;
+    std::array<T, std::size_t(kEach * n + 1)> v;
     std::size_t k = 0;
     const auto add = [&](const LockCoords<T>& y) {
       for (const T& x : {y.x, y.y, y.z, y.angle_z()}) v[k++] = x;
@@ -133,8 +133,7 @@ std::unique_ptr<Lock> link_of(const Attachment& a, Mask mask, const std::vector<
   return link_of<n, Reads::translation, false>(a, mask, formulas);
 }
 
-FormulaFunction read_formula(const Value& v, const std::string& place,
-                             const std::vector<NamedNumbers>& constants) {
+FormulaFunction read_formula(const Value& v, const std::string& place, const std::vector<NamedNumbers>& constants) {
   FormulaFunction f;
   try {
     expression::Scope scope;
@@ -169,7 +168,8 @@ std::unique_ptr<Lock> coupling_of(const Attachment& a, const Value& phi, const s
       const int at = kEach * static_cast<int>(k) + (turn ? 3 : of.axis);
       return expression::Scope::Name{{.variable = at}, c->dimension()};
     }
-    throw ModelError("\"" + name + "\" is no parameter, table or coordinate of one of its \"pairs\"; it can read x, y, " +
+    throw ModelError("\"" + name +
+                     "\" is no parameter, table or coordinate of one of its \"pairs\"; it can read x, y, " +
                      "z and rz of their joints (crank.rz), and t");
   };
   CoupledRow<n> row;
@@ -198,7 +198,8 @@ TypeInfo FormulaJoint::info() {
       "formulas of the pose of P relative to S, or of the coordinates of two or three \"pairs\", each held at zero; "
       "degrees of freedom left: 6 less the formulas and mask",
       {{"phi", Form::any, Unit::none, kRequired,
-        "formula, or list of up to 3: of x, y, z (m), e0 ... e3 (quaternion), rz (rad, counted) and t; with \"pairs\" one "
+        "formula, or list of up to 3: of x, y, z (m), e0 ... e3 (quaternion), rz (rad, counted) and t; with \"pairs\" "
+        "one "
         "formula of x, y, z and rz of their joints: \"=lift.z - 0.1*sin(crank.rz)\""},
        {"mask", Form::text, Unit::none, "", "further constraints, as of a lock: words of x y z e1 e2 e3"},
        expression::constants_key()}};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/mechanism/lock/coordinate.h"
 
-
 namespace lockstep {
 
 MarkerFrame BodyOrMarker::folded() const {

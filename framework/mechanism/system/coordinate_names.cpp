@@ -21,12 +21,15 @@ struct Rule {
   unsigned owners;
 };
 using Kind = Coordinate::Kind;
-constexpr Rule kRules[] = {
-    {"", "", Kind::position, false, joint | frame | pair}, {"v", "", Kind::position, true, joint | frame | pair},
-    {"", "_d", Kind::position, true, joint},               {"r", "", Kind::turn, false, joint},
-    {"r", "_d", Kind::turn, true, joint},                  {"angle_", "", Kind::turn, false, joint},
-    {"angle_", "_d", Kind::turn, true, joint},             {"omega_", "", Kind::omega, false, joint | pair},
-    {"omega_world_", "", Kind::omega, false, frame}};
+constexpr Rule kRules[] = {{"", "", Kind::position, false, joint | frame | pair},
+                           {"v", "", Kind::position, true, joint | frame | pair},
+                           {"", "_d", Kind::position, true, joint},
+                           {"r", "", Kind::turn, false, joint},
+                           {"r", "_d", Kind::turn, true, joint},
+                           {"angle_", "", Kind::turn, false, joint},
+                           {"angle_", "_d", Kind::turn, true, joint},
+                           {"omega_", "", Kind::omega, false, joint | pair},
+                           {"omega_world_", "", Kind::omega, false, frame}};
 
 std::optional<Coordinate::Of> quantity(std::string_view name, Owner owner) {
   if (owner == pair && name == "distance") return Coordinate::Of{Kind::distance};

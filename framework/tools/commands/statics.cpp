@@ -414,8 +414,7 @@ Result vary(const Arguments& args) {
     if (!record.empty()) result = {scenes.loaded, varied_fields(), varied}, result.files = {record};
     if (!record.empty() && variables.size() == 1)
       draw_curves(args, scenes.loaded.title(), curves, settings, result.files);
-    if (record.empty())
-      tell(text_of(CommandFindings::added()));
+    if (record.empty()) tell(text_of(CommandFindings::added()));
   }
   result.code = varied.failed > 0 ? kExitFailure : kExitOk;
   return result;

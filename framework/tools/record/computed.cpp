@@ -92,7 +92,7 @@ class OfMotion {
   Function f_;
   FormulaFunction of_;
   double window_, instant_;
-  std::deque<Seen> pieces_;  // the last, or those of the window
+  std::deque<Seen> pieces_;                           // the last, or those of the window
   double begin_ = 0, last_ = 0, at_ = 0, total_ = 0;  // total_: of all before the pieces
 };
 
@@ -220,8 +220,7 @@ class Computed {
     if (const Node& inner = e_.node(of); inner.operation == Operation::call && inner.function == Function::last)
       window = time_of(inner), of = inner.children[0];
     if (n.function == Function::at) instant = time_of(n);
-    motions_.emplace_back(place,
-                          std::make_shared<OfMotion>(n.function, scope_.compiled(e_, of), window, instant));
+    motions_.emplace_back(place, std::make_shared<OfMotion>(n.function, scope_.compiled(e_, of), window, instant));
     return place;
   }
   double time_of(const Node& call) {
