@@ -5,12 +5,15 @@
 
 #include <boost/core/demangle.hpp>
 #include <boost/dll/shared_library.hpp>
+#include <cerrno>
 #include <cfenv>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <map>
 #include <mutex>
 #include <new>
+#include <string_view>
 
 #include <lockstep/author/plugin.h>
 #include <lockstep/error.h>
@@ -67,6 +70,7 @@ dll::shared_library& opened(const fs::path& file, const PluginStamp& stamp) {
   try {
     library.load(file, dll::load_mode::rtld_now | dll::load_mode::rtld_local);
   } catch (const std::system_error& error) {  // with the system loader's message
+    if (std::string_view(error.what()).find(std::strerror(ENOMEM)) != std::string_view::npos) throw std::bad_alloc();
     throw PluginError("plugin '" + plugin_name(file.string()) + "' (" + file.string() +
                       ") cannot be opened: " + reason(error.what()));
   }
