@@ -13,7 +13,7 @@
 #include <map>
 #include <mutex>
 #include <new>
-#include <string_view>
+#include <string>
 
 #include <lockstep/author/plugin.h>
 #include <lockstep/error.h>
@@ -52,6 +52,13 @@ std::string reason(const std::string& why) {
   return why + "; " + rebuild;
 }
 
+// Whether glibc lacked memory. It then misses files that are there, such as this one, which was read before.
+bool lacks_memory(const std::string& why, const std::string& file) {
+  const std::string no_file = file + ": cannot open shared object file: " + std::strerror(ENOENT);
+  return why.find(std::strerror(ENOMEM)) != std::string::npos || why.find(no_file) != std::string::npos ||
+         why.find("cannot create shared object descriptor") != std::string::npos;
+}
+
 // Opened libraries by path, and what their files were before. They are never closed, because objects carry their code.
 dll::shared_library& opened(const fs::path& file, const PluginStamp& stamp) {
   struct Opened {
@@ -70,7 +77,7 @@ dll::shared_library& opened(const fs::path& file, const PluginStamp& stamp) {
   try {
     library.load(file, dll::load_mode::rtld_now | dll::load_mode::rtld_local);
   } catch (const std::system_error& error) {  // with the system loader's message
-    if (std::string_view(error.what()).find(std::strerror(ENOMEM)) != std::string_view::npos) throw std::bad_alloc();
+    if (lacks_memory(error.what(), file.string())) throw std::bad_alloc();
     throw PluginError("plugin '" + plugin_name(file.string()) + "' (" + file.string() +
                       ") cannot be opened: " + reason(error.what()));
   }
