@@ -16,7 +16,6 @@ namespace lockstep {
 CoordinateForce::CoordinateForce(std::string name, Marker& p, Marker& s, Coordinate::Of q,
                                  expression::FormulaFunction f, Readings reads)
     : FormulaForce(std::move(name), p, &s),
-      of_(q),
       q_(q, {p.body, &p}, {s.body, &s}),
       f_(std::move(f)),
       reads_(std::move(reads)) {}
@@ -85,7 +84,7 @@ std::unique_ptr<Force> CoordinateForce::make(const Attachment& attachment, const
 
 void CoordinateForce::setup() {
   if (is_torque()) require_turning(p(), "rotates");
-  if (of_.kind != Coordinate::Kind::distance) require_turning(*s(), is_torque() ? "rotates" : "has a lever arm on");
+  if (q_.of().kind != Coordinate::Kind::distance) require_turning(*s(), is_torque() ? "rotates" : "has a lever arm on");
   MarkerForce::setup();
   also_.clear();
   for (const auto& read : reads_) {
@@ -96,8 +95,8 @@ void CoordinateForce::setup() {
 }
 
 bool CoordinateForce::stays_in_plane(Plane plane) const {
-  if (of_.kind == Coordinate::Kind::distance) return markers_stay_in(plane);
-  const auto axis = static_cast<Axis>((is_torque() ? 3 : 0) + of_.axis);
+  if (q_.of().kind == Coordinate::Kind::distance) return markers_stay_in(plane);
+  const auto axis = static_cast<Axis>((is_torque() ? 3 : 0) + q_.of().axis);
   const auto fits = [&](const MarkerFrame& frame) { return axis_stays_in_plane(axis, frame.A0.row(plane.n)); };
   return markers_stay_in(plane, false) && fits(S_) && (is_torque() ? fits(P_) : has_no_arms(plane));
 }
@@ -140,22 +139,20 @@ Jet<N, double, NoMotion> without_rate(const Jet<N>& x) {
 
 }  // namespace
 
-// f(q, qd, t, ...)
-template <class T>
-T CoordinateForce::effort(const Ends<T>& at) const {
-  std::array<T, kMostVariables> v;
-  std::array<double, kMostVariables> rates{};
-  v[0] = q_.value(at.P, at.S, at.s), v[1] = q_.rate(at.P, at.S), v[2] = T(at.t);
-  rates[0] = value_of(v[1]), rates[2] = 1;
+// f(q, qd, t, ...), of `most` variables at most
+template <std::size_t most, class T>
+T CoordinateForce::effort(const Ends<T>& at, const T& q, const T& rate) const {
+  std::array<T, most> v{q, rate, T(at.t)};
+  std::array<double, most> rates{value_of(rate), 0, 1};
   std::size_t n = 3;
   for (const auto& read : reads_) {
     const MotionT<T> O_m = at.motion(read->m().slot), O_n = at.motion(read->n().slot);
     const MarkerOn<T> m{O_m, read->m().at(at.t)}, on{O_n, read->n().at(at.t)};
-    if (f_.has_switches() && !read->of().rate) rates[n] = value_of(read->rate(m, on));
+    if (f_.has_switches() && !read->of().rate) rates[n] = value_of(read->rate(m, on, read->direction(m, on)));
     v[n++] = read->value(m, on, at.s);
   }
   if (!f_.has_switches()) return f_(std::span<const T>(v.data(), n));
-  std::array<decltype(with_rate(v[0], 0)), kMostVariables> moving;
+  std::array<decltype(with_rate(v[0], 0)), most> moving;
   for (std::size_t k = 0; k < n; ++k) moving[k] = with_rate(v[k], rates[k]);
   return without_rate(f_(std::span<const decltype(with_rate(v[0], 0))>(moving.data(), n)));
 }
@@ -164,7 +161,8 @@ template <class T, class Load>
 void CoordinateForce::act(const Ends<T>& at, Load& load) const {
   const Vec3T<T> g = q_.direction(at.P, at.S);
   const bool has_value = value_of(g[0]) != 0 || value_of(g[1]) != 0 || value_of(g[2]) != 0;
-  const T q = q_.value(at.P, at.S, at.s), rate = q_.rate(at.P, at.S), f = has_value ? effort(at) : T(0);
+  const T q = q_.value(at.P, at.S, at.s), rate = q_.rate(at.P, at.S, g);
+  const T f = !has_value ? T(0) : reads_.empty() ? effort<3>(at, q, rate) : effort<kMostVariables>(at, q, rate);
   if (is_torque())
     load.torque(Vec3T<T>(f * g));
   else

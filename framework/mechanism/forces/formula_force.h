@@ -45,11 +45,10 @@ class LOCKSTEP_API CoordinateForce final : public FormulaForce<CoordinateForce> 
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
-  bool is_torque() const { return of_.kind == Coordinate::Kind::turn; }
-  template <class T>
-  T effort(const Ends<T>&) const;
+  bool is_torque() const { return q_.of().kind == Coordinate::Kind::turn; }
+  template <std::size_t most, class T>
+  T effort(const Ends<T>&, const T& q, const T& rate) const;
 
-  Coordinate::Of of_;
   Coordinate q_;
   expression::FormulaFunction f_;
   Readings reads_;

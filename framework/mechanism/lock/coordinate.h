@@ -53,14 +53,14 @@ class LOCKSTEP_API Coordinate {
 
   template <class T>
   T value(const MarkerOn<T>& m, const MarkerOn<T>& n, std::span<const double> s) const {
-    return of_.rate || of_.kind == Kind::omega ? rate(m, n) : coordinate(m, n, s);
+    return of_.rate || of_.kind == Kind::omega ? rate(m, n, direction(m, n)) : coordinate(m, n, s);
   }
-  /// Derivative of the coordinate along the motion; the velocity itself of kind omega.
+  /// Derivative of the coordinate along the motion, by its direction; the velocity itself of kind omega.
   template <class T>
-  T rate(const MarkerOn<T>& m, const MarkerOn<T>& n) const {
-    if (turns()) return direction(m, n).dot(Vec3T<T>(m.w() - n.w()));
+  T rate(const MarkerOn<T>& m, const MarkerOn<T>& n, const Vec3T<T>& direction) const {
+    if (turns()) return direction.dot(Vec3T<T>(m.w() - n.w()));
     const Vec3T<T> d = m.x() - n.x();
-    return direction(m, n).dot(Vec3T<T>(m.v() - n.v() - cross(n.w(), d)));
+    return direction.dot(Vec3T<T>(m.v() - n.v() - cross(n.w(), d)));
   }
   /// The direction in which a force, or a torque, does work on the coordinate; world axes.
   template <class T>
