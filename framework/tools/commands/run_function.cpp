@@ -18,6 +18,7 @@
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
+#include "framework/tools/sweep/watched_run.h"
 
 namespace lockstep {
 namespace {
@@ -115,13 +116,14 @@ Scene RunFunction::scene(const Point& x) const {
   return s;
 }
 
-SweepRun RunFunction::at(const Point& x) const {
+SweepRun RunFunction::at(const Point& x, StepSequence* steps) const {
   const FindingScope unheard;  // the scene as it is written was read before
   SweepRun run;
   try {
     Scene s = scene(x);
     s.run.record = formulas_;
-    run = sweep_run(s, varied_.loaded.registry, like_, [&](const State&) { return !interrupt_.asked(); });
+    const auto goes_on = [&](const State&) { return !interrupt_.asked(); };
+    run = watched_run(s, varied_.loaded.registry, like_, goes_on, nullptr, {.steps = steps});
   } catch (const std::exception& error) {
     run.failed = true, run.status = error.what();
   }
@@ -132,8 +134,8 @@ SweepRun RunFunction::at(const Point& x) const {
   return run;
 }
 
-SweepRun RunFunction::succeeded(const Point& x) const {
-  SweepRun run = at(x);
+SweepRun RunFunction::succeeded(const Point& x, StepSequence* steps) const {
+  SweepRun run = at(x, steps);
   if (interrupt_.asked()) throw InterruptedError("interrupted");
   if (run.failed) throw Error(fmt::format("the run with {} failed: {}", text(x), run.status));
   return run;
@@ -171,6 +173,32 @@ void RunFunction::conclude(Result& result, const Point& x, const SweepRun& run) 
     result.write(file, write_json(found.written.is_null() ? found.root : found.written));
   CommandFindings::add(run.findings);
   result.code = run.wrong ? kExitNotConserved : kExitOk;
+}
+
+// Central differences d(h), with h halved, extrapolated to h = 0 (Richardson): d[j] = d[j-1] + (d[j-1] - d[j-1](2h))/(4^j - 1).
+// That one is taken which differs least from both that it is made of (Ridders 1982).
+std::vector<Derivative> derivatives(const std::function<std::vector<double>(const Point&)>& f, const Point& x,
+                                    std::size_t k, double h, int n) {
+  std::vector<Derivative> best;
+  std::vector<std::vector<double>> before;
+  for (; n > 0; --n, h /= 2) {
+    Point above = x, below = x;
+    above[k] += h, below[k] -= h;
+    const std::vector<double> plus = f(above), minus = f(below);
+    best.resize(plus.size()), before.resize(plus.size());
+    for (std::size_t i = 0; i < plus.size(); ++i) {
+      std::vector<double> d{(plus[i] - minus[i]) / (above[k] - below[k])};
+      if (before[i].empty()) best[i].value = d[0];
+      for (std::size_t j = 1; j <= before[i].size(); ++j) {
+        const double fine = d.back(), coarse = before[i][j - 1];
+        d.push_back(fine + (fine - coarse) / (std::ldexp(1, 2 * static_cast<int>(j)) - 1));
+        const double error = std::max(std::abs(d.back() - fine), std::abs(d.back() - coarse));
+        if (error < best[i].error) best[i] = {d.back(), error};
+      }
+      before[i] = std::move(d);
+    }
+  }
+  return best;
 }
 
 std::string with_unit(double value, const std::string& unit) {

@@ -2,6 +2,8 @@
 // RunFunction: formulas at the end of a run, as functions of numbers of its scene.
 #pragma once
 
+#include <cmath>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +12,7 @@
 #include "framework/tools/commands/sweep_plan.h"
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/progress.h"
+#include "framework/tools/sweep/same_steps.h"
 
 namespace lockstep {
 
@@ -51,9 +54,9 @@ class RunFunction {
 
   Scene scene(const Point&) const;
   /// Its columns are the formulas; their last values are the results. A run without a finite result has failed, as one that
-  /// was interrupted.
-  SweepRun at(const Point&) const;
-  SweepRun succeeded(const Point&) const;  ///< the same; throws Error for a failed one
+  /// was interrupted. `steps`: for derivatives, those that the run writes or repeats.
+  SweepRun at(const Point&, StepSequence* steps = nullptr) const;
+  SweepRun succeeded(const Point&, StepSequence* steps = nullptr) const;  ///< the same; throws Error for a failed one
   std::string text(const Point&) const;    ///< "crank = 103.2 mm, rod = 200 mm"
   /// The value of the first formula; its text begins with `name`, if there is one.
   Outcome outcome(const std::string& name, const Point&, const SweepRun&) const;
@@ -73,6 +76,15 @@ class RunFunction {
 
 inline constexpr Option kWrite{"--write", "FILE.json",
                                "write the scene with these values, next to the files that it reads"};
+
+/// The derivative of a result by a number, and its estimated error.
+struct Derivative {
+  double value = NAN, error = HUGE_VAL;
+};
+/// Of results f by the number k at x: by central differences with the step h, and with half of it `n` - 1 times,
+/// extrapolated to h = 0. The results must be smooth: of runs on the same steps.
+std::vector<Derivative> derivatives(const std::function<std::vector<double>(const Point&)>& f, const Point& x,
+                                    std::size_t k, double h, int n);
 
 /// The text of a result with its unit: "3 N m".
 std::string with_unit(double value, const std::string& unit);

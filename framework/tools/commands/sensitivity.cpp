@@ -16,14 +16,16 @@ namespace lockstep {
 namespace {
 
 constexpr int kMostModes = 1000;
-constexpr const char* kTightTolerance = "1e-12";  // of the runs: their errors are multiplied by 1/step
+constexpr const char* kTightTolerance = "1e-10";  // of the runs
+constexpr double kStep = 1.0 / 128;                // relative to the number
+constexpr int kHalvings = 3;
 
 /// The derivative of a result by a number.
 struct Slope {
   std::string of, to;
-  double value = 0, derivative = NAN;
+  double value, derivative;
   std::string unit;
-  double error = HUGE_VAL, relative = NAN;
+  double error, relative;
 };
 
 const Fields<std::vector<Slope>>& slope_fields() {
@@ -63,51 +65,28 @@ class Sensitivity {
     for (std::size_t k = 0; k < runs_.n(); ++k)
       if (x.push_back(runs_.given(k).value_or(0)); x[k] == 0)
         throw UsageError("--to: \"" + path(k) + "\" is 0, and steps are parts of it; give another value by --set");
-    const std::vector<double> values = at(x);
+    StepSequence steps;
+    const auto results = [&](const Point& point) { return at(point, steps); };
+    const std::vector<double> values = results(x);
+    steps.is_known = true;
     std::vector<Slope> all;
-    for (std::size_t k = 0; k < x.size(); ++k)
-      for (Slope s : differences(x, k)) {
-        const std::size_t f = all.size() % names_.size();
-        s.of = names_[f], s.to = path(k), s.value = values[f], s.relative = s.derivative * x[k] / values[f];
-        s.unit = unit_of_slope(units_[f], runs_.varied().variables[k].unit);
-        all.push_back(std::move(s));
-      }
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const std::vector<Derivative> slopes = derivatives(results, x, k, kStep * std::abs(x[k]), kHalvings);
+      for (std::size_t f = 0; f < slopes.size(); ++f)
+        all.push_back({names_[f], path(k), values[f], slopes[f].value,
+                       unit_of_slope(units_[f], runs_.varied().variables[k].unit), slopes[f].error,
+                       slopes[f].value * x[k] / values[f]});
+    }
     return all;
   }
 
   const Loaded& loaded() const { return runs_.varied().loaded; }
 
  private:
-  // Central differences d(h), with h halved, extrapolated to h = 0 (Richardson): d[j] = d[j-1] + (d[j-1] - d[j-1](2h))/(4^j - 1).
-  // That one is taken which differs least from both that it is made of (Ridders 1982).
-  std::vector<Slope> differences(const Point& x, std::size_t k) const {
-    constexpr double kFirst = 1.0 / 32;  // step, relative to the number
-    constexpr int kLevels = 6;
-    std::vector<Slope> best(names_.size());
-    std::vector<std::vector<double>> before(names_.size());
-    double h = kFirst * std::abs(x[k]);
-    for (int level = 0; level < kLevels; ++level, h /= 2) {
-      Point above = x, below = x;
-      above[k] += h, below[k] -= h;
-      const std::vector<double> plus = at(above), minus = at(below);
-      for (std::size_t f = 0; f < names_.size(); ++f) {
-        std::vector<double> d{(plus[f] - minus[f]) / (above[k] - below[k])};
-        for (std::size_t j = 1; j <= before[f].size(); ++j) {
-          const double fine = d.back(), coarse = before[f][j - 1];
-          d.push_back(fine + (fine - coarse) / (std::ldexp(1, 2 * static_cast<int>(j)) - 1));
-          const double error = std::max(std::abs(d.back() - fine), std::abs(d.back() - coarse));
-          if (error < best[f].error) best[f].error = error, best[f].derivative = d.back();
-        }
-        before[f] = std::move(d);
-      }
-    }
-    return best;
-  }
-
-  std::vector<double> at(const Point& x) const {
+  std::vector<double> at(const Point& x, StepSequence& steps) const {
     std::vector<double> values;
     if (n_formulas_ > 0)
-      for (const ColumnRange& c : runs_.succeeded(x).columns) values.push_back(c.last);
+      for (const ColumnRange& c : runs_.succeeded(x, &steps).columns) values.push_back(c.last);
     if (values.size() == names_.size()) return values;
     const FindingScope unheard;
     const MechanismAt rest = motion_state(

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -33,12 +34,13 @@ class OfMotion {
   void begin(double t, double v) { pieces_.clear(), begin_ = t, last_ = at_ = v, total_ = is_sum() ? 0 : v; }
   void jump(double v) { last_ = v; }
   double last() const { return last_; }  ///< at the end of the last step
-  void add(Piece p) {
+  /// The step of these values, and the value at an instant inside it.
+  void add(Piece p, const std::function<double(double t)>& at) {
     p.v[0] = last_, last_ = p.v.back();
     if (p.t0 <= instant_ && instant_ <= p.t1) at_ = p.at(instant_);
     if (window_ == kWhole && !pieces_.empty())
       total_ = with(pieces_.front(), begin_, HUGE_VAL, total_), pieces_.clear();
-    pieces_.push_back({p, part(p, p.t0, p.t1)});
+    pieces_.push_back({p, part(p, p.t0, p.t1, at)});
     while (pieces_.front().t1 < p.t0 - window_) pieces_.pop_front();  // windows begin inside the step too
   }
   double value(double t, double present) const {
@@ -54,9 +56,10 @@ class OfMotion {
 
   void save(Snapshot& out) const {
     for (const double x : {begin_, last_, at_, total_, static_cast<double>(pieces_.size())}) out.put(x);
-    for (const Piece& p : pieces_) {
+    for (const Seen& p : pieces_) {
       out.put(p.t0), out.put(p.t1);
       for (const double x : p.v) out.put(x);
+      out.put(p.whole);
     }
   }
   void load(SnapshotReader& in) {
@@ -65,7 +68,7 @@ class OfMotion {
     for (Seen& p : pieces_) {
       p.t0 = in.get(), p.t1 = in.get();
       for (double& x : p.v) x = in.get();
-      p.whole = part(p, p.t0, p.t1);
+      p.whole = in.get();
     }
   }
 
@@ -81,11 +84,12 @@ class OfMotion {
   double with(const Seen& p, double from, double to, double total) const {
     const double a = std::max(p.t0, from), b = std::min(p.t1, to);
     if (!(a < b)) return total;
-    const double of = a == p.t0 && b == p.t1 ? p.whole : part(p, a, b);
+    const double of = a == p.t0 && b == p.t1 ? p.whole : part(p, a, b, [&](double t) { return p.at(t); });
     return is_sum() ? total + of : sign() * std::max(sign() * total, sign() * of);
   }
-  double part(const Piece& p, double a, double b) const {
-    if (!is_sum()) return p.most(a, b, sign());
+  template <class V>
+  double part(const Piece& p, double a, double b, const V& at) const {
+    if (!is_sum()) return p.most(a, b, sign(), at);
     return p.integral(a, b, [&](double v) { return f_ == Function::rms ? v * v : v; });
   }
 
@@ -158,7 +162,11 @@ class Computed {
       const double from = motions_[i].second->last();
       for (int k = 1; k + 1 < Piece::kNodes && !step.has_states(); ++k)
         p.v[k] = from + (p.v.back() - from) * k / (Piece::kNodes - 1);
-      motions_[i].second->add(p);
+      motions_[i].second->add(p, [&](double t) {
+        if (!step.has_states()) return p.at(t);
+        read(step.at(t));
+        return motions_[i].second->now(span());
+      });
     }
   }
   void restart() {

@@ -5,6 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <boost/math/quadrature/gauss.hpp>
+#include <boost/math/tools/minima.hpp>
+#include <cmath>
+#include <limits>
+
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep::channels {
 
@@ -33,21 +38,22 @@ struct Piece {
   double integral(double a, double b, const F& f) const {
     return boost::math::quadrature::gauss<double, 5>::integrate([&](double time) { return f(at(time)); }, a, b);
   }
-  /// Its largest value from a to b; with sign -1 the least.
-  double most(double a, double b, double sign) const {
-    double best = sign * std::max(sign * at(a), sign * at(b));
-    constexpr int kParts = 8;
+  /// Its largest value from a to b; with sign -1 the least. A peak of a grid is refined on `v_at`, v at a time.
+  template <class V>
+  double most(double a, double b, double sign, const V& v_at) const {
+    constexpr int kParts = 8, kDigits = std::numeric_limits<double>::digits / 2;
     const double h = (b - a) / kParts;
-    for (int k = 1; k < kParts; ++k) {
-      const double left = at(a + (k - 1) * h), here = at(a + k * h), right = at(a + (k + 1) * h);
-      double top = here;
-      if (sign * here >= sign * left && sign * here >= sign * right && left + right != 2 * here) {
-        const double x = 0.5 * (left - right) / (left - 2 * here + right);  // the vertex, in parts
-        top = at(a + (k + x) * h);
-      }
-      best = sign * std::max({sign * best, sign * here, sign * top});
+    const auto on_grid = [&](int k) { return sign * at(a + k * h); };
+    double best = std::max(on_grid(0), on_grid(kParts));
+    for (int k = 0; k <= kParts; ++k) {
+      const double here = on_grid(k), left = here - on_grid(k - 1), right = here - on_grid(k + 1);
+      if (left < 0 || right < 0 || left + right <= kRoundOff * std::abs(here) || here + left + right < best) continue;
+      const double from = std::max(a, a + (k - 1) * h), to = std::min(b, a + (k + 1) * h);
+      best = std::max(best,
+                      -boost::math::tools::brent_find_minima([&](double t) { return -sign * v_at(t); }, from, to, kDigits)
+                           .second);
     }
-    return best;
+    return sign * best;
   }
 };
 

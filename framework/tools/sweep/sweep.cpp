@@ -17,19 +17,22 @@
 #include "framework/tools/scene_run/requirements.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
 #include "framework/tools/scene_run/scene_run.h"
+#include "framework/tools/sweep/same_steps.h"
 #include "framework/tools/sweep/watched_run.h"
 
 namespace lockstep {
 namespace {
 
 void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
-              const std::function<bool(const State&)>& go_on, Observer* at_jumps, Observer* besides) {
+              const std::function<bool(const State&)>& go_on, Observer* at_jumps, const RunWatch& watch) {
   std::vector<Event> events = make_events(m, recorder);
   EnergyAudit audit(system_of(m), m.run.limits);
   const std::unique_ptr<Recorder> requirements = make_requirements(m);
   Dynamics dynamics = make_dynamics(m, registry);
   State start = assembled_start(dynamics, m);
-  StepLoop sim(dynamics, make_integrator(m.run, registry), loop_options(m.run));
+  std::unique_ptr<Integrator> method = make_integrator(m.run, registry);
+  if (watch.steps != nullptr) method = std::make_unique<SameSteps>(std::move(method), *watch.steps);
+  StepLoop sim(dynamics, std::move(method), loop_options(m.run));
   sim.add_observer(recorder);
   if (at_jumps != nullptr) sim.add_observer(*at_jumps);
   if (requirements) sim.add_observer(*requirements);
@@ -38,7 +41,7 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   sim.add_observer(doubts);
   SingularWatch singular(system_of(m));
   if (SingularWatch::is_needed(dynamics, start, sim.integrator().info())) sim.add_observer(singular);
-  if (besides != nullptr) sim.add_observer(*besides);
+  if (watch.observer != nullptr) sim.add_observer(*watch.observer);
   for (Event& event : events) sim.add_event(std::move(event));
   const State started = start;
   sim.set_state(std::move(start));
@@ -149,7 +152,7 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
         throw ModelError(
             "it records other columns than the first run; list the same channels in \"record\" of \"run\"");
       if (m.run.until < 0) throw ModelError("the scene has no end time; add \"until\" to \"run\"");
-      simulate(m, *recorder, registry, result, go_on, at_jumps ? &*at_jumps : nullptr, watch.observer);
+      simulate(m, *recorder, registry, result, go_on, at_jumps ? &*at_jumps : nullptr, watch);
     } catch (...) {
       end();
       throw;

@@ -10,11 +10,14 @@
 
 namespace lockstep {
 
-/// An observer, and a function that is called at the end of the run, also of one that failed, with the mechanism and the
-/// recorded columns. Both may be empty.
+struct StepSequence;
+
+/// What a run is given besides its scene. Each may be empty.
 struct RunWatch {
   Observer* observer = nullptr;
+  /// Called at the end, also of a run that failed, with the mechanism and the recorded columns.
   std::function<void(const Mechanism&, const Table&)> ended{};
+  StepSequence* steps = nullptr;  ///< that it writes or repeats (SameSteps)
 };
 
 /// Writes the results of an audit to the result of a run.
