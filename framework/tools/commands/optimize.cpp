@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <span>
 
 #include <lockstep/charts.h>
 #include <lockstep/error.h>
@@ -20,7 +21,8 @@
 namespace lockstep {
 namespace {
 
-constexpr int kRuns = 1000;  // default
+constexpr int kRuns = 1000;     // default
+constexpr double kStep = 1e-4;  // of derivatives, relative to a range
 
 struct Optimized {
   Outcome start, best;
@@ -74,12 +76,7 @@ class Optimization {
 
   Optimized result(const std::string& ended) const {
     const auto outcome = [&](std::size_t k) { return runs_.outcome("", points_[k], done_[k]); };
-    Optimized o{outcome(0),
-                outcome(best()),
-                {},
-                ended,
-                static_cast<long>(done_.size()),
-                std::ranges::count(done_, true, &SweepRun::failed)};
+    Optimized o{outcome(0), outcome(best()), {}, ended, n_runs_, std::ranges::count(done_, true, &SweepRun::failed)};
     for (std::size_t k = 0; k < conditions_.size(); ++k)
       o.conditions.push_back(conditions_[k] + ": " +
                              with_unit(done_[best()].columns[1 + 2 * k].last, runs_.unit(1 + 2 * k)));
@@ -120,8 +117,8 @@ class Optimization {
     Point x;
     for (std::size_t k = 0; k < runs_.n(); ++k) x.push_back(std::lerp(runs_.low(k), runs_.high(k), u[k]));
     if (!points_.empty() && points_.back() == x) return scaled_;
-    done_.push_back(runs_.at(x)), points_.push_back(x);
-    progress_.at(static_cast<double>(done_.size()));
+    steps_.is_known = false;
+    done_.push_back(run(x)), points_.push_back(x);
     if (ranks_.emplace_back(kFailed, 0); done_.back().failed) return scaled_ = worst_;
     scaled_.assign(1, sign_ * done_.back().columns[0].last / scale(0));
     for (std::size_t k = 2; k < done_.back().columns.size(); k += 2)
@@ -131,6 +128,35 @@ class Optimization {
     worst_.resize(scaled_.size(), -HUGE_VAL);
     for (std::size_t k = 0; k < scaled_.size(); ++k) worst_[k] = std::max(worst_[k], scaled_[k]);
     return scaled_;
+  }
+
+  SweepRun run(const Point& x) {
+    progress_.at(static_cast<double>(++n_runs_));
+    return runs_.at(x, &steps_);
+  }
+
+  // Their derivatives at the last point, one row for each; 0 if a run failed.
+  void derive(std::span<double> gradient, std::size_t first) {
+    const std::size_t n = runs_.n();
+    if (gradients_.empty() || derived_ != points_.back()) {
+      derived_ = points_.back(), gradients_.assign(scaled_.size() * n, 0), steps_.is_known = true;
+      const auto results = [&](const Point& x) {
+        std::vector<double> all;
+        for (const ColumnRange& c : run(x).columns) all.push_back(c.last);
+        all.resize(2 * scaled_.size() - 1, NAN);
+        return all;
+      };
+      for (std::size_t k = 0; k < n; ++k) {
+        const double range = runs_.high(k) - runs_.low(k), h = kStep * range;
+        Point x = derived_;
+        x[k] = std::clamp(x[k], runs_.low(k) + h, runs_.high(k) - h);
+        const std::vector<Derivative> d = derivatives(results, x, k, h, 1);
+        for (std::size_t f = 0; f < scaled_.size(); ++f)
+          if (const double slope = (f == 0 ? sign_ : 1) * d[2 * f].value * range / scale(2 * f); std::isfinite(slope))
+            gradients_[f * n + k] = slope;
+      }
+    }
+    std::copy_n(gradients_.begin() + static_cast<std::ptrdiff_t>(first * n), gradient.size(), gradient.begin());
   }
 
   enum Verdict { kFailed, kEnded, kHolds };  // kHolds: with all conditions
@@ -145,7 +171,10 @@ class Optimization {
   std::vector<SweepRun> done_;
   std::vector<Point> points_;
   std::vector<std::pair<Verdict, double>> ranks_;  // the larger, the better
-  std::vector<double> scaled_, worst_;
+  std::vector<double> scaled_, worst_, gradients_;
+  StepSequence steps_;  // of the last point
+  Point derived_;       // of the gradients
+  long n_runs_ = 0;
 };
 
 #if LOCKSTEP_NLOPT
@@ -155,13 +184,17 @@ std::string Optimization::search(const std::string& method) {
     Optimization& all;
     nlopt_opt nlopt;
   };
-  const auto objective = [](unsigned, const double* u, double*, void* of) {
-    const Call& call = *static_cast<Call*>(of);
-    if (call.all.interrupt_.asked()) nlopt_force_stop(call.nlopt);
-    return call.all.scaled(u)[0];
+  const auto objective = [](unsigned n, const double* u, double* gradient, void* of) {
+    Call& call = *static_cast<Call*>(of);
+    if (call.all.interrupt_.asked() || call.all.n_runs_ >= call.all.most_) nlopt_force_stop(call.nlopt);
+    const double value = call.all.scaled(u)[0];
+    if (gradient != nullptr) call.all.derive({gradient, n}, 0);
+    return value;
   };
-  const auto excesses = [](unsigned n, double* c, unsigned, const double* u, double*, void* of) {
-    std::copy_n(static_cast<Call*>(of)->all.scaled(u).begin() + 1, n, c);
+  const auto excesses = [](unsigned m, double* c, unsigned n, const double* u, double* gradient, void* of) {
+    Call& call = *static_cast<Call*>(of);
+    std::copy_n(call.all.scaled(u).begin() + 1, m, c);
+    if (gradient != nullptr) call.all.derive({gradient, std::size_t{m} * n}, 1);
   };
   std::vector<double> start, slack(conditions_.size(), tolerance());
   for (std::size_t k = 0; k < runs_.n(); ++k) {
@@ -171,25 +204,24 @@ std::string Optimization::search(const std::string& method) {
   if (scaled(start.data()); done_[0].failed)
     throw Error(fmt::format("the first run, with {}, failed: {}; give values at which it succeeds by --set",
                             runs_.text(points_[0]), done_[0].status));
-  const nlopt_algorithm by = method == "direct"                                               ? NLOPT_GN_ORIG_DIRECT_L
-                             : method == "cobyla" || (method.empty() && !conditions_.empty()) ? NLOPT_LN_COBYLA
-                                                                                              : NLOPT_LN_NELDERMEAD;
+  const nlopt_algorithm by = method == "direct"       ? NLOPT_GN_ORIG_DIRECT_L
+                             : method == "cobyla"     ? NLOPT_LN_COBYLA
+                             : method == "neldermead" ? NLOPT_LN_NELDERMEAD
+                                                      : NLOPT_LD_SLSQP;
   const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> nlopt(nlopt_create(by, static_cast<unsigned>(start.size())),
                                                                 nlopt_destroy);
   Call call{*this, nlopt.get()};
   nlopt_set_lower_bounds1(nlopt.get(), 0);
   nlopt_set_upper_bounds1(nlopt.get(), 1);
   nlopt_set_xtol_abs1(nlopt.get(), tolerance());
-  nlopt_set_maxeval(nlopt.get(), most_);
   nlopt_set_min_objective(nlopt.get(), objective, &call);
   if (!slack.empty() && nlopt_add_inequality_mconstraint(nlopt.get(), static_cast<unsigned>(slack.size()), excesses,
                                                          &call, slack.data()) != NLOPT_SUCCESS)
-    throw UsageError("--method: " + method + " takes no conditions; use cobyla or direct");
+    throw UsageError("--method: " + method + " takes no conditions; use slsqp, cobyla or direct");
   double least = 0;
   const nlopt_result why = nlopt_optimize(nlopt.get(), start.data(), &least);
   progress_.finish();
-  if (why == NLOPT_FORCED_STOP) return "interrupted";
-  if (why == NLOPT_MAXEVAL_REACHED) return "the number of runs was reached (--runs)";
+  if (why == NLOPT_FORCED_STOP) return interrupt_.asked() ? "interrupted" : "the number of runs was reached (--runs)";
   return why > 0 || why == NLOPT_ROUNDOFF_LIMITED ? "converged" : "the method failed";
 }
 
@@ -230,8 +262,9 @@ Command optimize_command() {
              Option{"--maximize", "FORMULA", "the same, to be largest"}.without("--minimize"),
              Option{"--subject-to", "CONDITION", "condition at the end of the run, max(T) < 3 N m; may be repeated"}
                  .repeated(),
-             Option{"--method", "NAME", "default neldermead, with conditions cobyla; direct looks in the whole range"}
-                 .among("cobyla,neldermead,direct"),
+             Option{"--method", "NAME",
+                    "default slsqp, by derivatives; cobyla and neldermead need none, direct looks in the whole range"}
+                 .among("slsqp,cobyla,neldermead,direct"),
              {"--runs", "N", "runs at most; default 1000"},
              kWrite,
              {"--picture", "FILE.svg", "draw the objective of each run, as SVG and PNG"},
@@ -239,8 +272,9 @@ Command optimize_command() {
              kJson.without("--quiet")}}),
       optimize,
       R"--(NAME and FORMULA are those of `lockstep find`. The search begins with the values of the scene, and finds a minimum
-near them. There may be a lower one: begin elsewhere by --set, or look with --method direct first. A run that fails counts
-as the worst one so far. Exit code 1: the conditions held in no run.
+near them. There may be a lower one: begin elsewhere by --set, or look with --method direct first. Derivatives are those of
+`lockstep sensitivity`, by two runs for each number. Use neldermead, or with conditions cobyla, for a formula with jumps or
+kinks. A run that fails counts as the worst one so far. Exit code 1: the conditions held in no run.
 
 Example:
   lockstep optimize samples/scenes/slider_crank.json --vary crank=100mm:200mm --minimize "max(drive_torque)")--",

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kMostModes = 1000;
 constexpr const char* kTightTolerance = "1e-10";  // of the runs
-constexpr double kStep = 1.0 / 128;                // relative to the number
+constexpr double kFirstStep = 1.0 / 128;          // relative to the number
 constexpr int kHalvings = 3;
 
 /// The derivative of a result by a number.
@@ -71,7 +71,7 @@ class Sensitivity {
     steps.is_known = true;
     std::vector<Slope> all;
     for (std::size_t k = 0; k < x.size(); ++k) {
-      const std::vector<Derivative> slopes = derivatives(results, x, k, kStep * std::abs(x[k]), kHalvings);
+      const std::vector<Derivative> slopes = derivatives(results, x, k, kFirstStep * std::abs(x[k]), kHalvings);
       for (std::size_t f = 0; f < slopes.size(); ++f)
         all.push_back({names_[f], path(k), values[f], slopes[f].value,
                        unit_of_slope(units_[f], runs_.varied().variables[k].unit), slopes[f].error,
@@ -127,9 +127,10 @@ Command sensitivity_command() {
              Option{"--to", "NAME", "number of the scene; may be repeated"}.needed().repeated(),
              kJson}}),
       sensitivity,
-      R"--(Derivatives are by differences, not exact: central differences of runs with steps of 1/32 of the number and less are
+      R"--(The method of integration is differentiated (internal numerical differentiation): runs with changed numbers make the
+steps of the run of the scene, so that results are smooth. Their central differences, with changes of 1/128 and less, are
 extrapolated to zero. The estimated error is the least change between two extrapolations. The tolerance of the runs is
-1e-12 unless --tolerance is given. Extremes have no derivative where one peak takes over from another.
+1e-10 unless --tolerance is given. Extremes have no derivative if one peak takes over from another.
 
 Example:
   lockstep sensitivity samples/scenes/slider_crank.json --of "max(drive_torque)" --to crank --to rod)--",

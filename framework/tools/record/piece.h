@@ -49,9 +49,9 @@ struct Piece {
       const double here = on_grid(k), left = here - on_grid(k - 1), right = here - on_grid(k + 1);
       if (left < 0 || right < 0 || left + right <= kRoundOff * std::abs(here) || here + left + right < best) continue;
       const double from = std::max(a, a + (k - 1) * h), to = std::min(b, a + (k + 1) * h);
-      best = std::max(best,
-                      -boost::math::tools::brent_find_minima([&](double t) { return -sign * v_at(t); }, from, to, kDigits)
-                           .second);
+      best = std::max(
+          best,
+          -boost::math::tools::brent_find_minima([&](double t) { return -sign * v_at(t); }, from, to, kDigits).second);
     }
     return sign * best;
   }
