@@ -69,8 +69,7 @@ class Optimization {
   /// The best run of those in which all conditions hold; if they hold in none, the one of the least largest excess.
   std::size_t best() const { return std::ranges::max_element(ranks_) - ranks_.begin(); }
   bool holds(std::size_t k) const { return ranks_[k].first == kHolds; }
-  const Point& point(std::size_t k) const { return points_[k]; }
-  const SweepRun& run(std::size_t k) const { return done_[k]; }
+  void conclude(Result& result) const { runs_.conclude(result, points_, done_, best()); }
 
   Optimized result(const std::string& ended) const {
     const auto outcome = [&](std::size_t k) { return runs_.outcome("", points_[k], done_[k]); };
@@ -204,10 +203,10 @@ std::string Optimization::search(const std::string&) {
 Result optimize(const Arguments& args) {
   const Interrupt interrupt;
   Optimization all(args, interrupt);
-  all.runs().check_file();
+  all.runs().check_files();
   const Optimized found = all.result(all.search(args["--method"]));
   Result result(all.runs().varied().loaded, optimize_fields(), found);
-  all.runs().conclude(result, all.point(all.best()), all.run(all.best()));
+  all.conclude(result);
   if (const std::string& picture = args["--picture"]; !picture.empty()) {
     all.draw(picture);
     result.files.push_back(picture);
@@ -235,6 +234,7 @@ Command optimize_command() {
              {"--runs", "N", "runs at most; default 1000"},
              kWrite,
              {"--picture", "FILE.svg", "draw the objective of each run, as SVG and PNG"},
+             kBeforeAfter,
              {"--quiet", "", "print errors only"},
              kJson.without("--quiet")}}),
       optimize,
