@@ -3,6 +3,9 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -13,6 +16,7 @@
 #include "tests/support/defect_runs.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
+#include "tests/support/report_page.h"
 
 namespace search_values_test {
 
@@ -132,6 +136,43 @@ void check_slopes(const std::vector<double>& found, const std::vector<ExactSlope
   }
 }
 
+// The page of a search of the rotor's speed, against closed forms: the runs before and after, with the columns that the
+// scene records, and the row of each run.
+void check_rotor_page(const std::string& file, double before, double after) {
+  std::ifstream in(kRunnerFolder + "/" + file, std::ios::binary);
+  const std::string page((std::istreambuf_iterator<char>(in)), {});
+  const Json data = Json::parse(lockstep::report_page::element(page, "data"));
+  const std::vector<unsigned char> bytes =
+      lockstep::report_page::bytes_of(lockstep::report_page::element(page, "numbers"));
+  const Json& runs = data["histories"]["runs"];
+  REQUIRE(runs.size() == 2);
+  CHECK(runs[0]["run"] == 1);
+  CHECK(runs[1]["run"] == data["shown"]);
+  std::vector<std::string> lines{""};
+  for (const char c : data["csv"].get<std::string>())
+    c == '\n' ? lines.emplace_back() : lines.back() += std::string(1, c);
+  CHECK(lines[0].starts_with("run,speed [rad/s],t final [s],"));
+  for (const auto& [run, speed] : {std::pair(runs[0], before), std::pair(runs[1], after)}) {
+    INFO(speed);
+    const Json& columns = run["table"]["columns"];
+    REQUIRE(columns.size() == 3);
+    CHECK(columns[1]["name"] == "F");
+    CHECK(columns[2]["name"] == "phi");
+    // The weight is across to the radius at the start.
+    const double first = lockstep::report_page::read(bytes, columns[1]["values"]).front();
+    CHECK(std::abs(first - std::hypot(2 * 0.3 * speed * speed, 2 * 9.81)) <= 1e-4);
+    CHECK(std::abs(lockstep::report_page::read(bytes, columns[2]["values"]).back() - 2 * speed) <= 1e-4);
+    CHECK(run["frames"]["n"].get<int>() > 2);
+    // "12,11.5744,2,100,...": number, speed, end, formula.
+    const std::string& row = lines[run["run"].get<std::size_t>()];
+    double number = 0, value = 0, end = 0, formula = 0;
+    REQUIRE(std::sscanf(row.c_str(), "%lf,%lf,%lf,%lf", &number, &value, &end, &formula) == 4);
+    CHECK(number == run["run"].get<double>());
+    CHECK(std::abs(value - speed) <= 1e-4);
+    CHECK(std::abs(formula - (2 * 0.3 * speed * speed + 2 * 9.81)) <= 1e-3);
+  }
+}
+
 // Without NLopt the command reports the package that it needs.
 bool is_left_out() {
   const bool left_out =
@@ -158,6 +199,17 @@ TEST_CASE("find: the speed at which the peak force of a bearing reaches a limit"
   INFO(run.text);
   CHECK(run.exit == 0);
   CHECK(contains(run.text, " ... 100 N"));
+}
+
+TEST_CASE("find: the page of the given and the found scene", "[plugin][runner]") {
+  const std::string words =
+      "find " + rotor() + " --vary speed=\"5 rad/s:20 rad/s\" --reach \"max(F) = 100 N\" --report ";
+  const Called found = call(words + "found.html");
+  INFO(found.text);
+  CHECK(found.exit == 0);
+  CHECK(value_of(found.text, "written") == "found.html");
+  check_rotor_page("found.html", 10, std::sqrt((100 - 2 * 9.81) / (2 * 0.3)));
+  check_refused(call(words + "-"), 2, {"--report: the report needs a file"});
 }
 
 TEST_CASE("find: the last value of a column, and channels that are no columns", "[plugin][runner]") {
@@ -239,6 +291,35 @@ TEST_CASE("optimize: a four-bar whose coupler point passes ten points", "[plugin
   double sum = 0;
   for (const double d : least) sum += d;
   CHECK(std::abs(sum - j["best"]["value"].get<double>()) <= 1e-4 * sum);
+}
+
+TEST_CASE("optimize: the page of the first and the best run", "[plugin][runner]") {
+  if (is_left_out()) return;
+  // F = m r w^2 + m g, so that the speed is largest at the limit of 100 N.
+  const Called best = call("optimize " + rotor() + " --vary speed=\"5 rad/s:20 rad/s\" --maximize \"max(F)\"" +
+                           " --subject-to \"max(F) < 100 N\" --quiet --report best.html");
+  INFO(best.text);
+  CHECK(best.exit == 0);
+  check_rotor_page("best.html", 10, std::sqrt((100 - 2 * 9.81) / (2 * 0.3)));
+}
+
+TEST_CASE("optimize: without a point that meets all conditions, the least broken one", "[plugin][runner]") {
+  if (is_left_out()) return;
+  // F > 200 N and F < 100 N. The scale of an excess is the larger one of the left side and the excess at the start, where
+  // F = 79.62 N: 120.38 N and 79.62 N. The larger excess is least where both are equal, whatever the objective is.
+  const double first = 200 - 79.62, second = 79.62, force = (200 * second + 100 * first) / (first + second);
+  const double speed = std::sqrt((force - 2 * 9.81) / (2 * 0.3));
+  for (const char* objective : {"--minimize", "--maximize"}) {
+    INFO(objective);
+    const Called none =
+        call("optimize " + rotor() + " --vary speed=5:20 " + objective + " \"max(F)\"" +
+             " --subject-to \"max(F) > 200 N\" --subject-to \"max(F) < 100 N\" --write least_broken.json");
+    INFO(none.text);
+    CHECK(none.exit == 1);
+    CHECK(contains(none.text, "they held together in no run"));
+    const Json written = Json::parse(std::ifstream(kRunnerFolder + "/least_broken.json"));
+    CHECK(std::abs(std::stod(written["parameters"]["speed"].get<std::string>()) - speed) <= 1e-4);
+  }
 }
 
 TEST_CASE("optimize: maximum, conditions that cannot hold, and errors", "[plugin][runner]") {

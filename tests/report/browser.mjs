@@ -620,6 +620,53 @@ async function checkHistories(browser) {
   await page.close();
 }
 
+// The page of a search: the given run next to the found one, against the CSV of the given scene.
+async function checkBefore(browser) {
+  const scene = join(scenes, 'slider_crank.json'),
+    csv = join(folder, 'given.csv'),
+    html = join(folder, 'found.html'),
+    options = { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] };
+  execFileSync(lockstep, ['run', scene, '--record', csv, '--no-picture', '--quiet'], options);
+  const search = ['--vary', 'crank=100 mm:200 mm', '--reach', 'max(drive_torque) = 3 N m'];
+  execFileSync(lockstep, ['find', scene, ...search, '--report', html], options);
+  const page = await browser.page();
+  await page.open(pathToFileURL(html).href);
+  await page.settle();
+  const { names, rows } = readCsv(csv);
+  const columns = await page.evaluate(
+    'globalThis.lockstepReport.data.table.columns.map((c) => [c.name, Array.from(c.values)])',
+  );
+  check(columns.length === 2 * names.length - 1, `a page of two runs has ${columns.length} columns of ${names.length} each`);
+  let worst = 0;
+  for (const [k, [name, values]] of columns.slice(names.length).entries()) {
+    check(name === `${names[k + 1]} before`, `column ${name} is that of ${names[k + 1]} before`);
+    rows.forEach((row, i) => {
+      worst = Math.max(worst, Math.abs(row[k + 1] - values[i]) / Math.max(1, Math.abs(row[k + 1])));
+    });
+  }
+  check(worst < TOLERANCE, `the columns before differ from the CSV of the given scene by ${worst}`);
+  const cells = await page.evaluate(
+    "[...document.querySelectorAll('#plots-panel > table tr')].map((row) => [...row.cells].map((c) => c.textContent))",
+  );
+  const of = (title) => cells.find(([name]) => name === title)?.slice(1).map(Number) ?? [];
+  const [given, found] = of('crank [mm]'),
+    torques = of('max(drive_torque) = 3 N m [N m]');
+  check(given === 150 && found > 100 && found < 150, `the table has the cranks ${given} and ${found}`);
+  const peak = Math.max(...rows.map((row) => row[names.indexOf('drive_torque')]));
+  check(Math.abs(torques[0] - peak) < 0.01 * peak && torques[1] === 3, `the table has the torques ${torques}, not ${peak}`);
+  // The middle of a crank keeps half of its length from the hinge at the origin.
+  for (const t of [0, 0.3]) {
+    await page.evaluate(PLACES(t));
+    const lengths = await page.evaluate(
+      "globalThis.lockstepReport.world.root.children.filter((o) => o.name === 'crank').map((o) => 2000 * o.position.length())",
+    );
+    const right = lengths.length === 2 && [found, given].every((length, i) => Math.abs(lengths[i] - length) < 0.01);
+    check(right, `at ${t} s the cranks have the lengths ${lengths}`);
+  }
+  checkQuiet(page, 'before');
+  await page.close();
+}
+
 // Modes in the page against those that the program prints: places of bodies at phases of a mode, and its frequency.
 async function checkModes(browser) {
   const masses = [1, 2, 3].map((i) => ({ name: `m${i}`, particle: i, position: [i, 0, 0] }));
@@ -855,6 +902,7 @@ try {
   await checkVisual(browser);
   await checkMarks(browser);
   await checkHistories(browser);
+  await checkBefore(browser);
   await checkModes(browser);
   await checkExtremes(browser);
   await checkLong(browser);

@@ -24,7 +24,7 @@ Result find(const Arguments& args) {
   if (sides.sign != "==") throw UsageError("--reach: \"" + goal + "\" is not an equation; write \"max(T) = 3 N m\"");
   runs.add("--reach", goal, sides.left);
   runs.add("--reach", goal + " (difference)", sides.left + " - (" + sides.right + ")");
-  runs.check_file();
+  runs.check_files();
 
   std::map<double, SweepRun> done;
   const auto difference = [&](double x) {
@@ -51,7 +51,8 @@ Result find(const Arguments& args) {
                             runs.text({low})));
   const double x = at_low < at_high ? low : high;
   Result result(runs.varied().loaded, outcome_fields(), runs.outcome(sides.left, {x}, done.at(x)));
-  runs.conclude(result, {x}, done.at(x));
+  const Point given{runs.given(0).value_or(a)};
+  runs.conclude(result, {given, {x}}, {args["--report"].empty() ? SweepRun() : runs.at(given), done.at(x)}, 1);
   return result;
 }
 
@@ -64,7 +65,7 @@ Command find_command() {
             {Option{"--vary", "NAME=a:b", "the number that varies, and its range"}.needed().repeated(),
              Option{"--reach", "EQUATION", "formula of columns and channels, and its value at the end of the run"}
                  .needed(),
-             kWrite, kJson}}),
+             kWrite, kBeforeAfter, kJson}}),
       find,
       R"(The value of NAME in its range at which the formula has the value, by bracketing: at one end of the range it
 must be above, at the other below. NAME is that of `lockstep sweep`. The formula reads recorded columns and channels, and

@@ -68,11 +68,10 @@ class Optimization {
   /// Calls NLopt; why it ended. Throws Error if the start fails, FileError in a build without NLopt.
   std::string search(const std::string& method);
 
-  /// The best run of those in which all conditions hold; of all, if they hold in none.
+  /// The best run of those in which all conditions hold; if they hold in none, the one of the least largest excess.
   std::size_t best() const { return std::ranges::max_element(ranks_) - ranks_.begin(); }
   bool holds(std::size_t k) const { return ranks_[k].first == kHolds; }
-  const Point& point(std::size_t k) const { return points_[k]; }
-  const SweepRun& run(std::size_t k) const { return done_[k]; }
+  void conclude(Result& result) const { runs_.conclude(result, points_, done_, best()); }
 
   Optimized result(const std::string& ended) const {
     const auto outcome = [&](std::size_t k) { return runs_.outcome("", points_[k], done_[k]); };
@@ -123,8 +122,8 @@ class Optimization {
     scaled_.assign(1, sign_ * done_.back().columns[0].last / scale(0));
     for (std::size_t k = 2; k < done_.back().columns.size(); k += 2)
       scaled_.push_back(done_.back().columns[k].last / scale(k));
-    const bool holds = std::all_of(scaled_.begin() + 1, scaled_.end(), [&](double c) { return c <= tolerance(); });
-    ranks_.back() = {holds ? kHolds : kEnded, -scaled_[0]};
+    const double excess = conditions_.empty() ? 0 : *std::max_element(scaled_.begin() + 1, scaled_.end());
+    ranks_.back() = excess <= tolerance() ? std::pair(kHolds, -scaled_[0]) : std::pair(kEnded, -excess);
     worst_.resize(scaled_.size(), -HUGE_VAL);
     for (std::size_t k = 0; k < scaled_.size(); ++k) worst_[k] = std::max(worst_[k], scaled_[k]);
     return scaled_;
@@ -236,10 +235,10 @@ std::string Optimization::search(const std::string&) {
 Result optimize(const Arguments& args) {
   const Interrupt interrupt;
   Optimization all(args, interrupt);
-  all.runs().check_file();
+  all.runs().check_files();
   const Optimized found = all.result(all.search(args["--method"]));
   Result result(all.runs().varied().loaded, optimize_fields(), found);
-  all.runs().conclude(result, all.point(all.best()), all.run(all.best()));
+  all.conclude(result);
   if (const std::string& picture = args["--picture"]; !picture.empty()) {
     all.draw(picture);
     result.files.push_back(picture);
@@ -268,13 +267,15 @@ Command optimize_command() {
              {"--runs", "N", "runs at most; default 1000"},
              kWrite,
              {"--picture", "FILE.svg", "draw the objective of each run, as SVG and PNG"},
+             kBeforeAfter,
              {"--quiet", "", "print errors only"},
              kJson.without("--quiet")}}),
       optimize,
       R"--(NAME and FORMULA are those of `lockstep find`. The search begins with the values of the scene, and finds a minimum
 near them. There may be a lower one: begin elsewhere by --set, or look with --method direct first. Derivatives are those of
 `lockstep sensitivity`, by two runs for each number. Use neldermead, or with conditions cobyla, for a formula with jumps or
-kinks. A run that fails counts as the worst one so far. Exit code 1: the conditions held in no run.
+kinks. A run that fails counts as the worst one so far. Exit code 1: the conditions held in no run;
+the best run is then the one whose largest excess, relative to its start, is least.
 
 Example:
   lockstep optimize samples/scenes/slider_crank.json --vary crank=100mm:200mm --minimize "max(drive_torque)")--",

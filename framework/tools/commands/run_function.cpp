@@ -18,6 +18,8 @@
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
+#include "framework/tools/program/run_report.h"
+#include "framework/tools/report/histories.h"
 #include "framework/tools/sweep/watched_run.h"
 
 namespace lockstep {
@@ -141,13 +143,17 @@ SweepRun RunFunction::succeeded(const Point& x, StepSequence* steps) const {
   return run;
 }
 
+std::vector<Variable> RunFunction::shown(const Point& x) const {
+  std::vector<Variable> all = varied_.shown;
+  for (std::size_t k = 0; k < x.size(); ++k)
+    all[k].values = {Value(all[k].unit.empty() ? x[k] : x[k] / in_si(1, all[k].unit).value)};
+  return all;
+}
+
 std::string RunFunction::text(const Point& x) const {
   std::string all;
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    const std::string& unit = varied_.shown[k].unit;
-    all += (all.empty() ? "" : ", ") + varied_.variables[k].path + " = " +
-           with_unit(unit.empty() ? x[k] : x[k] / in_si(1, unit).value, unit);
-  }
+  for (const Variable& v : shown(x))
+    all += (all.empty() ? "" : ", ") + v.path + " = " + with_unit(*v.values[0].number(), v.unit);
   return all;
 }
 
@@ -160,19 +166,38 @@ Outcome RunFunction::outcome(const std::string& name, const Point& x, const Swee
   return o;
 }
 
-void RunFunction::check_file() const {
-  const std::string& file = varied_.arguments["--write"];
+void RunFunction::check_files() const {
+  const std::string &file = varied_.arguments["--write"], &report = varied_.arguments["--report"];
+  if (!report.empty()) report_path(report, file, varied_.loaded.scene);
   if (file.empty()) return;
   check_overwrites(file, varied_.loaded.scene);
   check_writable(file);
 }
 
-void RunFunction::conclude(Result& result, const Point& x, const SweepRun& run) const {
-  const Scene found = scene(x);
-  if (const std::string& file = varied_.arguments["--write"]; !file.empty())
-    result.write(file, write_json(found.written.is_null() ? found.root : found.written));
-  CommandFindings::add(run.findings);
-  result.code = run.wrong ? kExitNotConserved : kExitOk;
+void RunFunction::conclude(Result& result, const std::vector<Point>& points, const std::vector<SweepRun>& runs,
+                           std::size_t best) const {
+  const Scene found = scene(points[best]);
+  const std::string &file = varied_.arguments["--write"], &page = varied_.arguments["--report"];
+  if (!file.empty()) result.write(file, write_json(found.written.is_null() ? found.root : found.written));
+  CommandFindings::add(runs[best].findings);
+  result.code = runs[best].wrong ? kExitNotConserved : kExitOk;
+  if (page.empty()) return;
+  const FindingScope unheard;  // they were reported above
+  report::Histories kept(2);
+  std::string rows = sweep_header(varied_.shown, like_);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const long number = static_cast<long>(i + 1);
+    rows += sweep_row(number, shown(points[i]), std::vector<std::size_t>(n()), like_, runs[i]);
+    if (runs[i].failed || (i != 0 && i != best)) continue;
+    const Scene s = scene(points[i]);
+    const std::unique_ptr<report::Frames> seen = kept.watcher();
+    Table history;
+    watched_run(s, varied_.loaded.registry, recorded_columns(s, varied_.loaded.registry), {}, &history,
+                {seen.get(), [&](const Mechanism& m, const Table& table) { kept.add(number, table, *seen, m); }});
+  }
+  write_runs_report(page, text_of(varied_.arguments, varied_.loaded), rows, "run",
+                    column_title({like_.columns()[1].name + " final", unit(0), {}}), false, &kept, best + 1);
+  result.files.push_back(page);
 }
 
 // Central differences d(h), with h halved, extrapolated to h = 0 (Richardson): d[j] = d[j-1] + (d[j-1] - d[j-1](2h))/(4^j - 1).

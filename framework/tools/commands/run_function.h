@@ -61,12 +61,15 @@ class RunFunction {
   /// The value of the first formula; its text begins with `name`, if there is one.
   Outcome outcome(const std::string& name, const Point&, const SweepRun&) const;
 
-  /// Throws UsageError and FileError for the file of --write.
-  void check_file() const;
-  /// Writes the scene of a point to that file; the findings and the exit code of the result are those of its run.
-  void conclude(Result&, const Point&, const SweepRun&) const;
+  /// Throws UsageError and FileError for the files of --write and --report.
+  void check_files() const;
+  /// Writes the scene of the best point, and the page of all runs with the motions of the first and the best one; the
+  /// findings and the exit code of the result are those of the best run.
+  void conclude(Result&, const std::vector<Point>&, const std::vector<SweepRun>&, std::size_t best) const;
 
  private:
+  std::vector<Variable> shown(const Point&) const;  // with one value each, in the unit of --vary
+
   VariedScene varied_;
   const Interrupt& interrupt_;
   Mechanism built_;  // of the scene as it is, for units
@@ -76,6 +79,7 @@ class RunFunction {
 
 inline constexpr Option kWrite{"--write", "FILE.json",
                                "write the scene with these values, next to the files that it reads"};
+inline constexpr Option kBeforeAfter{"--report", "FILE.html", "one HTML file that shows the run before and after"};
 
 /// The derivative of a result by a number, and its estimated error.
 struct Derivative {

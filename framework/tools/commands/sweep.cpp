@@ -372,9 +372,6 @@ void write_report(const SweepPlan& plan, const Tally& tally, const std::string& 
   const std::vector<Column>& columns = plan.columns.columns();
   const Column result = columns.size() > 1 ? columns[1] : columns.front();
   ReportText text = text_of(plan.arguments, plan.loaded);
-  text.panels = plan.loaded.scene.run.draw;
-  for (const ChannelRequest& request : plan.loaded.scene.run.record)
-    if (!request.name.empty()) text.channels.emplace_back(request.name, request.channel);
   const std::string left_out = motions == nullptr ? "" : motions->left_out();
   if (!left_out.empty())
     text.facts.emplace_back("", "Of the histories, this file has " + left_out + "; the folder has all their columns.");

@@ -51,13 +51,16 @@ ReportText text_of(const Arguments& args, const Loaded& loaded) {
   const std::string written = contents_of(loaded.scene.file);  // empty if there is no file
   text.scene = written.empty() ? write_json(loaded.scene.root) : written;
   text.command = args.command;
+  text.panels = loaded.scene.run.draw;
+  for (const ChannelRequest& request : loaded.scene.run.record)
+    if (!request.name.empty()) text.channels.emplace_back(request.name, request.channel);
   return text;
 }
 
 void write_runs_report(const std::string& file, const ReportText& text, const std::string& csv, const std::string& x,
-                       const std::string& y, bool log, const report::Histories* histories) {
+                       const std::string& y, bool log, const report::Histories* histories, std::size_t shown) {
   const report::Points points{
-      .text = text, .csv = csv, .x = x, .y = y, .log = log, .joined = log, .histories = histories};
+      .text = text, .csv = csv, .x = x, .y = y, .log = log, .joined = log, .histories = histories, .shown = shown};
   report::write_whole(file, report::points_page(points));
 }
 
@@ -80,9 +83,6 @@ RunReport::RunReport(const Arguments& args, const Loaded& loaded, const Mechanis
   if (args["--report"].empty()) return;
   file_ = report_path(args["--report"], csv, loaded.scene);
   text_ = text_of(args, loaded);
-  text_.panels = m.run.draw;
-  for (const ChannelRequest& request : m.run.record)
-    if (!request.name.empty()) text_.channels.emplace_back(request.name, request.channel);
   report_ = std::make_unique<Report>(recorder, m.solids, m.looks);
 }
 

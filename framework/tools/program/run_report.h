@@ -16,7 +16,7 @@ namespace lockstep {
 /// has no label.
 std::vector<std::pair<std::string, std::string>> facts_of(const std::string& lines);
 
-/// The texts of a report that do not depend on the run: title, description, scene, command.
+/// The texts of a report that do not depend on the run: title, description, scene, command, columns.
 ReportText text_of(const Arguments&, const Loaded&);
 
 /// The text of a file; "" if there is none.
@@ -26,9 +26,10 @@ std::string contents_of(const std::string& file);
 std::string unfinished_report(const std::string& report);
 
 /// Writes the report of many runs, by the text of their CSV, whose columns `x` and `y` are shown first. Throws
-/// FileError. `histories`: of the runs, or null.
+/// FileError. `histories`: of the runs, or null; of them run `shown` is shown first, next to the first one.
 void write_runs_report(const std::string& file, const ReportText&, const std::string& csv, const std::string& x,
-                       const std::string& y, bool log, const report::Histories* histories = nullptr);
+                       const std::string& y, bool log, const report::Histories* histories = nullptr,
+                       std::size_t shown = 0);
 
 /// Joints that are marked in a report, and why: some of their constraints are redundant, so reactions are not unique.
 std::vector<std::pair<std::string, std::string>> marked_links(const UniquenessReport&);

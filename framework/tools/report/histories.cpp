@@ -84,6 +84,7 @@ std::string points_page(const Points& points) {
       {"y", points.y},    {"color", points.color},        {"log", points.log}, {"joined", points.joined}};
   if (points.histories == nullptr) return page_with(json, Numbers());
   json["histories"] = points.histories->json();
+  json["shown"] = points.shown;
   return page_with(json, points.histories->numbers());
 }
 

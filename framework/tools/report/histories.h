@@ -69,6 +69,8 @@ struct Points {
   bool log = false,    ///< logarithmic axes
       joined = false;  ///< lines between the points of a group
   const Histories* histories = nullptr;  ///< of the runs, by the column "run"; null: none are shown
+  std::size_t shown =
+      0;  ///< the run that is shown at first, next to the first one of the histories; 0: all are, as points
 };
 
 /// The page as text.

@@ -37,11 +37,11 @@ export function whenClicked(element, act) {
   });
 }
 
-// A table of two columns: names and values.
+// A table of names and values.
 export function factsTable(rows) {
   const table = make('table');
-  for (const [name, value] of rows)
-    table.insertRow().append(make('th', name, { scope: 'row' }), make('td', value));
+  for (const [name, ...values] of rows)
+    table.insertRow().append(make('th', name, { scope: 'row', title: name }), ...values.map((v) => make('td', v)));
   return table;
 }
 

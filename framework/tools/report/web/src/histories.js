@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Runs of a sweep that the page keeps: one of them is shown as a run, after "#run=7".
+import { addBefore } from './before.js';
 import { readTable } from './csv.js';
 import { RunPage } from './run.js';
 
@@ -18,7 +19,7 @@ const nothing = {
   ...{ gravity: [0, 0, 0], plane: -1, length: 1 },
 };
 
-// The data of a page that shows this run alone.
+// The data of a page that shows this run.
 function pageOf(data, run) {
   const { columns, rows } = readTable(data.csv);
   const own = rows.find((_, i) => columns[0].texts[i] === String(run.run)) ?? [];
@@ -35,8 +36,12 @@ function pageOf(data, run) {
   };
 }
 
+// After a search, with the first run before it.
 export function showHistory(data, run) {
-  const page = new RunPage(pageOf(data, run));
+  const own = pageOf(data, run),
+    [first] = data.histories.runs;
+  if (data.shown && run !== first) addBefore(own, pageOf(data, first));
+  const page = new RunPage(own);
   page.elements.back_to_runs.hidden = false;
   if (run.mechanism === undefined)
     page.fail('The motion of this run was not kept; its columns are available.');

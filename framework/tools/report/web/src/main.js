@@ -8,7 +8,7 @@ import { showRun } from './run.js';
 
 const data = readData();
 if (data.kind === 'points') {
-  const run = keptRun(data, askedRun());
+  const run = location.hash !== '#runs' && keptRun(data, askedRun() || data.shown);
   if (run) showHistory(data, run);
   else showPoints(data);
   // Another run is another page.

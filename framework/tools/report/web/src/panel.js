@@ -152,7 +152,7 @@ export class Panel {
     if (text.description) holder.append(make('p', text.description));
     const count = (n, one) => `${n} ${one}${n === 1 ? '' : 's'}`;
     const kept = columns.stride > 1 ? `; 1 in ${columns.stride} is in this file, and the extremes between` : '';
-    const recorded = `${count(columns.columns.length - 1, 'column')} in ${count(columns.rows, 'row')}${kept}`;
+    const recorded = `${count(columns.columns.filter((c) => !c.before).length - 1, 'column')} in ${count(columns.rows, 'row')}${kept}`;
     holder.append(
       make('h3', 'Run'),
       this.facts(text.facts),

@@ -28,13 +28,15 @@ export function groupsOf(data) {
   }
   const byUnit = new Map();
   columns.forEach((column, i) => {
-    if (i === 0 || taken.has(i)) return;
+    if (i === 0 || taken.has(i) || column.before) return;
     if (!byUnit.has(column.unit)) byUnit.set(column.unit, []);
     byUnit.get(column.unit).push(i);
   });
   for (const [unit, members] of byUnit)
     for (let i = 0; i < members.length; i += MOST_CURVES)
       groups.push({ unit, members: members.slice(i, i + MOST_CURVES) });
+  // The columns before a search follow all others, in the same order.
+  if (data.before) for (const { members } of groups) members.push(...members.map((i) => i + (columns.length - 1) / 2));
   return groups;
 }
 
@@ -218,9 +220,9 @@ export class Plots {
         { label: 't [s]', value: (u, v) => number(v) },
         ...columns.map((column, i) => ({
           label: column.name.length > 60 ? `${column.name.slice(0, 59)}\u2026` : column.name,
-          stroke: theme.color(i),
+          stroke: theme.color(column.before ? i - columns.length / 2 : i),
           dash: i > 6 ? [6, 3] : undefined, // the colours begin again
-          width: 1.6,
+          ...(column.before ? { width: 0.8, alpha: 0.7 } : { width: 1.6 }),
           pxAlign: 0,
           paths: this.pathsOf(group, i),
           show: !group.hidden.has(i),

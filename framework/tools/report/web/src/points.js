@@ -72,7 +72,7 @@ class Points {
       const [low, high] = extentOf(numbers, numbers.keys());
       return varies(low, high) && high - low > NOTHING ? high - low : 0;
     };
-    const results = this.numeric.filter((k) => k >= i && columns[k + 1]?.title.includes(' min'));
+    const results = this.numeric.filter((k) => k >= i && !this.data.shown && columns[k + 1]?.title.includes(' min'));
     return results.map((k) => (spread(k + 1) < spread(k + 2) ? k + 2 : k + 1)).find(spread) ?? i;
   }
 

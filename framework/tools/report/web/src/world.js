@@ -3,6 +3,7 @@
 import { Group, Vector3 } from 'three';
 import { Arrows } from './arrows.js';
 import { Badges } from './badges.js';
+import { addBodiesBefore } from './before.js';
 import { Bodies, attachments, setPose, setPoseOf } from './bodies.js';
 import { frameOf, instants } from './frame.js';
 import { Joints } from './joints.js';
@@ -39,6 +40,7 @@ export class World {
     this.frame = frameOf(data, motion, this);
     this.unit = unitOf(data, this.frame);
     this.bodies.dress(this.frame, this.unit);
+    if (data.before) this.seekBefore = addBodiesBefore(data.before, this);
     this.joints = new Joints(data, this, this.frame, this.unit, instants(motion, 60));
     this.stretched = new Stretched(data, this, this.unit);
     this.badges = new Badges(data, this, this.unit);
@@ -83,6 +85,7 @@ export class World {
   seek(t) {
     this.pose(t);
     if (!this.trails) return;
+    this.seekBefore?.(t);
     this.stretched.seek();
     this.arrows.seek(this.motion);
     this.trails.seek(t);
