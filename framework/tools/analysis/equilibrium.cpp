@@ -423,9 +423,8 @@ std::string EquilibriumReport::method() const {
 
 EquilibriumReport find_equilibrium(Dynamics& dynamics, State& state, const EquilibriumOptions& options) {
   EquilibriumReport report;
-  State work = state;
-  dynamics.to_slots(work);
-  const State start = work;
+  const State start = dynamics.in_slots(state);
+  State work = start;
   System::InSpace look = dynamics.look_in_space();
   EquilibriumSearch(dynamics, work, options, report).run();
   go_back_to_plane(dynamics, look, start, {{work, report}});

@@ -92,14 +92,10 @@ class Follower final : public Observer {
   void rethrow() const {
     if (threw_) std::rethrow_exception(threw_);
   }
-  State in_slots(State state) const {
-    dynamics_.to_slots(state);
-    return state;
-  }
 
  private:
   void tell(const State& state, bool jumped) {
-    if (task_.step) guarded([&] { task_.tell_step(copy_, in_slots(state), jumped); });
+    if (task_.step) guarded([&] { task_.tell_step(copy_, dynamics_.in_slots(state), jumped); });
   }
   template <class Act>
   void guarded(Act&& act) try {
@@ -159,7 +155,7 @@ void run_alone(System& system, int copy, State state, std::size_t next, double s
       throw;
     }
     follower.rethrow();
-    task.tell(copy, next, follower.in_slots(loop.state()));
+    task.tell(copy, next, dynamics.in_slots(loop.state()));
   }
 } catch (const Error& error) {
   report.finished = false;

@@ -56,7 +56,7 @@ struct LaneClosures {
   LOCKSTEP_LANE void accelerate(const Array& rate) const {
     gather<For::acceleration>();
     Rows rows = begin();
-    tree.accelerate(rows, rate);
+    tree.accelerate(rate, rows);
   }
   /// The elimination alone, of the Jacobians as found last.
   LOCKSTEP_LANE void factor() const {
@@ -133,7 +133,7 @@ struct LaneClosures {
     }
   }
   LOCKSTEP_LANE Wrench J_of(std::size_t side) const {
-    const Array J = c.J + spatial::size * side;
+    const Array J = c.J + struct_size::wrench * side;
     return {Space::from(G::linear(J, 0)), Space::from_axial(G::axial(J, 3))};
   }
   // The motions of the slots that rows touch, for LinkRows: in the axes of space.
@@ -164,7 +164,7 @@ struct LaneClosures {
       T diagonal{};
       for_sides(
           j, [&](std::size_t at, const ClosureSlot& s) __attribute__((always_inline)) {
-            const Array inverse = c.inverse + 7 * s.node, K = c.J + spatial::size * at;
+            const Array inverse = c.inverse + 7 * s.node, K = c.J + struct_size::wrench * at;
             for (int i = 0; i < 6; ++i) K[i] = c.rows.J[s.J + s.m * (3 * (i / 3) + axes[i % 3])];
             const auto f = G::linear(K, 0);
             const W t = G::axial(K, 3);

@@ -64,14 +64,14 @@ TreeClosures::TreeClosures(const Systems& systems, const Layouts& layouts, LaneD
   const std::size_t places = plan.fronts.rows.size(), ground = body::size * plan.n_slots;
   const auto size = [&](std::size_t packs) { return arrays_.add(packs); };
   c.rows.body = size(ground + body::size), c.rows.frames = size(plan.size_frames), c.rows.law = size(plan.size_law);
-  c.rows.J = size(plan.size_J), c.inverse = size(7 * n_nodes), c.J = size(spatial::size * plan.slots.size());
+  c.rows.J = size(plan.size_J), c.inverse = size(7 * n_nodes), c.J = size(struct_size::wrench * plan.slots.size());
   c.l = size(places), c.Lambda = size(static_cast<std::size_t>(plan.fronts.n_Lambda));
   c.V = size(static_cast<std::size_t>(plan.fronts.n_V));
   for (auto* of_rows :
        {&c.rows.c, &c.rows.C, &c.rows.Ct, &c.diagonal, &c.scale, &c.d, &c.lambda, &c.dlambda, &c.r, &c.size, &c.Cd})
     *of_rows = size(m);
-  c.du = size(n_v), c.K = size(spatial::size * places);
-  c.wrench = size(spatial::size * n_nodes), c.change = size(spatial::size * n_nodes);
+  c.du = size(n_v), c.K = size(struct_size::wrench * places);
+  c.wrench = size(struct_size::wrench * n_nodes), c.change = size(struct_size::wrench * n_nodes);
   masked_.assign(kL * m, 0.0), dv_.assign(kL * std::max<std::size_t>(n_v, 1), 0.0), length_.assign(kL, 0.0);
   for (int l = 0; l < kLanes; ++l) {
     const System& system = *systems[l];
@@ -175,7 +175,7 @@ void TreeClosures::measure_floors() {
       const ClosureSource& source = data_.loops.fronts.sources[j];
       floors.add(source.kind, kClosureProximal * data_.c.scale[kL * j + l]);
       for (int i = 0; i < source.n_sides && source.kind == RowKind::translation; ++i) {
-        const double* J = data_.c.J.data() + kL * spatial::size * static_cast<std::size_t>(source.first_side + i) + l;
+        const double* J = data_.c.J.data() + kL * struct_size::wrench * static_cast<std::size_t>(source.first_side + i) + l;
         floors.arm2 = std::max(floors.arm2, J[3 * kL] * J[3 * kL] + J[4 * kL] * J[4 * kL] + J[5 * kL] * J[5 * kL]);
       }
     }
