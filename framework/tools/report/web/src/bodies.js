@@ -69,16 +69,14 @@ function greatCircle(axis, color) {
 
 // Corners of the convex hull of points in a plane, in order; `normal` is set.
 function hull(points, normal) {
-  let far = null;
-  for (let i = 2; i < points.length && !far; ++i) {
-    const n = new Vector3().crossVectors(point0(points, 1), point0(points, i));
-    if (n.length() > 1e-3 * point0(points, 1).lengthSq()) far = n.normalize();
-  }
+  const [arm, ...others] = points.slice(1).map((p) => new Vector3().subVectors(p, points[0]));
+  const normals = others.map((other) => new Vector3().crossVectors(arm, other));
+  const far = normals.find((n) => n.length() > 1e-3 * arm.lengthSq());
   if (!far) return null;
-  normal.copy(far);
+  normal.copy(far.normalize());
   const span = Math.max(...points.map((p) => p.distanceTo(points[0])));
-  if (points.some((p) => Math.abs(new Vector3().subVectors(p, points[0]).dot(far)) > 1e-3 * span)) return null;
-  const e1 = point0(points, 1).normalize(),
+  if (others.some((other) => Math.abs(other.dot(far)) > 1e-3 * span)) return null;
+  const e1 = arm.normalize(),
     e2 = new Vector3().crossVectors(far, e1);
   const flat = points.map((p) => ({ p, x: p.dot(e1), y: p.dot(e2) })).sort((a, b) => a.x - b.x || a.y - b.y);
   const side = (list) => {
@@ -95,8 +93,6 @@ function hull(points, normal) {
   };
   return [...side(flat), ...side(flat.reverse())].map((q) => q.p);
 }
-const point0 = (points, i) => new Vector3().subVectors(points[i], points[0]);
-
 // The two points furthest apart.
 function ends(points) {
   let best = [points[0], points[1]],

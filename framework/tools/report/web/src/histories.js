@@ -35,10 +35,10 @@ function pageOf(data, run) {
   };
 }
 
-export function showHistory(data, run) {
+export function historyPage(data, run) {
   const page = new RunPage(pageOf(data, run));
   page.elements.back_to_runs.hidden = false;
   if (run.mechanism === undefined)
     page.fail('The motion of this run was not kept; its columns are available.');
-  globalThis.lockstepReport = page;
+  return page;
 }

@@ -4,6 +4,7 @@ import uPlot from 'uplot';
 import { button, make, press, whenClicked } from './dom.js';
 import { envelope } from './envelope.js';
 import { pngOf, saveCsv } from './export.js';
+import { extentOf } from './marks.js';
 import { indexAt } from './motion.js';
 import { hermite, slopesOf } from './slopes.js';
 import { theme } from './theme.js';
@@ -70,12 +71,8 @@ const curveOf = (column) => column.curve ?? column.values;
 // Extremes of the motion beyond a column's rows: time, value, and the value that the curve reaches.
 function beyondRows(column) {
   if (!column.range) return [];
-  let low = Infinity,
-    high = -Infinity;
-  for (const v of curveOf(column)) {
-    if (v < low) low = v;
-    if (v > high) high = v;
-  }
+  const curve = curveOf(column);
+  const [low, high] = extentOf(curve, curve.keys());
   const { least, t_least, most, t_most } = column.range;
   return [...(least < low ? [[t_least, least, low]] : []), ...(most > high ? [[t_most, most, high]] : [])];
 }
