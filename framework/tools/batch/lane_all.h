@@ -133,10 +133,6 @@ Passes all_passes() {
   LOCKSTEP_CLOSED_PASS(closure_errors, (const LaneData& d), errors())
   LOCKSTEP_CLOSED_PASS(closure_rates, (const LaneData& d), rates())
   LOCKSTEP_CLOSED_PASS(closure_residuals, (const LaneData& d, bool raised, double* out), residuals(raised, out + lane))
-  LOCKSTEP_CLOSED_PASS(closure_pivots, (const LaneData& d, const double* left, double* out),
-                       pivots(left + lane, out + lane))
-  LOCKSTEP_CLOSED_PASS(closure_norm, (const LaneData& d, const double* x, const double* L, double* out),
-                       norm(x + lane, L + lane, out + lane))
   return all;
 }
 

@@ -100,28 +100,6 @@ struct LaneClosures {
     }
     out[0] = worst, out[1] = regular;
   }
-  /// Of the pivots: how many are small, and the smallest of the others, relative to its diagonal. `left`: what proximal terms
-  /// leave of each RowKind.
-  LOCKSTEP_LANE void pivots(const Array& left, const Array& out) const {
-    T n_small{}, smallest = T{} + 1.0;
-    for (std::size_t j = 0; j < plan.n_rows(); ++j) {
-      const T pivot = c.d[j], diagonal = c.diagonal[j], kept = left[static_cast<int>(plan.fronts.sources[j].kind)];
-      const T small = what_counts_as_small(diagonal, kept);
-      const T relative = pivot < small ? T{} + 1.0 : pivot / diagonal;
-      n_small += pivot < small ? T{} + 1.0 : T{};
-      smallest = relative < smallest ? relative : smallest;
-    }
-    out[0] = n_small, out[1] = smallest;
-  }
-  /// The norm of Dynamics::norm: metres; L: one number.
-  LOCKSTEP_LANE void norm(const Array& x, const Array& L, const Array& out) const {
-    T t{}, r{};
-    for (std::size_t j = 0; j < plan.n_rows(); ++j) {
-      T& most = plan.fronts.sources[j].kind == RowKind::translation ? t : r;
-      most = largest_or_nan<T>(most, bodies::magnitude<T>(x[j]));
-    }
-    out[0] = largest_or_nan<T>(t, 2.0 * L[0] * r);
-  }
 
  private:
   template <class F>
