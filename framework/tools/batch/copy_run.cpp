@@ -115,9 +115,7 @@ class Follower final : public Observer {
 }  // namespace
 
 Dynamics RunTask::dynamics_of(System& system) const {
-  DynamicsOptions how;
-  how.stabilization = options.stabilization, how.formulation = Formulation::joint;
-  return Dynamics(system, std::make_unique<SchurSolver>(), how);
+  return Dynamics(system, std::make_unique<SchurSolver>(), {Formulation::joint, options.stabilization});
 }
 
 void RunTask::tell(int copy, std::size_t time, const State& state) const {
@@ -138,10 +136,9 @@ void run_alone(System& system, int copy, State state, std::size_t next, double s
                CopyReport& report) try {
   report.alone = true, report.t = state.t;
   Dynamics dynamics = task.dynamics_of(system);
-  StepLoopOptions options;
-  options.step = task.scheme.error ? task.options.max_step : task.options.step;
-  options.tolerance = task.options.tolerance, options.start_limit = start_limit;
-  StepLoop loop(dynamics, task.make_integrator(), options);
+  const double step = task.scheme.error ? task.options.max_step : task.options.step;
+  StepLoop loop(dynamics, task.make_integrator(),
+                {.step = step, .tolerance = task.options.tolerance, .start_limit = start_limit});
   Follower follower(copy, dynamics, task, report);
   loop.add_observer(follower);
   loop.set_state(std::move(state));

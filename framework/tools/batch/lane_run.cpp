@@ -159,22 +159,19 @@ void LaneRun::accept(int lane, double error) {
   }
   the.rejected = false;
   const auto end = [&] {
-    update_memory(lane);
+    const System& system = batch_.system(lane);
+    if (passes::keeps_anything(system)) {
+      read(lane, y_.data(), t_[lane], state_);
+      passes::accept(system, inputs_.at(system, state_), state_);
+      batch_.remember(lane, state_.z);
+      batch_.put(lane, state_, y_.data());
+    }
     if (!the.schedule.done() && t_[lane] < the.schedule.end())
       check_length(the.last, task_, the.schedule.end(), t_[lane], reports_[lane].steps);
   };
   if (!survives(lane, end)) return;
   tell_step(lane, false);
   if (the.going && the.lands) arrive(lane);
-}
-
-void LaneRun::update_memory(int lane) {
-  const System& system = batch_.system(lane);
-  if (!passes::keeps_anything(system)) return;
-  read(lane, y_.data(), t_[lane], state_);
-  passes::accept(system, inputs_.at(system, state_), state_);
-  batch_.remember(lane, state_.z);
-  batch_.put(lane, state_, y_.data());
 }
 
 // Repeats with a smaller step; a copy that cannot continue leaves for the scalar code, which reports the error.

@@ -83,7 +83,6 @@ class LaneRun {
   void combine_stages(const Weights&, const double* y, double* out);
   void estimate(Numbers8& error, Flags8& failed);
   void accept(int lane, double error);
-  void update_memory(int lane);
   void reject(int lane, double factor);
   void leave(int lane);
   void fail(int lane, const Error&);
