@@ -167,14 +167,16 @@ const double* TreeClosures::correct(std::span<const double> r, const Flags8& wan
 void TreeClosures::see_pivots() {
   if (!floors_known_) measure_floors();
   n_small_.fill(0), smallest_pivot_.fill(1);
-  for (std::size_t j = 0; j < data_.loops.n_rows(); ++j)
+  for (std::size_t j = 0; j < data_.loops.n_rows(); ++j) {
+    const Numbers8& floors = pivot_floors_[static_cast<std::size_t>(data_.loops.fronts.sources[j].kind)];
     for (int l = 0; l < kLanes; ++l) {
       const double pivot = data_.c.d[kL * j + l], diagonal = data_.c.diagonal[kL * j + l];
-      if (pivot < what_counts_as_small(diagonal, pivot_floors_[static_cast<int>(data_.loops.fronts.sources[j].kind)][l]))
+      if (pivot < what_counts_as_small(diagonal, floors[l]))
         ++n_small_[l];
       else
         smallest_pivot_[l] = std::min(smallest_pivot_[l], pivot / diagonal);
     }
+  }
 }
 
 // As ClosureRows::measure_scales, once.
@@ -186,7 +188,8 @@ void TreeClosures::measure_floors() {
       const ClosureSource& source = data_.loops.fronts.sources[j];
       floors.add(source.kind, kClosureProximal * data_.c.scale[kL * j + l]);
       for (int i = 0; i < source.n_sides && source.kind == RowKind::translation; ++i) {
-        const double* J = data_.c.J.data() + kL * struct_size::wrench * static_cast<std::size_t>(source.first_side + i) + l;
+        const double* J =
+            data_.c.J.data() + kL * struct_size::wrench * static_cast<std::size_t>(source.first_side + i) + l;
         floors.arm2 = std::max(floors.arm2, J[3 * kL] * J[3 * kL] + J[4 * kL] * J[4 * kL] + J[5 * kL] * J[5 * kL]);
       }
     }
