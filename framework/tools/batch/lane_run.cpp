@@ -68,7 +68,6 @@ double LaneRun::first_step(int lane, const State& start) const {
   double largest = lanes_[lane].schedule.reach() - start.t;
   if (task_.options.max_step > 0) largest = std::min(largest, task_.options.max_step);
   try {
-    batch_.to_slots(lane, y0);
     dynamics.to_formulation(y0);  // coordinates of its own
     y1 = y0;
     return guess_first_step(dynamics, y0, tableau_.order, largest, norm, f0, f1, y1);
@@ -82,7 +81,6 @@ void LaneRun::find_redundancy(int lane, const State& start) {
   Lane& the = lanes_[lane];
   Dynamics dynamics = task_.dynamics_of(batch_.system(lane));
   State own = start;
-  batch_.to_slots(lane, own);
   dynamics.to_formulation(own);
   const Redundancy found = dynamics.redundancy(own);
   the.usual = found.on_constraints ? -1 : std::max(found.rows, 0);
