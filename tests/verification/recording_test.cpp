@@ -102,7 +102,7 @@ std::vector<T> evaluate_in(const lanes::Batch& batch, std::span<const T> inputs)
   tree.outward();
   std::vector<T> out;
   if (batch.data().loops.empty()) {
-    tree.accelerate_free(rate);
+    tree.accelerate(rate);
   } else {
     const lanes::ClosurePlan& loops = batch.data().loops;
     std::vector<typename Space::Wrench> K(loops.fronts.rows.size()), wrench(loops.fronts.n_nodes);

@@ -9,14 +9,6 @@
 
 namespace lockstep {
 
-// The markers of the joint on whose coordinate a force acts.
-std::pair<Marker*, Marker*> Builder::markers_of(const Params& p, const Lock& link, const Attachment& given) {
-  if (!given.pairs.empty()) p.refuse("link", "\"p\" and \"s\" are given as well; name either a joint or two markers");
-  const auto its = link.pairs();
-  if (its.empty()) p.refuse("link", "joint '" + link.name() + "' has no markers; name \"p\" and \"s\"");
-  return {&system_.marker(its.front().first->name), &system_.marker(its.front().second->name)};
-}
-
 void Builder::force(const Value& object, const std::string& owner) {
   const Split parts =
       placed(object.where, [&] { return split(object, scene_table("force"), registry_.forces, owner, registry_); });
@@ -33,7 +25,13 @@ void Builder::force(const Value& object, const std::string& owner) {
       p.refuse("link", "a " + parts.type + " does not act in a joint; name \"p\" and \"s\"");
     if (built_in && !on_coordinate && !where.pairs.empty())
       p.refuse("link", "a " + parts.type + " acts in its joint, and \"p\" and \"s\" are given as well; remove them");
-    if (on_coordinate) where.pairs = {markers_of(p, *where.link, where)};
+    if (on_coordinate) {
+      if (!where.pairs.empty())
+        p.refuse("link", "\"p\" and \"s\" are given as well; name either a joint or two markers");
+      const auto its = where.link->pairs();
+      if (its.empty()) p.refuse("link", "joint '" + link + "' has no markers; name \"p\" and \"s\"");
+      where.pairs.emplace_back(&system_.marker(its.front().first->name), &system_.marker(its.front().second->name));
+    }
   }
   where.coordinate = [this](const std::string& name) { return coordinate_named(system_, name); };
   placed(object.where, [&] {

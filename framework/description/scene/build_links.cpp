@@ -105,8 +105,7 @@ Marker* Builder::side(const Params& p, const std::string& key, const std::string
 }
 
 Attachment Builder::attachment(const Params& p, const std::string& name, bool both) {
-  Attachment attachment;
-  attachment.name = name;
+  Attachment attachment{name, {}};
   if (!p.has("p") && !p.has("s")) {
     for (const std::string& key : kPlaces)
       if (p.has(key)) p.refuse(key, "it places a marker, but neither \"p\" nor \"s\" names a body; add \"p\"");
@@ -142,8 +141,7 @@ Attachment Builder::pairs(const Params& p, const std::string& name) {
   const Value::List* items = p.value("pairs").list();
   if (items == nullptr || items->empty())
     p.refuse("pairs", "expected a list of joint names and of objects, got " + shown(p.value("pairs")));
-  Attachment all;
-  all.name = name;
+  Attachment all{name, {}};
   for (std::size_t i = 0; i < items->size(); ++i) {
     const Value& item = (*items)[i];
     const std::string place = part_of(p.owner(), "pairs[" + std::to_string(i) + "]");

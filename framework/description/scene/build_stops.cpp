@@ -52,8 +52,7 @@ void Builder::brought_along(const Params& link, const Attachment& attachment, Lo
   const Value& keys = link.value("friction");
   const std::string name = attachment.name + ".friction";
   const Params friction = params_under(link, "friction", "friction");
-  Attachment where;
-  where.name = name, where.link = &lock;
+  const Attachment where{name, {}, &lock};
   placed(keys.where, [&] { system_.add(registry_.forces.make_checked("joint_friction", where, friction)); });
   taken_[0][name] = {"force", keys.where};
 }
@@ -74,8 +73,7 @@ void Builder::stops(const Value& object, const std::string& owner, const Attachm
                          "; exchange them");
   for (const char* end : {"low", "high"}) {
     if (!p.has(end)) continue;
-    Attachment attachment;
-    attachment.name = of.name + ".stop_" + p.text("axis") + "_" + end;
+    Attachment attachment{of.name + ".stop_" + p.text("axis") + "_" + end, {}};
     Marker *P = &of.p(), *S = &of.s();
     std::string coordinate = p.text("axis");
     if (axis == Axis::rx || axis == Axis::ry) {  // a stop counts revolutions about z: markers with z there

@@ -151,7 +151,6 @@ class Builder {
   void stops(const Value& object, const std::string& owner, const Attachment&);
   void start_speeds(const Params& common, const Lock& link);
   void force(const Value& object, const std::string& owner);
-  std::pair<Marker*, Marker*> markers_of(const Params& force, const Lock& link, const Attachment& given);
   void event(const Value& object, const std::string& owner);
   std::vector<std::string> switched_by(const Params& event, const std::string& key);
   void check_assembled() const;

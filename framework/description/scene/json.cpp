@@ -20,8 +20,6 @@ namespace {
 using ParseError = nlohmann::detail::exception;
 constexpr int kOutOfRange = 406;  // nlohmann's id of a number that no double holds
 
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-
 bool begins_with_word(std::string_view text, std::string_view word) {
   const bool sign = text.starts_with('-') || text.starts_with('+');
   return boost::istarts_with(text.substr(sign ? 1 : 0), word, std::locale::classic());
@@ -63,9 +61,7 @@ class TreeBuilder {
 
   bool parse_error(std::size_t position, const std::string&, const ParseError& error) {
     // The bad token begins after the last good one and at most one comma or colon, and not after the parser's position.
-    std::size_t byte = behind_spaces(end_);
-    if (byte < text_.size() && (text_[byte] == ',' || text_[byte] == ':')) byte = behind_spaces(byte + 1);
-    byte = std::max(end_, std::min(byte, std::max<std::size_t>(position, 1) - 1));
+    const std::size_t byte = std::max(end_, std::min(begin(), std::max<std::size_t>(position, 1) - 1));
     refuse(at(byte), "", syntax_problem(byte, error));
   }
 
@@ -89,10 +85,11 @@ class TreeBuilder {
     }
     return {file_, line_, column_};
   }
+  // Behind the last good token: after spaces, and at most one comma or colon.
   std::size_t begin() const {
-    std::size_t byte = behind_spaces(end_);
-    while (byte < text_.size() && (text_[byte] == ',' || text_[byte] == ':')) byte = behind_spaces(byte + 1);
-    return byte;
+    const std::size_t byte = behind_spaces(end_);
+    const bool mark = byte < text_.size() && (text_[byte] == ',' || text_[byte] == ':');
+    return mark ? behind_spaces(byte + 1) : byte;
   }
   SourceLocation here() { return at(begin()); }
   bool done(Last last) {
@@ -150,7 +147,7 @@ class TreeBuilder {
 
   std::size_t behind_spaces(std::size_t byte) const {
     for (;;) {
-      while (byte < text_.size() && is_space(text_[byte])) ++byte;
+      byte = std::min(text_.find_first_not_of(" \t\n\r", byte), text_.size());
       const std::string_view rest = std::string_view(text_).substr(byte);
       const bool line = rest.starts_with("//");
       if (!line && !rest.starts_with("/*")) return byte;

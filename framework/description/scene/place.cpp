@@ -82,9 +82,7 @@ class Walk {
  public:
   Walk(Value& root, std::vector<std::string> steps, const Registry& registry, bool before_plugins = false)
       : registry_(registry), before_plugins_(before_plugins), root_(root), steps_(std::move(steps)), here_(&root) {
-    Kind kind;
-    kind.part = {"", "object", "scene"};
-    kind_ = kind_of(root, kind, registry_);
+    kind_ = kind_of(root, {.part = {"", "object", "scene"}}, registry_);
   }
 
   std::optional<Miss> go() {

@@ -209,14 +209,10 @@ Value::Object take_set(Value& root) {
 
 // A parameter or point that the scene itself defines: parts read it.
 bool leads_to_own_definition(const Value& root, const std::string& path) {
-  for (const char* shelf : {"parameters", "points"}) {
-    const std::string head = std::string(shelf) + ".";
-    if (!path.starts_with(head)) continue;
-    const Value* own = root.find(shelf);
-    const std::string name = path.substr(head.size(), path.find('.', head.size()) - head.size());
-    return own != nullptr && own->find(name) != nullptr;
-  }
-  return false;
+  const std::vector<std::string> steps = split_at('.', path);
+  if (steps.size() < 2 || (steps[0] != "parameters" && steps[0] != "points")) return false;
+  const Value* own = root.find(steps[0]);
+  return own != nullptr && own->find(steps[1]) != nullptr;
 }
 
 // "set": new values of present things.

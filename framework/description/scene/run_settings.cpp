@@ -91,10 +91,6 @@ std::vector<ChannelRequest> read_requests(const Value::List& items, const std::s
   return all;
 }
 
-std::vector<ChannelRequest> read_record(const Params& run) {
-  return read_requests(items_of(run, "record", "a list of channels"), "run.record", "channel's name");
-}
-
 // A panel: names that are recorded.
 std::vector<std::string> read_panel(const Value& panel, const std::vector<std::string>& known, Refusals& wrong) {
   if (panel.list() == nullptr)
@@ -224,7 +220,7 @@ RunSettings read_run(const Value& v) {
   read_limits(p, run, wrong);
   bool recorded = false;
   wrong.attempt([&] {
-    run.record = read_record(p);
+    run.record = read_requests(items_of(p, "record", "a list of channels"), "run.record", "channel's name");
     recorded = (v.find("record") == nullptr) == (sound.find("record") == nullptr);
   });
   if (recorded) {  // else errors of these may follow from that of "record"

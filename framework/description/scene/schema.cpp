@@ -137,13 +137,6 @@ Json orientation_schema() {
             object({{"matrix", matrix}}, 1), object({{"x", axis}, {"y", axis}, {"z", axis}}, 2)}}};
 }
 
-Json axis_schema() {
-  return {{"description", "a direction, not zero"},
-          {"anyOf",
-           {Json{{"enum", {"x", "y", "z", "-x", "-y", "-z", "+x", "+y", "+z"}}}, exactly(number_schema(Unit::any), 3),
-            reference("formula")}}};
-}
-
 Json definitions(const Registry& registry) {
   Json defs = Json::object();
   for (const SceneTable& table : scene_tables()) {
@@ -153,7 +146,9 @@ Json definitions(const Registry& registry) {
   }
   defs["formula"] = {
       {"description", "a formula of parameters and points, as in \"=2*crank\""}, {"type", "string"}, {"pattern", "^="}};
-  defs["axis"] = axis_schema();
+  const Json names = {{"enum", {"x", "y", "z", "-x", "-y", "-z", "+x", "+y", "+z"}}};
+  defs["axis"] = {{"description", "a direction, not zero"},
+                  {"anyOf", {names, exactly(number_schema(Unit::any), 3), reference("formula")}}};
   defs["orientation"] = orientation_schema();
   for (const std::string law : {"law", "translation_law", "rotation_law"}) defs[law] = law_schema(registry, law + "s");
   for (const char* methods : {"integrators", "solvers"}) defs[methods] = method_schema(registry, methods);

@@ -373,6 +373,11 @@ class LOCKSTEP_API Dynamics {
   /// Converts the state to body coordinates, in which poses and twists can be set. Throws ModelError if the
   /// state does not fit the system.
   void to_slots(State&);
+  /// The state in body coordinates; throws as to_slots().
+  State in_slots(State state) {
+    to_slots(state);
+    return state;
+  }
   /// Whether the state can be read as it is: a change of masses, joints or active joints makes other joint coordinates.
   bool has_current_coordinates(const State&);
   /// Why joint coordinates are not possible with these active joints; "" if they are. With Formulation::automatic also

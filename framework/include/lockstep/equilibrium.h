@@ -39,8 +39,8 @@ struct Stability {
   /// Whether the loads have a potential here. Without one (follower forces) an oscillation may grow too, and damping is
   /// not examined.
   bool has_potential = true;
-  std::vector<FreeMotion> unstable,  ///< those that grow, fastest first
-      neutral;                       ///< those without stiffness
+  std::vector<FreeMotion> unstable{},  ///< those that grow, fastest first
+      neutral{};                       ///< those without stiffness
 };
 /// "stable", "neutral", "unstable", "not judged", "sticking".
 LOCKSTEP_API std::string to_string(Stability::Kind);

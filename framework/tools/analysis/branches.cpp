@@ -14,8 +14,7 @@ namespace lockstep {
 
 BranchReport find_branches(Dynamics& dynamics, const State& start, const BranchOptions& options) {
   const System& system = dynamics.system();
-  State first = start;
-  dynamics.to_slots(first);
+  State first = dynamics.in_slots(start);
   first.v.setZero();
   assemble(dynamics, first);
   if (const DriveReport driven = driven_by(dynamics, first); driven.freedoms > 0)

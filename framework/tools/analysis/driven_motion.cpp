@@ -29,8 +29,8 @@ double integral(const MotionLaw& speed, double t0, double t1) {
 
 }  // namespace
 
-DrivenMotion::DrivenMotion(Dynamics& dynamics, State start) : dynamics_(dynamics), state_(std::move(start)) {
-  dynamics_.to_slots(state_);
+DrivenMotion::DrivenMotion(Dynamics& dynamics, State start)
+    : dynamics_(dynamics), state_(dynamics.in_slots(std::move(start))) {
   if (const DriveReport driven = driven_by(dynamics_, state_); !driven.fully_driven())
     throw ModelError(
         (driven.freedoms > 0 ? "the motion is not fully prescribed: " : "the motion is prescribed twice: ") +

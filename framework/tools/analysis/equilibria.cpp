@@ -68,8 +68,7 @@ bool same_equilibrium(const System& system, const Equilibrium& a, const Equilibr
 EquilibriaReport find_equilibria(Dynamics& dynamics, const State& start, const EquilibriaOptions& options) {
   const System& system = dynamics.system();
   EquilibriaReport report;
-  State first = start;
-  dynamics.to_slots(first);
+  const State first = dynamics.in_slots(start);
   System::InSpace look = dynamics.look_in_space();
   const auto take = [&](Equilibrium found) {
     const auto known = std::ranges::find_if(

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include <lockstep/detail/newton.h>
@@ -52,13 +53,12 @@ class EquilibriumSearch {
         now_(dynamics),
         length_(system_.length()) {
     contacts_.lay_out(system_, dynamics.options().stabilization);
-    for (int k = 0; k < system_.n_slots(); ++k) heaviest_ = std::max(heaviest_, system_.slot(k).mass);
-    Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+    Eigen::AlignedBox3d box;
     for (int k = 0; k < system_.n_slots(); ++k) {
-      const Vec3 x = state.q.segment<3>(7 * k);
-      low = k == 0 ? x : Vec3(low.cwiseMin(x)), high = k == 0 ? x : Vec3(high.cwiseMax(x));
+      heaviest_ = std::max(heaviest_, system_.slot(k).mass);
+      box.extend(Vec3(state.q.segment<3>(7 * k)));
     }
-    extent_ = std::max(length_, (high - low).norm());
+    extent_ = std::max(length_, box.isEmpty() ? 0 : box.diagonal().norm());
   }
   /// Ends at rest, or throws SolveError.
   void run() {
@@ -98,11 +98,8 @@ class EquilibriumSearch {
   // More than rounding in a free motion.
   double least_shift() const { return kNegligible * now_.force / (heaviest_ * length_); }
 
-  // A step of Newton's method that goes with the forces, unless `either_way`, and is not too long. False if there is none.
-  bool find_step(bool either_way) {
-    return !report_.relaxed && system_.n_velocities() <= kMostDense ? find_dense_step(either_way)
-                                                                    : find_sparse_step(either_way);
-  }
+  // Each finds a step of Newton's method that goes with the forces, unless `either_way`, and is not too long. False if
+  // there is none.
 
   // In the free motions, K u = mu M u: against each stiffness by its size, so that the step goes downhill where K is
   // not positive too; `either_way`: against each as it is. What nothing holds and nothing pushes stays.
@@ -202,7 +199,9 @@ class EquilibriumSearch {
       if (done) shift_ = 0;
       const double before = now_.unbalanced;
       const State from = state_;
-      if (!find_step(done || options_.nearest)) return done;  // at rest rounding has no direction
+      const bool dense = !report_.relaxed && system_.n_velocities() <= kMostDense;
+      const bool either_way = done || options_.nearest;  // at rest rounding has no direction
+      if (!(dense ? find_dense_step(either_way) : find_sparse_step(either_way))) return done;
       ++made;
       if (!take_step()) {
         if (done || size_of(step_) <= kRoundOff) return done;
@@ -321,9 +320,8 @@ class EquilibriumSearch {
     bool any = false;
     for (std::size_t i = 0; i < contacts_.size(); ++i) {
       if (contacts_.in_force(i, state) || !contacts_.watched(i, state)) continue;
-      if (contacts_.gap(i, dynamics_.inputs(state)).c > contacts_[i].margin) continue;
-      if (released_at_ == static_cast<int>(i) && contacts_.gap(i, dynamics_.inputs(state)).c > -contacts_[i].margin)
-        continue;
+      const double margin = contacts_[i].margin, most = released_at_ == static_cast<int>(i) ? -margin : margin;
+      if (contacts_.gap(i, dynamics_.inputs(state)).c > most) continue;
       contacts_.put(i, true, state);
       any = true;
     }
@@ -423,9 +421,8 @@ std::string EquilibriumReport::method() const {
 
 EquilibriumReport find_equilibrium(Dynamics& dynamics, State& state, const EquilibriumOptions& options) {
   EquilibriumReport report;
-  State work = state;
-  dynamics.to_slots(work);
-  const State start = work;
+  const State start = dynamics.in_slots(state);
+  State work = start;
   System::InSpace look = dynamics.look_in_space();
   EquilibriumSearch(dynamics, work, options, report).run();
   go_back_to_plane(dynamics, look, start, {{work, report}});

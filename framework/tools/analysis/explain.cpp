@@ -202,10 +202,9 @@ ForceEffect account_of(Dynamics& dynamics, const State& state, const Force& forc
   const VecX all = wrench_of(system, v.in, force, &reactions);
   out.dissipation = channels::loss(force, v);
   named(force, v.in.t, [&] { out.potential = force.potential(v.in), out.supply = force.supply(v.in); });
-  for (const int slot : force.slots()) {
+  for (const int slot : force.slots())
     out.on.push_back(
         {bodies_of(system.slot(slot)), all.segment<3>(6 * slot), v.in.slot(slot).A * all.segment<3>(6 * slot + 3)});
-  }
   return out;
 }
 

@@ -325,8 +325,7 @@ std::string settle_axes(Dynamics& dynamics, const State& state, const std::vecto
 }  // namespace
 
 LinearMotion linear_motion(Dynamics& dynamics, const State& given, const LinearMotionOptions& options) {
-  State state = given;
-  dynamics.to_slots(state);
+  const State state = dynamics.in_slots(given);
   const System::InSpace look = dynamics.look_in_space();
   const System& system = dynamics.system();
   refuse_own_states(system);

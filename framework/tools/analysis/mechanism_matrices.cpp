@@ -87,8 +87,7 @@ void write_loads(const System& system, const Evaluation& e, const Unknowns& at, 
 }  // namespace
 
 MechanismMatrices matrices_at(Dynamics& dynamics, const State& given) {
-  State state = given;
-  dynamics.to_slots(state);
+  const State state = dynamics.in_slots(given);
   const Solution& solution = dynamics.evaluate(state);
   const Evaluation& e = solution.evaluation;
   const System& system = dynamics.system();

@@ -74,8 +74,7 @@ std::vector<std::complex<double>> Modes::eigenvalues() const {
 }
 
 Modes find_modes(Dynamics& dynamics, const State& given, const ModesOptions& options) {
-  State state = given;
-  dynamics.to_slots(state);
+  const State state = dynamics.in_slots(given);
   const System::InSpace look = dynamics.look_in_space();
   const LinearMotion motion = linear_motion(dynamics, state, options.motion);
   const System& system = dynamics.system();

@@ -93,11 +93,7 @@ std::string to_string(Stability::Kind kind) {
 }
 
 Stability judge_rest(const Evaluation& e, const VecX& lambda) {
-  if (e.system().n_velocities() > kDenseUnknowns) {
-    Stability out;
-    out.kind = Stability::Kind::not_judged;
-    return out;
-  }
+  if (e.system().n_velocities() > kDenseUnknowns) return {.kind = Stability::Kind::not_judged};
   return judge_motions(e, RestMatrices(e, lambda));
 }
 

@@ -295,8 +295,7 @@ void InputLaw::breakpoints(double t0, double t1, std::vector<double>& out) const
 
 StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<LinearInput>& inputs,
                      const std::vector<Channel>& channels, const LinearMotionOptions& options) {
-  State state = given;
-  dynamics.to_slots(state);
+  const State state = dynamics.in_slots(given);
   const System::InSpace look = dynamics.look_in_space();
   const auto clear = [&] {
     for (const LinearInput& input : inputs) input.law->add({});

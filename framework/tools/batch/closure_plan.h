@@ -99,8 +99,5 @@ struct LaneData {
   ClosurePlan loops;
   ClosureStore c{};
 };
-namespace spatial {
-inline constexpr std::size_t size = 6;  ///< a wrench, a twist
-}
 
 }  // namespace lockstep::lanes

@@ -92,14 +92,10 @@ class Follower final : public Observer {
   void rethrow() const {
     if (threw_) std::rethrow_exception(threw_);
   }
-  State in_slots(State state) const {
-    dynamics_.to_slots(state);
-    return state;
-  }
 
  private:
   void tell(const State& state, bool jumped) {
-    if (task_.step) guarded([&] { task_.tell_step(copy_, in_slots(state), jumped); });
+    if (task_.step) guarded([&] { task_.tell_step(copy_, dynamics_.in_slots(state), jumped); });
   }
   template <class Act>
   void guarded(Act&& act) try {
@@ -119,9 +115,7 @@ class Follower final : public Observer {
 }  // namespace
 
 Dynamics RunTask::dynamics_of(System& system) const {
-  DynamicsOptions how;
-  how.stabilization = options.stabilization, how.formulation = Formulation::joint;
-  return Dynamics(system, std::make_unique<SchurSolver>(), how);
+  return Dynamics(system, std::make_unique<SchurSolver>(), {Formulation::joint, options.stabilization});
 }
 
 void RunTask::tell(int copy, std::size_t time, const State& state) const {
@@ -142,10 +136,9 @@ void run_alone(System& system, int copy, State state, std::size_t next, double s
                CopyReport& report) try {
   report.alone = true, report.t = state.t;
   Dynamics dynamics = task.dynamics_of(system);
-  StepLoopOptions options;
-  options.step = task.scheme.error ? task.options.max_step : task.options.step;
-  options.tolerance = task.options.tolerance, options.start_limit = start_limit;
-  StepLoop loop(dynamics, task.make_integrator(), options);
+  const double step = task.scheme.error ? task.options.max_step : task.options.step;
+  StepLoop loop(dynamics, task.make_integrator(),
+                {.step = step, .tolerance = task.options.tolerance, .start_limit = start_limit});
   Follower follower(copy, dynamics, task, report);
   loop.add_observer(follower);
   loop.set_state(std::move(state));
@@ -159,7 +152,7 @@ void run_alone(System& system, int copy, State state, std::size_t next, double s
       throw;
     }
     follower.rethrow();
-    task.tell(copy, next, follower.in_slots(loop.state()));
+    task.tell(copy, next, dynamics.in_slots(loop.state()));
   }
 } catch (const Error& error) {
   report.finished = false;

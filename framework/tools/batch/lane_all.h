@@ -75,8 +75,9 @@ LOCKSTEP_LANE LaneTree<G> tree(const LaneData& d, int lane) {
   using Space = typename G::Space;
   using Inertia = typename Space::Inertia;
   using Coordinate = bodies::Coordinate<Space>;
-  static_assert(sizeof(Coordinate) <= dof::size * sizeof(V) && sizeof(Travel<Space>) <= travel::size * sizeof(V) &&
-                sizeof(Inertia) <= articulated::size * sizeof(V));
+  static_assert(sizeof(Coordinate) <= struct_size::coordinate * sizeof(V) &&
+                sizeof(Travel<Space>) <= struct_size::travel * sizeof(V) &&
+                sizeof(Inertia) <= struct_size::inertia * sizeof(V));
   return {d.plan,
           {d.z.each(at_lane(lane)), round_at<Travel<Space>>(lane, d.z.travel), round_at<Coordinate>(lane, d.z.dof),
            round_at<Inertia>(lane, d.z.waiting)}};
@@ -85,7 +86,7 @@ template <class G>
 LOCKSTEP_LANE LaneClosures<G> closed(const LaneData& d, int lane) {
   using Wrench = typename G::Space::Wrench;
   using Twist = typename G::Space::Twist;
-  static_assert(sizeof(Wrench) <= spatial::size * sizeof(V) && sizeof(Twist) == sizeof(Wrench));
+  static_assert(sizeof(Wrench) <= struct_size::wrench * sizeof(V) && sizeof(Twist) == sizeof(Wrench));
   return {tree<G>(d, lane),
           d.loops,
           {d.c.each(at_lane(lane)), round_at<Wrench>(lane, d.c.K), round_at<Wrench>(lane, d.c.wrench),
@@ -120,7 +121,7 @@ Passes all_passes() {
                 combine(n, y, h, n_k, k, w, out, lane))
   all.half_turns = [](const LaneData& d, double* half) LOCKSTEP_TARGET { half_turns(d, half); };
   LOCKSTEP_TREE_PASS(outward, (const LaneData& d), outward())
-  LOCKSTEP_TREE_PASS(accelerate_tree, (const LaneData& d, double* rate), accelerate_free(rate + lane))
+  LOCKSTEP_TREE_PASS(accelerate_tree, (const LaneData& d, double* rate), accelerate(rate + lane))
   LOCKSTEP_TREE_PASS(change, (const LaneData& d, const double* before, const double* h, double* now, double* out),
                      change(before + lane, h + lane, now + lane, out + lane))
   LOCKSTEP_TREE_PASS(vary, (const LaneData& d, const double* dy, double* out), vary(dy + lane, out + lane))
@@ -132,10 +133,6 @@ Passes all_passes() {
   LOCKSTEP_CLOSED_PASS(closure_errors, (const LaneData& d), errors())
   LOCKSTEP_CLOSED_PASS(closure_rates, (const LaneData& d), rates())
   LOCKSTEP_CLOSED_PASS(closure_residuals, (const LaneData& d, bool raised, double* out), residuals(raised, out + lane))
-  LOCKSTEP_CLOSED_PASS(closure_pivots, (const LaneData& d, const double* left, double* out),
-                       pivots(left + lane, out + lane))
-  LOCKSTEP_CLOSED_PASS(closure_norm, (const LaneData& d, const double* x, const double* L, double* out),
-                       norm(x + lane, L + lane, out + lane))
   return all;
 }
 

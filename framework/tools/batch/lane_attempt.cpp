@@ -37,27 +37,13 @@ Flags8 LaneRun::evaluate_stages() {
     for (int l = 0; l < kLanes; ++l) t[l] += tableau_.c[i] * h_[l];
     const Flags8 unmet = batch_.evaluate(i > 0 ? stage_.data() : y_.data(), t, k_[i].data());
     for (int l = 0; l < kLanes; ++l) failed[l] = failed[l] || unmet[l];
-    if (batch_.watches()) see_pivots(i == 0);
     for (int l = 0; i == 0 && l < kLanes; ++l)
-      first_a_[l] = batch_.largest_a(l), first_alpha_[l] = batch_.largest_alpha(l);
+      first_a_[l] = batch_.largest_a(l), first_alpha_[l] = batch_.largest_alpha(l), lanes_[l].first = {};
+    for (int l = 0; batch_.watches() && l < kLanes; ++l)
+      (i == 0 ? lanes_[l].first : lanes_[l].stages).add(batch_.n_small(l), batch_.smallest_pivot(l));
   }
   first_done_ = true;
   return failed;
-}
-
-void LaneRun::see_pivots(bool first) {
-  for (int l = 0; l < kLanes; ++l) {
-    Lane& the = lanes_[l];
-    if (first) the.first = {};
-    (first ? the.first : the.stages).add(batch_.n_small(l), batch_.smallest_pivot(l));
-  }
-}
-
-// Whether a stage of the attempt is near a singular position: there more pivots are small than elsewhere.
-bool LaneRun::near_singular(int lane) {
-  const Lane& the = lanes_[lane];
-  return std::max(the.first.most, the.stages.most) > the.usual ||
-         std::min(the.first.smallest, the.stages.smallest) < the.near_below;
 }
 
 // EmbeddedRungeKutta::estimate for eight copies: on the bodies of all at once, and on the states that control the step.
@@ -116,7 +102,7 @@ void LaneRun::attempt() {
     const Landing& end = landed[l];
     const bool on =
         !projects || (fixed_ ? end.converged : end_is_near(end.converged, end.before, batch_.system(l).length()));
-    if (failed[l] || !end.velocities_met || (batch_.watches() && near_singular(l)))
+    if (failed[l] || !end.velocities_met || (batch_.watches() && lanes_[l].near_singular()))
       leave(l);
     else if (!wanted[l])
       reject(l, lanes_[l].control.reject(error[l]));

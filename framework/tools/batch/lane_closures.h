@@ -56,7 +56,7 @@ struct LaneClosures {
   LOCKSTEP_LANE void accelerate(const Array& rate) const {
     gather<For::acceleration>();
     Rows rows = begin();
-    tree.accelerate(rows, rate);
+    tree.accelerate(rate, rows);
   }
   /// The elimination alone, of the Jacobians as found last.
   LOCKSTEP_LANE void factor() const {
@@ -100,28 +100,6 @@ struct LaneClosures {
     }
     out[0] = worst, out[1] = regular;
   }
-  /// Of the pivots: how many are small, and the smallest of the others, relative to its diagonal. `left`: what proximal terms
-  /// leave of each RowKind.
-  LOCKSTEP_LANE void pivots(const Array& left, const Array& out) const {
-    T n_small{}, smallest = T{} + 1.0;
-    for (std::size_t j = 0; j < plan.n_rows(); ++j) {
-      const T pivot = c.d[j], diagonal = c.diagonal[j], kept = left[static_cast<int>(plan.fronts.sources[j].kind)];
-      const T small = what_counts_as_small(diagonal, kept);
-      const T relative = pivot < small ? T{} + 1.0 : pivot / diagonal;
-      n_small += pivot < small ? T{} + 1.0 : T{};
-      smallest = relative < smallest ? relative : smallest;
-    }
-    out[0] = n_small, out[1] = smallest;
-  }
-  /// The norm of Dynamics::norm: metres; L: one number.
-  LOCKSTEP_LANE void norm(const Array& x, const Array& L, const Array& out) const {
-    T t{}, r{};
-    for (std::size_t j = 0; j < plan.n_rows(); ++j) {
-      T& most = plan.fronts.sources[j].kind == RowKind::translation ? t : r;
-      most = largest_or_nan<T>(most, bodies::magnitude<T>(x[j]));
-    }
-    out[0] = largest_or_nan<T>(t, 2.0 * L[0] * r);
-  }
 
  private:
   template <class F>
@@ -133,7 +111,7 @@ struct LaneClosures {
     }
   }
   LOCKSTEP_LANE Wrench J_of(std::size_t side) const {
-    const Array J = c.J + spatial::size * side;
+    const Array J = c.J + struct_size::wrench * side;
     return {Space::from(G::linear(J, 0)), Space::from_axial(G::axial(J, 3))};
   }
   // The motions of the slots that rows touch, for LinkRows: in the axes of space.
@@ -164,7 +142,7 @@ struct LaneClosures {
       T diagonal{};
       for_sides(
           j, [&](std::size_t at, const ClosureSlot& s) __attribute__((always_inline)) {
-            const Array inverse = c.inverse + 7 * s.node, K = c.J + spatial::size * at;
+            const Array inverse = c.inverse + 7 * s.node, K = c.J + struct_size::wrench * at;
             for (int i = 0; i < 6; ++i) K[i] = c.rows.J[s.J + s.m * (3 * (i / 3) + axes[i % 3])];
             const auto f = G::linear(K, 0);
             const W t = G::axial(K, 3);

@@ -35,8 +35,6 @@ struct Passes {
   /// r = J a - c -> 2 packs, the largest relative to its scale, and that of rows that are not redundant; `raised`: scales
   /// are, by the slots' accelerations.
   void (*closure_residuals)(const LaneData&, bool raised, double* out) = nullptr;
-  void (*closure_pivots)(const LaneData&, const double* left, double* out) = nullptr;
-  void (*closure_norm)(const LaneData&, const double* x, const double* L, double* out) = nullptr;  ///< as norm
 };
 
 /// Throws ModelError if the machine does not have these instructions.

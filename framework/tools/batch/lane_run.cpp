@@ -68,7 +68,6 @@ double LaneRun::first_step(int lane, const State& start) const {
   double largest = lanes_[lane].schedule.reach() - start.t;
   if (task_.options.max_step > 0) largest = std::min(largest, task_.options.max_step);
   try {
-    batch_.to_slots(lane, y0);
     dynamics.to_formulation(y0);  // coordinates of its own
     y1 = y0;
     return guess_first_step(dynamics, y0, tableau_.order, largest, norm, f0, f1, y1);
@@ -82,7 +81,6 @@ void LaneRun::find_redundancy(int lane, const State& start) {
   Lane& the = lanes_[lane];
   Dynamics dynamics = task_.dynamics_of(batch_.system(lane));
   State own = start;
-  batch_.to_slots(lane, own);
   dynamics.to_formulation(own);
   const Redundancy found = dynamics.redundancy(own);
   the.usual = found.on_constraints ? -1 : std::max(found.rows, 0);
@@ -159,22 +157,19 @@ void LaneRun::accept(int lane, double error) {
   }
   the.rejected = false;
   const auto end = [&] {
-    update_memory(lane);
+    const System& system = batch_.system(lane);
+    if (passes::keeps_anything(system)) {
+      read(lane, y_.data(), t_[lane], state_);
+      passes::accept(system, inputs_.at(system, state_), state_);
+      batch_.remember(lane, state_.z);
+      batch_.put(lane, state_, y_.data());
+    }
     if (!the.schedule.done() && t_[lane] < the.schedule.end())
       check_length(the.last, task_, the.schedule.end(), t_[lane], reports_[lane].steps);
   };
   if (!survives(lane, end)) return;
   tell_step(lane, false);
   if (the.going && the.lands) arrive(lane);
-}
-
-void LaneRun::update_memory(int lane) {
-  const System& system = batch_.system(lane);
-  if (!passes::keeps_anything(system)) return;
-  read(lane, y_.data(), t_[lane], state_);
-  passes::accept(system, inputs_.at(system, state_), state_);
-  batch_.remember(lane, state_.z);
-  batch_.put(lane, state_, y_.data());
 }
 
 // Repeats with a smaller step; a copy that cannot continue leaves for the scalar code, which reports the error.

@@ -32,6 +32,10 @@ struct Lane {
   Pivots first, stages;   // of the first stage, and of all of them
   double usual = 0;       // number of small pivots: those of redundant rows
   double near_below = 0;  // a smaller one of the others is near a singular position
+  // Whether a stage of the attempt is near a singular position: there more pivots are small than elsewhere.
+  bool near_singular() const {
+    return std::max(first.most, stages.most) > usual || std::min(first.smallest, stages.smallest) < near_below;
+  }
 };
 
 /// Runs all copies of a batch in lanes; run_alone finishes those that fail there.
@@ -79,7 +83,6 @@ class LaneRun {
   void combine_stages(const Weights&, const double* y, double* out);
   void estimate(Numbers8& error, Flags8& failed);
   void accept(int lane, double error);
-  void update_memory(int lane);
   void reject(int lane, double factor);
   void leave(int lane);
   void fail(int lane, const Error&);
@@ -94,8 +97,6 @@ class LaneRun {
     }
   }
   void park(int lane);
-  void see_pivots(bool first);
-  bool near_singular(int lane);
 
   Batch& batch_;
   const RunTask& task_;

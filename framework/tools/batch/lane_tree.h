@@ -211,18 +211,11 @@ struct LaneTree {
         *this, rows,
         z.waiting, [&](std::size_t k, Inertia & IA) __attribute__((always_inline)) { add_slot(k, g, IA); });
   }
-  template <class Rows>
-  LOCKSTEP_LANE void accelerate(Rows& rows, const Array& rate) const {
+  /// d/dt of translations and angles are the velocities; e' = (1/2) e w (1.8).
+  template <class Rows = NoRows>
+  LOCKSTEP_LANE void accelerate(const Array& rate, Rows&& rows = {}) const {
     inward(rows);
     lockstep::outward(*this, rows, rate + plan.n_q).put(z.largest);
-    kinematic_rates(rate);
-  }
-  LOCKSTEP_LANE void accelerate_free(const Array& rate) const {
-    NoRows none;
-    accelerate(none, rate);
-  }
-  /// d/dt of translations and angles are the velocities; e' = (1/2) e w (1.8).
-  LOCKSTEP_LANE void kinematic_rates(const Array& rate) const {
     for (const LaneNode& n : plan.nodes) {
       const Array q = z.y + n.q, v = z.y + (plan.n_q + n.v), qd = rate + n.q;
       const auto single = static_cast<std::size_t>(n.n_slides + (n.turn == TreeTurn::hinge ? 1 : 0));

@@ -110,8 +110,8 @@ void Batch::lay_out(const Trees& trees) {
   const auto size = [&](std::size_t packs) { return arrays_.add(packs); };
   z.gravity = size(3), z.joint = size(joint::size * n), z.more = size(plan.size_more), z.law = size(plan.size_law);
   z.cosine = size(n), z.sine = size(n), z.moving = size(moving::size * (n + 1)), z.largest = size(2);
-  z.travel = size(travel::size * n), z.dof = size(dof::size * plan.n_v);
-  z.waiting = size(articulated::size * plan.n_waiting), z.varied = size(varied::size * (n + 1));
+  z.travel = size(struct_size::travel * n), z.dof = size(struct_size::coordinate * plan.n_v);
+  z.waiting = size(struct_size::inertia * plan.n_waiting), z.varied = size(varied::size * (n + 1));
   half_.assign(kL * n, 0.0), start_.assign(kL * end::size * n, 0.0), now_ = start_;
   if (has_forces_) z.wrench = size(6 * n);
   closures_ = std::make_unique<TreeClosures>(systems_, layouts, data_, pass_);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/batch/tree_closures.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
@@ -64,18 +63,18 @@ TreeClosures::TreeClosures(const Systems& systems, const Layouts& layouts, LaneD
   const std::size_t places = plan.fronts.rows.size(), ground = body::size * plan.n_slots;
   const auto size = [&](std::size_t packs) { return arrays_.add(packs); };
   c.rows.body = size(ground + body::size), c.rows.frames = size(plan.size_frames), c.rows.law = size(plan.size_law);
-  c.rows.J = size(plan.size_J), c.inverse = size(7 * n_nodes), c.J = size(spatial::size * plan.slots.size());
+  c.rows.J = size(plan.size_J), c.inverse = size(7 * n_nodes), c.J = size(struct_size::wrench * plan.slots.size());
   c.l = size(places), c.Lambda = size(static_cast<std::size_t>(plan.fronts.n_Lambda));
   c.V = size(static_cast<std::size_t>(plan.fronts.n_V));
   for (auto* of_rows :
        {&c.rows.c, &c.rows.C, &c.rows.Ct, &c.diagonal, &c.scale, &c.d, &c.lambda, &c.dlambda, &c.r, &c.size, &c.Cd})
     *of_rows = size(m);
-  c.du = size(n_v), c.K = size(spatial::size * places);
-  c.wrench = size(spatial::size * n_nodes), c.change = size(spatial::size * n_nodes);
-  masked_.assign(kL * m, 0.0), dv_.assign(kL * std::max<std::size_t>(n_v, 1), 0.0), length_.assign(kL, 0.0);
+  c.du = size(n_v), c.K = size(struct_size::wrench * places);
+  c.wrench = size(struct_size::wrench * n_nodes), c.change = size(struct_size::wrench * n_nodes);
+  masked_.assign(kL * m, 0.0), dv_.assign(kL * std::max<std::size_t>(n_v, 1), 0.0);
   for (int l = 0; l < kLanes; ++l) {
     const System& system = *systems[l];
-    put_number(length_, 0, l, system.length());
+    length_[l] = system.length();
     put_matrix(c.rows.body, ground + body::A, l, Mat3::Identity());
     put_number(c.rows.body, ground + body::e, l, 1.0);
     for (Link& link : data_.loops.masks) put_frames(lock_in(system, link), l, link, c.rows.frames);
@@ -112,9 +111,13 @@ void TreeClosures::fill(const System& system, int lane, const Inputs& in) {
 }
 
 Numbers8 TreeClosures::norm(std::span<const double> x) {
-  alignas(64) Numbers8 out;
-  pass_.closure_norm(data_, x.data(), length_.data(), out.data());
-  return out;
+  Numbers8 translation{}, other{};
+  for (std::size_t j = 0; j < data_.loops.n_rows(); ++j) {
+    Numbers8& most = data_.loops.fronts.sources[j].kind == RowKind::translation ? translation : other;
+    for (int l = 0; l < kLanes; ++l) most[l] = largest_or_nan(most[l], std::abs(x[kL * j + l]));
+  }
+  for (int l = 0; l < kLanes; ++l) translation[l] = largest_or_nan(translation[l], 2.0 * length_[l] * other[l]);
+  return translation;
 }
 
 // Of J a - c: with scales raised where that is needed.
@@ -163,7 +166,17 @@ const double* TreeClosures::correct(std::span<const double> r, const Flags8& wan
 
 void TreeClosures::see_pivots() {
   if (!floors_known_) measure_floors();
-  pass_.closure_pivots(data_, pivot_floors_.data(), pivots_.data());
+  n_small_.fill(0), smallest_pivot_.fill(1);
+  for (std::size_t j = 0; j < data_.loops.n_rows(); ++j) {
+    const Numbers8& floors = pivot_floors_[static_cast<std::size_t>(data_.loops.fronts.sources[j].kind)];
+    for (int l = 0; l < kLanes; ++l) {
+      const double pivot = data_.c.d[kL * j + l], diagonal = data_.c.diagonal[kL * j + l];
+      if (pivot < what_counts_as_small(diagonal, floors[l]))
+        ++n_small_[l];
+      else
+        smallest_pivot_[l] = std::min(smallest_pivot_[l], pivot / diagonal);
+    }
+  }
 }
 
 // As ClosureRows::measure_scales, once.
@@ -175,12 +188,13 @@ void TreeClosures::measure_floors() {
       const ClosureSource& source = data_.loops.fronts.sources[j];
       floors.add(source.kind, kClosureProximal * data_.c.scale[kL * j + l]);
       for (int i = 0; i < source.n_sides && source.kind == RowKind::translation; ++i) {
-        const double* J = data_.c.J.data() + kL * spatial::size * static_cast<std::size_t>(source.first_side + i) + l;
+        const double* J =
+            data_.c.J.data() + kL * struct_size::wrench * static_cast<std::size_t>(source.first_side + i) + l;
         floors.arm2 = std::max(floors.arm2, J[3 * kL] * J[3 * kL] + J[4 * kL] * J[4 * kL] + J[5 * kL] * J[5 * kL]);
       }
     }
     for (const RowKind kind : {RowKind::translation, RowKind::rotation, RowKind::function})
-      pivot_floors_[kL * static_cast<std::size_t>(kind) + l] = floors.of(kind);
+      pivot_floors_[static_cast<std::size_t>(kind)][l] = floors.of(kind);
   }
 }
 

@@ -86,8 +86,8 @@ class TreeClosures {
   Flags8 accelerate(int n, double* rate);
   /// Of the last of them: how many pivots are small, and the smallest of the others, relative to its diagonal.
   void see_pivots();
-  double n_small(int lane) const { return pivots_[lane]; }
-  double smallest_pivot(int lane) const { return pivots_[kLanes + lane]; }
+  double n_small(int lane) const { return n_small_[lane]; }
+  double smallest_pivot(int lane) const { return smallest_pivot_[lane]; }
 
   /// C and Cd = J v + Ct at the motions that the tree has; the second alone after new velocities.
   void gather() { pass_.closure_errors(data_); }
@@ -117,9 +117,9 @@ class TreeClosures {
   RowTable scratch_;  // of one link
   bool has_laws_ = false, floors_known_ = false;
   Arrays arrays_;  // of data_.c
-  Aligned<double> masked_, dv_, length_;
-  alignas(64) std::array<double, 2 * kLanes> pivots_{};        // n_small, smallest_pivot
-  alignas(64) std::array<double, 3 * kLanes> pivot_floors_{};  // one pack per RowKind
+  Aligned<double> masked_, dv_;
+  Numbers8 length_{}, n_small_{}, smallest_pivot_{};
+  std::array<Numbers8, 3> pivot_floors_{};  // by RowKind
 };
 
 }  // namespace lockstep::lanes

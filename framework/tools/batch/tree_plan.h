@@ -72,14 +72,9 @@ struct Travel {
   typename Space::Linear r;
   typename Space::Twist c;
 };
-namespace travel {
-inline constexpr std::size_t size = 9;
-}
-namespace dof {
-inline constexpr std::size_t size = 14;  ///< Coordinate
-}
-namespace articulated {
-inline constexpr std::size_t size = 27;  ///< Inertia
+/// Packs of a struct of numbers.
+namespace struct_size {
+inline constexpr std::size_t travel = 9, coordinate = 14, inertia = 27, wrench = 6;  // a twist as a wrench
 }
 
 /// The end of a step, of a slot: x | e | v | w, slot axes.

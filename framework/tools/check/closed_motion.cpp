@@ -18,9 +18,7 @@ ClosedMotion free_top() {
   const Vec3 J(0.4, 0.4, 0.7), x0(0.1, 0.2, 0.3), v0(1, -2, 3), w0(1.1, 0.4, 2.5), g(0.3, 0, -9.81);
   const Quat q0 = exponential(Vec3(0.3, -0.5, 0.2));
   ClosedMotion m{"free top", 2.0, std::make_unique<System>(System::Options{g}), {}};
-  MassProperties mass;
-  mass.mass = 2, mass.J = J.asDiagonal();
-  m.system->add_body("top", mass, {x0, q0}).start = {v0, w0};
+  m.system->add_body("top", {2, Vec3::Zero(), J.asDiagonal()}, {x0, q0}).start = {v0, w0};
   m.system->setup();
   const Vec3 L = rotation(q0) * J.cwiseProduct(w0);
   m.pose = [=](double t) {

@@ -9,7 +9,6 @@
 
 #include <lockstep/author/passes.h>
 #include <lockstep/author/relative.h>
-#include <lockstep/error.h>
 #include <lockstep/text.h>
 
 namespace lockstep {

@@ -28,8 +28,7 @@ Quat rotation_of(const VecX& poses, Eigen::Index body) { return Quat::from(poses
 void HistoryObserver::output(const Sample& s) {
   const double begin = cpu_();
   const long before = s.dynamics().work().evaluations;
-  State slots = s.state;
-  s.dynamics().to_slots(slots);
+  const State slots = s.dynamics().in_slots(s.state);
   Instant& now = to_.emplace_back(Instant{slots.t, energy_.value(s), kinetic_.value(s), poses_of(system_, slots),
                                           slots.v, VecX::Zero(slots.v.size())});
   const Evaluated& values = s.values();

@@ -47,14 +47,12 @@ std::vector<CostAtError> costs_at_error(const WorkPrecision& result, double erro
     if (!counts(result, run, kind) || run.error.of(kind) > error) continue;
     const auto of_same = [&](const CostAtError& c) { return same_way(*c.run, run); };
     const auto known = std::find_if(costs.begin(), costs.end(), of_same);
-    const auto any_made = [&](auto&& wanted) {
-      return std::any_of(result.runs.begin(), result.runs.end(),
-                         [&](const WorkPrecisionRun& other) { return same_way(other, run) && wanted(other); });
-    };
-    const bool coarser = any_made([&](const WorkPrecisionRun& other) { return other.setting > run.setting; });
-    const bool finer =
-        any_made([&](const WorkPrecisionRun& other) { return other.done() && other.setting < run.setting; });
-    const CostAtError now{&run, !coarser, finer};
+    CostAtError now{&run, true, false};
+    for (const WorkPrecisionRun& other : result.runs) {
+      if (!same_way(other, run)) continue;
+      if (other.setting > run.setting) now.upper_bound = false;
+      if (other.done() && other.setting < run.setting) now.confirmed = true;
+    }
     if (known == costs.end())
       costs.push_back(now);
     else if (now.confirmed != known->confirmed ? now.confirmed : run.cpu < known->run->cpu)

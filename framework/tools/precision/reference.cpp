@@ -90,7 +90,9 @@ class Search {
       const bool first = std::find(kinds.begin(), kinds.end(), kind) == kinds.end();
       if (first) kinds.push_back(kind);
       if (std::find(slow_.begin(), slow_.end(), kind) != slow_.end() && !(first && found_.empty())) continue;
-      if ((first ? usual : others) && !settled() && time_for_another()) find(method, tolerance);
+      const double share = found_.size() < 2 ? kReferenceTime : kSecondTime;
+      if ((first ? usual : others) && !settled() && clocks_.clock() - begin_ < share * options_.budget)
+        find(method, tolerance);
     }
   }
 
@@ -111,9 +113,6 @@ class Search {
 
   bool settled() const { return pair_.first != pair_.second && result_.agreement.position <= kAgreed * result_.length; }
   double left() const { return options_.budget - (clocks_.clock() - begin_); }
-  bool time_for_another() const {
-    return clocks_.clock() - begin_ < (found_.size() < 2 ? kReferenceTime : kSecondTime) * options_.budget;
-  }
   const Trajectory& trajectory_;
   const WorkPrecisionOptions& options_;
   const Clocks& clocks_;

@@ -66,7 +66,12 @@ class Benchmark {
       if (!c.over) result_.left_out.push_back(label(run_of(c))), result_.open.push_back(run_of(c));
     for (const Combination& c : combinations_)
       if (c.over && c.n_stuck == 0 && any_done(c)) result_.falling.push_back(run_of_first(c));
-    sort_runs();
+    // By combination in the order of the plan, each from coarse to fine.
+    std::vector<WorkPrecisionRun> sorted;
+    for (const Combination& c : combinations_)
+      for (const WorkPrecisionRun& run : result_.runs)
+        if (is_of(run, c)) sorted.push_back(run);
+    result_.runs = std::move(sorted);
     return std::move(result_);
   }
 
@@ -297,14 +302,6 @@ class Benchmark {
     });
   }
 
-  // Sorted by combination in the order of the plan, each from coarse to fine.
-  void sort_runs() {
-    std::vector<WorkPrecisionRun> sorted;
-    for (const Combination& c : combinations_)
-      for (const WorkPrecisionRun& run : result_.runs)
-        if (is_of(run, c)) sorted.push_back(run);
-    result_.runs = std::move(sorted);
-  }
   bool any_done(const Combination& c) const {
     return std::ranges::any_of(result_.runs, [&](const WorkPrecisionRun& run) { return run.done() && is_of(run, c); });
   }

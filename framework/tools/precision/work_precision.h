@@ -145,7 +145,6 @@ LOCKSTEP_API std::string integrator_type(const std::string& integrator);
 LOCKSTEP_API std::string to_string(Stabilization::Kind);
 LOCKSTEP_API std::string to_string(ErrorKind);
 LOCKSTEP_API const char* unit_of(ErrorKind);  ///< "m", "m/s", "J", "N"
-std::string setting_words(const WorkPrecisionRun&);  ///< "tolerance 1e-06", "step 0.1 s"
 /// "dop853, omega, project, sparse"; "dop853, joint, project".
 std::string way_of(const WorkPrecisionRun&);
 /// "dop853, omega, project, sparse, tolerance 1e-06".

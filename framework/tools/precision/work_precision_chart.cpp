@@ -118,13 +118,10 @@ std::string solver_for(const WorkPrecision& result, WorkPrecisionRun base, Chart
   return base.solver;
 }
 
-std::string cost_label(CostKind by) {
-  return by == CostKind::cpu ? "CPU time of the run [s]" : "evaluations of the equations of motion";
-}
-
 std::optional<GridPanel> panel_of(const WorkPrecision& result, const std::string& title, ErrorKind kind, CostKind by,
                                   const Curves& curves) {
-  GridPanel panel{title, cost_label(by), {}};
+  GridPanel panel{
+      title, by == CostKind::cpu ? "CPU time of the run [s]" : "evaluations of the equations of motion", {}};
   panel.series.push_back(front_of(result, kind, by));
   for (const auto& [label, wanted] : curves)
     for (const SeriesStyle style : {SeriesStyle::lines, SeriesStyle::points})

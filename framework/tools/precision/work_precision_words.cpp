@@ -29,16 +29,15 @@ std::string to_string(ChartBy by) {
   return kNames[static_cast<std::size_t>(by)];
 }
 
-std::string setting_words(const WorkPrecisionRun& run) {
-  return run.adaptive ? fmt::format("tolerance {:.3g}", run.setting) : fmt::format("step {:.3g} s", run.setting);
-}
-
 std::string way_of(const WorkPrecisionRun& run) {
   return fmt::format("{}, {}, {}{}", run.integrator, to_string(run.used), to_string(run.stabilization),
                      needs_no_solver(run.used) ? "" : ", " + run.solver);
 }
 
-std::string label(const WorkPrecisionRun& run) { return way_of(run) + ", " + setting_words(run); }
+std::string label(const WorkPrecisionRun& run) {
+  return way_of(run) +
+         (run.adaptive ? fmt::format(", tolerance {:.3g}", run.setting) : fmt::format(", step {:.3g} s", run.setting));
+}
 
 std::string runs_text(const WorkPrecision& result) {
   std::string text =

@@ -89,10 +89,11 @@ std::vector<VecX> common_zeros(const std::vector<MatX>& forms, Eigen::Index p) {
   return found;
 }
 
-BranchPoint looked_at(Dynamics& dynamics, const State& given) {
+}  // namespace
+
+BranchPoint branch_point(Dynamics& dynamics, const State& given) try {
   BranchPoint out;
-  State state = given;
-  dynamics.to_slots(state);
+  const State state = dynamics.in_slots(given);
   const System& system = dynamics.system();
   if (!has_loops(system, state.modes)) return out;
   const Evaluation& e = dynamics.gather_rows(state);
@@ -142,16 +143,8 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
   const double size = motion_size(system, rows.at.motion_of(N.rowwise().sum()));
   out.locked = out.motions == 1 && lines.empty() && strongest > kIn * size * size;
   return out;
-}
-
-}  // namespace
-
-BranchPoint branch_point(Dynamics& dynamics, const State& state) {
-  try {
-    return looked_at(dynamics, state);
-  } catch (const Error&) {  // not known if other velocities cannot be evaluated
-    return {};
-  }
+} catch (const Error&) {  // not known if other velocities cannot be evaluated
+  return {};
 }
 
 std::string BranchPoint::text(Dynamics& dynamics, const State& given) const {
@@ -159,8 +152,7 @@ std::string BranchPoint::text(Dynamics& dynamics, const State& given) const {
   if (!drives.empty())
     return fmt::format("with {} prescribed, the loop of joints {} may continue in several ways, or not at all",
                        first_of(drives), first_of(joints));
-  State state = given;
-  dynamics.to_slots(state);
+  const State state = dynamics.in_slots(given);
   const std::string count = fmt::format("{} instantaneous degree{} of freedom", motions, motions == 1 ? "" : "s");
   if (!all) return count + ", with more branches than can be listed";
   if (tangents.empty()) return count + ", but no finite motion: the mechanism is locked";

@@ -357,8 +357,7 @@ void close_stops(Dynamics& dynamics, State& state) {
 }
 
 Cause contradicting(Dynamics& dynamics, const State& at) {
-  State moving = at;
-  dynamics.to_slots(moving);
+  State moving = dynamics.in_slots(at);
   close_stops(dynamics, moving);
   State still = moving;
   still.v.setZero();
@@ -436,8 +435,7 @@ Cause first_found(std::initializer_list<std::function<Cause()>> finders) {
 // Rates that drives prescribe are compared at the assembled pose, if there is one.
 Cause cause_of_start(Dynamics& dynamics, const State& given) {
   const auto assembled = [&] {
-    State pose = given;
-    dynamics.to_slots(pose);
+    State pose = dynamics.in_slots(given);
     return approach_links(dynamics, pose, kRoundOff * dynamics.system().length()) ? pose : given;
   };
   const auto misplaced = [&] {
@@ -470,20 +468,13 @@ void rethrow_with(const Cause& cause, const Error& error, const std::string& lin
   if (!lines.empty()) sentence += "\n" + lines.substr(0, lines.size() - 1);
   if (about.problem != error.problem && about.problem != error.fact())
     sentence += (lines.empty() ? "; " : "\n  ") + ("solver: " + error.fact());
-  switch (cause.kind == Error::Kind::other ? error.kind() : cause.kind) {
-    case Error::Kind::assembly:
-      throw AssemblyError(sentence, about);
-    case Error::Kind::solve:
-      throw SolveError(sentence, about);
-    case Error::Kind::step:
-      throw StepError(sentence, about);
-    case Error::Kind::non_finite:
-      throw NonFiniteError(sentence, about);
-    case Error::Kind::user_code:
-      throw UserCodeError(sentence, about);
-    default:
-      throw;
-  }
+  const Error::Kind kind = cause.kind == Error::Kind::other ? error.kind() : cause.kind;
+  if (kind == Error::Kind::assembly) throw AssemblyError(sentence, about);
+  if (kind == Error::Kind::solve) throw SolveError(sentence, about);
+  if (kind == Error::Kind::step) throw StepError(sentence, about);
+  if (kind == Error::Kind::non_finite) throw NonFiniteError(sentence, about);
+  if (kind == Error::Kind::user_code) throw UserCodeError(sentence, about);
+  throw;
 }
 
 }  // namespace lockstep

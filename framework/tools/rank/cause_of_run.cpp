@@ -23,8 +23,7 @@ namespace {
 /// differences of their rates. Oscillations repeat after two powers, so it is the mean growth of an even number, with
 /// positions as velocities by the mean before.
 double fastest_rate(Dynamics& dynamics, const State& at) {
-  State slots = at;
-  dynamics.to_slots(slots);
+  const State slots = dynamics.in_slots(at);
   double turns = 0;
   for (const Motion& O : dynamics.inputs(slots).motions) turns = std::max(turns, O.w.norm());
   constexpr int kPowers = 20;

@@ -37,30 +37,11 @@ OneRow one_row(const NamedRow& row, const Inputs& in, const Unknowns& at) {
   return out;
 }
 
-/// Motions that the rows in force allow, followed on the constraints.
-class FreeWay {
- public:
-  FreeWay(Dynamics& dynamics, const State& state) : dynamics_(dynamics), at_(dynamics.system()), state_(state) {}
-
-  const Unknowns& unknowns() const { return at_; }
-  const Inputs& inputs() { return dynamics_.gather_rows(state_).inputs(); }
-  // The free motion nearest to u; zero if the rows hold u.
-  VecX nearest(const VecX& u) {
-    const VecX free = RowSpace(at_.rows_in_lengths(dynamics_.gather_rows(state_).rows())).free_part(u);
-    return free.norm() > kNegligible * u.norm() ? free : VecX(VecX::Zero(u.size()));
-  }
-  // On along u, so far that the body that moves most moves by this.
-  void go(const VecX& u, double length) {
-    const VecX motion = at_.motion_of(u);
-    dynamics_.advance(state_, length / motion_size(dynamics_.system(), motion), motion);
-    dynamics_.project(state_);
-  }
-
- private:
-  Dynamics& dynamics_;
-  Unknowns at_;
-  State state_;
-};
+/// The motion that these rows leave free nearest to u; zero if they hold u.
+VecX nearest_free(const RowTable& rows, const Unknowns& at, const VecX& u) {
+  const VecX free = RowSpace(at.rows_in_lengths(rows)).free_part(u);
+  return free.norm() > kNegligible * u.norm() ? free : VecX(VecX::Zero(u.size()));
+}
 
 }  // namespace
 
@@ -98,20 +79,25 @@ std::optional<Violation> violation_without(System& system, Dynamics& dynamics, c
                                            const std::vector<NamedRow>& all_left_out) {
   leave_out(system, all_left_out), release_drives(system);
   const AtEnd back([&] { take_back(system); });  // it was set up before with all rows: that does not throw
+  const Unknowns at(system);
   std::optional<Violation> found;
   for (const NamedRow& row : rows) {
-    FreeWay way(dynamics, start);
-    VecX u = way.nearest(one_row(row, way.inputs(), way.unknowns()).J);
+    State state = start;
+    const auto now = [&](const NamedRow& r) { return one_row(r, dynamics.gather_rows(state).inputs(), at); };
+    const auto nearest = [&](const VecX& to) { return nearest_free(dynamics.gather_rows(state).rows(), at, to); };
+    VecX u = nearest(now(row).J);
     if (!u.isZero(0) && !found) found.emplace();
     for (int k = 0; k < kSteps && !u.isZero(0); ++k) {
       try {
-        way.go(u, kStep * system.length());
+        const VecX motion = at.motion_of(u);
+        dynamics.advance(state, kStep * system.length() / motion_size(system, motion), motion);
+        dynamics.project(state);
         for (const NamedRow& r : rows) {
-          const double C = std::abs(one_row(r, way.inputs(), way.unknowns()).C);
+          const double C = std::abs(now(r).C);
           found->most = std::max(found->most, C);
           if (r.link->row_kind(r.own) == RowKind::translation) found->gap = std::max(found->gap, C);
         }
-        u = way.nearest(u);
+        u = nearest(u);
       } catch (const Error&) {
         if (k <= 1) return Violation{HUGE_VAL, HUGE_VAL};
         break;  // it comes to an end of its way

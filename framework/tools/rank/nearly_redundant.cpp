@@ -47,7 +47,7 @@ class LoopChoice {
     for (const int number : loop.numbers) rows.emplace_back(system, table, number);
     order_.resize(rows.size());
     std::iota(order_.begin(), order_.end(), 0);
-    std::ranges::stable_sort(order_, {}, [&](int row) { return named(row).link->number(); });
+    std::ranges::stable_sort(order_, {}, [&](int row) { return rows[row].link->number(); });
     for (Eigen::Index k = 0; k < J_.cols(); ++k) J_.col(k) = VecX(loop.Jt.col(order_[k])) / space.length(order_[k]);
   }
 
@@ -100,8 +100,7 @@ class LoopChoice {
   }
 
  private:
-  const NamedRow& named(int row) const { return rows[row]; }
-  const NamedRow& ordered(Eigen::Index place) const { return named(order_[place]); }
+  const NamedRow& ordered(Eigen::Index place) const { return rows[order_[place]]; }
 
   std::vector<int> order_;  // of the links, then of their rows
   MatX J_;                  // of length 1, in this order
@@ -195,8 +194,7 @@ void hold(System& system, const std::deque<LoopChoice>& loops, std::vector<NearD
 
 std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dynamics, const State& given,
                                                     NearlyRedundant asked) {
-  State state = given;
-  dynamics.to_slots(state);
+  const State state = dynamics.in_slots(given);
   take_back(system);
   std::vector<NearDependency> told;
   if (!has_loops(system, state.modes)) return told;

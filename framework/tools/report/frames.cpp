@@ -94,25 +94,17 @@ void Frames::add(const Sample& sample) {
     const Motion& O = in.slot(body->slot);
     const Pose at = pose_of(*body, in);
     const Vec3 w = O.A * O.w;
-    put(at.x), put(at.q), put(O.v + cross(w, Vec3(at.x - O.x))), put(w);
+    put(at.x), put(at.q.coefficients()), put(O.v + cross(w, Vec3(at.x - O.x))), put(w);
   }
   for (const Marker* marker : markers_) {
     const MarkerInWorld at = in_world(MarkerFrame(*marker), in);
-    put(at.x), put(quaternion_of(at.A));
+    put(at.x), put(quaternion_of(at.A).coefficients());
   }
   put_loads(sample);
   after_jump_.push_back(false);
   times_.push_back(sample.state.t);  // last: from here on it counts
   skipped_ = 0;
   if (times_.size() > most_) thin();
-}
-
-void Frames::put(const Vec3& v) {
-  for (int k = 0; k < 3; ++k) rows_.push_back(static_cast<float>(v[k]));
-}
-
-void Frames::put(const Quat& q) {
-  for (const double c : {q.w, q.x, q.y, q.z}) rows_.push_back(static_cast<float>(c));
 }
 
 // Where there is no solution, the motion is shown all the same. What is solved for here is not the run's, which must not

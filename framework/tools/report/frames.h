@@ -69,8 +69,10 @@ class LOCKSTEP_API Frames final : public Observer {
 
  private:
   void add(const Sample&);
-  void put(const Vec3& v);
-  void put(const Quat& q);
+  template <class V>
+  void put(const V& v) {
+    for (Eigen::Index k = 0; k < v.size(); ++k) rows_.push_back(static_cast<float>(v[k]));
+  }
   void put_loads(const Sample&);
   void follow_paths(const Inputs&);
   void follow_modes(const State&);

@@ -25,16 +25,6 @@ Json shape_json(const std::vector<const Body*>& bodies, const ShownMode& mode) {
   return all;
 }
 
-// The points about which the bodies rotate: the origins of their rigid groups.
-Json pivots_json(const std::vector<const Body*>& bodies, const Inputs& in) {
-  Json all = Json::array();
-  for (const Body* body : bodies) {
-    const Vec3& x = in.slot(body->slot).x;
-    all.push_back({x[0], x[1], x[2]});
-  }
-  return all;
-}
-
 }  // namespace
 
 std::string modes_page(const ReportText& text, const Sample& rest, const Mechanism& m,
@@ -49,7 +39,11 @@ std::string modes_page(const ReportText& text, const Sample& rest, const Mechani
   json.update(frames_json(frames, numbers));
   json["table"] = {{"rows", 0}, {"stride", 1}, {"columns", Json::array()}};
   json["length"] = length;
-  json["pivots"] = pivots_json(frames.bodies(), rest.inputs());
+  json["pivots"] = Json::array();
+  for (const Body* body : frames.bodies()) {  // they rotate about the origins of their rigid groups
+    const Vec3& x = rest.inputs().slot(body->slot).x;
+    json["pivots"].push_back({x[0], x[1], x[2]});
+  }
   json["modes"] = Json::array();
   for (const ShownMode& mode : modes)
     json["modes"].push_back({{"name", mode.name},

@@ -5,7 +5,7 @@ import { button, make } from './dom.js';
 import { pngOf } from './export.js';
 import { padded } from './marks.js';
 import { axisStyle, drawnBy, facets, titleOf } from './plots.js';
-import { cubics, slopesOf, valueAt } from './slopes.js';
+import { cubics, pathThrough, slopesOf, valueAt } from './slopes.js';
 import { theme } from './theme.js';
 
 export class Against {
@@ -94,7 +94,7 @@ export class Against {
         { marks, table } = this.data;
       const path = known
         ? cubics(points, place, [xs, ys], this.slopes, table.columns[0].values, marks)
-        : curve(points, smooth);
+        : pathThrough(points, (i) => (smooth ? rounded(points, i) : null));
       u.ctx.strokeStyle = series.stroke();
       u.ctx.lineWidth = series.width * devicePixelRatio;
       u.ctx.lineJoin = 'round';
@@ -103,25 +103,9 @@ export class Against {
   }
 }
 
-// A path through points, where null is a gap; `smooth`: by cubic pieces, whose slopes are those from neighbour to neighbour.
-function curve(points, smooth) {
-  const path = new Path2D();
-  points.forEach((p, i) => {
-    if (!p) return;
-    const before = points[i - 1];
-    if (!before) path.moveTo(...p);
-    else if (!smooth) path.lineTo(...p);
-    else {
-      const a = points[i - 2] ?? before,
-        b = points[i + 1] ?? p;
-      path.bezierCurveTo(
-        before[0] + (p[0] - a[0]) / 6,
-        before[1] + (p[1] - a[1]) / 6,
-        p[0] - (b[0] - before[0]) / 6,
-        p[1] - (b[1] - before[1]) / 6,
-        ...p,
-      );
-    }
-  });
-  return path;
+// The middle points of the cubic to point i whose slopes are those from neighbour to neighbour.
+function rounded(points, i) {
+  const [before, p] = points.slice(i - 1, i + 1);
+  const [a, b] = [points[i - 2] ?? before, points[i + 1] ?? p];
+  return [...before.map((x, k) => x + (p[k] - a[k]) / 6), ...p.map((x, k) => x - (b[k] - before[k]) / 6)];
 }

@@ -69,16 +69,14 @@ function greatCircle(axis, color) {
 
 // Corners of the convex hull of points in a plane, in order; `normal` is set.
 function hull(points, normal) {
-  let far = null;
-  for (let i = 2; i < points.length && !far; ++i) {
-    const n = new Vector3().crossVectors(point0(points, 1), point0(points, i));
-    if (n.length() > 1e-3 * point0(points, 1).lengthSq()) far = n.normalize();
-  }
+  const [arm, ...others] = points.slice(1).map((p) => new Vector3().subVectors(p, points[0]));
+  const normals = others.map((other) => new Vector3().crossVectors(arm, other));
+  const far = normals.find((n) => n.length() > 1e-3 * arm.lengthSq());
   if (!far) return null;
-  normal.copy(far);
+  normal.copy(far.normalize());
   const span = Math.max(...points.map((p) => p.distanceTo(points[0])));
-  if (points.some((p) => Math.abs(new Vector3().subVectors(p, points[0]).dot(far)) > 1e-3 * span)) return null;
-  const e1 = point0(points, 1).normalize(),
+  if (others.some((other) => Math.abs(other.dot(far)) > 1e-3 * span)) return null;
+  const e1 = arm.normalize(),
     e2 = new Vector3().crossVectors(far, e1);
   const flat = points.map((p) => ({ p, x: p.dot(e1), y: p.dot(e2) })).sort((a, b) => a.x - b.x || a.y - b.y);
   const side = (list) => {
@@ -95,8 +93,6 @@ function hull(points, normal) {
   };
   return [...side(flat), ...side(flat.reverse())].map((q) => q.p);
 }
-const point0 = (points, i) => new Vector3().subVectors(points[i], points[0]);
-
 // The two points furthest apart.
 function ends(points) {
   let best = [points[0], points[1]],
@@ -230,9 +226,11 @@ export class Bodies {
 
   // centres of mass of bodies that move, in the world.
   centers() {
-    return this.data.mechanism.moving.map((i) =>
-      point(this.data.mechanism.bodies[i].center).applyMatrix4(this.groups[i].matrixWorld),
-    );
+    return this.data.mechanism.moving.map((i) => this.inWorld(i, point(this.data.mechanism.bodies[i].center)));
+  }
+
+  inWorld(body, p) {
+    return p.applyMatrix4(this.groups[body].matrixWorld);
   }
 
   // How far the ellipsoid reaches as which a body may be drawn, at most: where nothing says what it looks like.
@@ -248,23 +246,17 @@ export class Bodies {
   *keyPoints() {
     const { data } = this,
       { bodies, markers, links, forces } = data.mechanism;
-    const p = new Vector3();
     for (const [i, body] of bodies.entries()) {
-      const group = this.groups[i];
-      group.updateMatrixWorld();
-      if (!body.fixed) yield p.copy(point(body.center)).applyMatrix4(group.matrixWorld);
-      const reach = this.reaches[i];
-      if (reach > 0)
+      this.groups[i].updateMatrixWorld();
+      if (!body.fixed) yield this.inWorld(i, point(body.center));
+      if (this.reaches[i] > 0)
         for (const [k, a] of semiAxes(body, Infinity).entries())
-          for (const side of [-1, 1])
-            yield p
-              .copy(point(body.center))
-              .setComponent(k, body.center[k] + side * Math.min(a, reach))
-              .applyMatrix4(group.matrixWorld);
+          for (const arm of [-1, 1].map((side) => side * Math.min(a, this.reaches[i])))
+            yield this.inWorld(i, point(body.center).setComponent(k, body.center[k] + arm));
       for (const solid of body.solids) {
         const place = matrixOf(solid.at);
         for (const corner of cornersOf(solid.kind === 'mesh' ? data.meshes[solid.mesh] : CUBE, solid.size))
-          yield p.set(...corner).applyMatrix4(place).applyMatrix4(group.matrixWorld);
+          yield this.inWorld(i, point(corner).applyMatrix4(place));
       }
     }
     for (const link of links)
@@ -273,12 +265,12 @@ export class Bodies {
         const marker = markers[markerOf(link, curve)],
           place = matrixOf(marker.at);
         for (let i = 0; i < curve.points.length; i += 36)
-          yield p.fromArray(curve.points, i).applyMatrix4(place).applyMatrix4(this.groups[marker.body].matrixWorld);
+          yield this.inWorld(marker.body, new Vector3().fromArray(curve.points, i).applyMatrix4(place));
       }
     const used = new Set([...links.flatMap((link) => link.pairs.flat()), ...forces.flatMap((force) => force.markers)]);
     for (let m = 0; m < markers.length; ++m)
       if (!bodies[markers[m].body].fixed || used.has(m))
-        yield p.copy(point(markers[m].at)).applyMatrix4(this.groups[markers[m].body].matrixWorld);
+        yield this.inWorld(markers[m].body, point(markers[m].at));
   }
 
   // `unit`: the size of symbols.

@@ -37,7 +37,7 @@ function pageOf(data, run) {
 }
 
 // After a search, with the first run before it.
-export function showHistory(data, run) {
+export function historyPage(data, run) {
   const own = pageOf(data, run),
     [first] = data.histories.runs;
   if (data.shown && run !== first) addBefore(own, pageOf(data, first));
@@ -45,5 +45,5 @@ export function showHistory(data, run) {
   page.elements.back_to_runs.hidden = false;
   if (run.mechanism === undefined)
     page.fail('The motion of this run was not kept; its columns are available.');
-  globalThis.lockstepReport = page;
+  return page;
 }

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: a run, many runs as points, or modes.
 import { readData } from './data.js';
-import { askedRun, keptRun, showHistory } from './histories.js';
-import { showModes } from './modes.js';
-import { showPoints } from './points.js';
-import { showRun } from './run.js';
+import { askedRun, historyPage, keptRun } from './histories.js';
+import { ModesPage } from './modes.js';
+import { pointsPage } from './points.js';
+import { RunPage } from './run.js';
 
-const data = readData();
-if (data.kind === 'points') {
-  const run = location.hash !== '#runs' && keptRun(data, askedRun() || data.shown);
-  if (run) showHistory(data, run);
-  else showPoints(data);
+function pageOf(data) {
+  if (data.kind === 'modes') return new ModesPage(data);
+  if (data.kind !== 'points') return new RunPage(data);
   // Another run is another page.
   addEventListener('hashchange', () => location.reload());
-} else if (data.kind === 'modes') showModes(data);
-else showRun(data);
+  const run = location.hash !== '#runs' && keptRun(data, askedRun() || data.shown);
+  return run ? historyPage(data, run) : pointsPage(data);
+}
+
+globalThis.lockstepReport = pageOf(readData()); // for tests and for the curious

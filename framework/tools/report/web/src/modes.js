@@ -54,7 +54,7 @@ function fillFrames(run, mode, amplitude) {
   }
 }
 
-class ModesPage extends RunPage {
+export class ModesPage extends RunPage {
   constructor(data) {
     const run = runOf(data);
     run.clockWords = (t) => `${Math.round((360 * t) / PERIOD) % 360}\u00b0`;
@@ -123,8 +123,4 @@ class ModesPage extends RunPage {
   step(n) {
     this.clock.step((n * FRAMES) / 16);
   }
-}
-
-export function showModes(data) {
-  globalThis.lockstepReport = new ModesPage(data); // for tests and for the curious
 }

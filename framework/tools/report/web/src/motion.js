@@ -76,12 +76,6 @@ export class Motion {
     const a = k * this.width + BODY * i,
       b = next * this.width + BODY * i,
       out = 7 * i;
-    if (u === 0 || h === 0) {
-      for (let c = 0; c < 3; ++c) bodies[out + c] = rows[a + c];
-      for (let c = 0; c < 4; ++c) bodies[out + 3 + c] = rows[a + 3 + ((c + 1) & 3)];
-      for (let c = 0; c < 6; ++c) velocities[6 * i + c] = rows[a + 7 + c];
-      return;
-    }
     const [p, q, r, s] = weights(u, h);
     for (let c = 0; c < 3; ++c) {
       const end = endIsAfterJump ? (rows[b + c] - rows[a + c]) / h : rows[b + 7 + c];

@@ -2,8 +2,8 @@
 // Plots: the recorded columns over time, one panel per unit or as the scene asks; their cursor is the page's time.
 import uPlot from 'uplot';
 import { button, make, press, whenClicked } from './dom.js';
-import { envelope } from './envelope.js';
 import { pngOf, saveCsv } from './export.js';
+import { extentOf } from './marks.js';
 import { indexAt } from './motion.js';
 import { hermite, slopesOf } from './slopes.js';
 import { theme } from './theme.js';
@@ -11,7 +11,6 @@ import { theme } from './theme.js';
 const MOST_CURVES = 8; // of a panel
 const MOST_MARKS = 60; // more would be a hatching
 const SMOOTH = 1500; // rows, from which on they are joined straight
-const LONG = 6000; // rows, beyond which an envelope is drawn
 const HEIGHT = 190; // pixels
 
 // Groups of column numbers with a title: those of the scene, each split by unit, then one for each unit; a group is no larger than can be read.
@@ -72,12 +71,8 @@ const curveOf = (column) => column.curve ?? column.values;
 // Extremes of the motion beyond a column's rows: time, value, and the value that the curve reaches.
 function beyondRows(column) {
   if (!column.range) return [];
-  let low = Infinity,
-    high = -Infinity;
-  for (const v of curveOf(column)) {
-    if (v < low) low = v;
-    if (v > high) high = v;
-  }
+  const curve = curveOf(column);
+  const [low, high] = extentOf(curve, curve.keys());
   const { least, t_least, most, t_most } = column.range;
   return [...(least < low ? [[t_least, least, low]] : []), ...(most > high ? [[t_most, most, high]] : [])];
 }
@@ -115,8 +110,6 @@ export class Plots {
     this.groups = groupsOf(data).map((group) => ({ ...group, log: false, hidden: new Set() }));
     this.x = curveOf(data.table.columns[0]);
     this.beyond = data.table.columns.map(beyondRows);
-    this.long = this.x.length > LONG;
-    this.sync = uPlot.sync('time');
     this.plots = [];
     clock.addEventListener('time', () => this.showTime());
     new ResizeObserver(() => this.resize()).observe(holder);
@@ -184,11 +177,11 @@ export class Plots {
     return group.members.map((i) => this.data.table.columns[i]);
   }
 
-  dataOf(group, [from, to]) {
-    const columns = this.columnsOf(group).map(curveOf);
-    if (!this.long) return [this.x, ...columns.map(drawable)];
-    const [x, ...ys] = envelope(this.x, columns, from, to, 1200);
-    return [x, ...ys.map(drawable)];
+  // A logarithmic axis has no place for numbers that are not above zero.
+  dataOf(group) {
+    const columns = this.columnsOf(group).map((column) => drawable(curveOf(column)));
+    const positive = (y) => Array.from(y, (v) => (v > 0 ? v : null));
+    return [this.x, ...(group.log ? columns.map(positive) : columns)];
   }
 
   // Few rows are joined without corners: by their rates where these are known, else by a guess.
@@ -237,10 +230,7 @@ export class Plots {
         setSeries: [(u, i, { show }) => show !== undefined && i > 0 && group.hidden[show ? 'delete' : 'add'](i - 1)],
       },
     };
-    const positive = (list) =>
-      group.log ? list.map((y, i) => (i === 0 ? y : Array.from(y, (v) => (v > 0 ? v : null)))) : list;
-    group.data = (range) => positive(this.dataOf(group, range));
-    const plot = new uPlot(options, group.data(this.range), body);
+    const plot = new uPlot(options, this.dataOf(group), body);
     const timeAt = (e) => plot.posToVal(e.clientX - plot.over.getBoundingClientRect().left, 'x');
     whenClicked(plot.over, (e) => this.clock.stopAt(timeAt(e)));
     plot.over.addEventListener('mouseleave', () => this.showTime());
@@ -304,11 +294,7 @@ export class Plots {
   zoom(range) {
     this.zooming = true;
     this.range = range;
-    for (const { plot, group } of this.plots)
-      plot.batch(() => {
-        if (this.long) plot.setData(group.data(range), false);
-        plot.setScale('x', { min: range[0], max: range[1] });
-      });
+    for (const { plot } of this.plots) plot.batch(() => plot.setScale('x', { min: range[0], max: range[1] }));
     // What uPlot decides at the end of its batch is no wish of the reader's.
     queueMicrotask(() => {
       this.zooming = false;

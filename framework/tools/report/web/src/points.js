@@ -248,9 +248,9 @@ class Points {
   }
 }
 
-export function showPoints(data) {
+export function pointsPage(data) {
   for (const id of ['main', 'tools']) $(id).hidden = true;
   $('points').hidden = false;
   $('heading').textContent = data.text.title || 'lockstep report';
-  globalThis.lockstepReport = { data, points: new Points(data) };
+  return { data, points: new Points(data) };
 }

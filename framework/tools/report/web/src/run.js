@@ -120,7 +120,3 @@ export class RunPage {
     this.tools.show();
   }
 }
-
-export function showRun(data) {
-  globalThis.lockstepReport = new RunPage(data); // for tests and for the curious
-}

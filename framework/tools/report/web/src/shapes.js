@@ -16,6 +16,7 @@ function shared(make, ...numbers) {
 
 const boxOf = (x, y, z) => new THREE.BoxGeometry(x, y, z);
 const cylinderOf = (radius, length, sides) => new THREE.CylinderGeometry(radius, radius, length, sides);
+const capsuleOf = (radius, length) => new THREE.CapsuleGeometry(radius, length, 6, 20);
 const sphereOf = (radius, across, down) => new THREE.SphereGeometry(radius, across, down);
 const edgesOf = new Map(); // of a geometry
 
@@ -64,21 +65,12 @@ export function sphere(radius, mat, detail = 32) {
 
 // A bar with round ends.
 export function bar(from, to, radius, mat) {
-  const group = new THREE.Group();
   const along = new THREE.Vector3().subVectors(to, from);
   const length = along.length();
-  if (length > 1e-9) {
-    const rod = new THREE.Mesh(shared(cylinderOf, radius, length, 20), mat);
-    rod.quaternion.setFromUnitVectors(Y, along.divideScalar(length));
-    rod.position.addVectors(from, to).multiplyScalar(0.5);
-    group.add(rod);
-  }
-  for (const end of [from, to]) {
-    const ball = new THREE.Mesh(shared(sphereOf, radius, 20, 12), mat);
-    ball.position.copy(end);
-    group.add(ball);
-  }
-  return group;
+  const mesh = new THREE.Mesh(shared(capsuleOf, radius, length), mat);
+  if (length > 1e-9) mesh.quaternion.setFromUnitVectors(Y, along.divideScalar(length));
+  mesh.position.addVectors(from, to).multiplyScalar(0.5);
+  return mesh;
 }
 
 // The flat area of points in the plane with this normal, as a thin sheet.

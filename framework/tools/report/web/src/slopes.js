@@ -91,23 +91,29 @@ export function valueAt(data, slopes, index, t) {
   return straight + u * v * (v * (a - rise) - u * (b - rise));
 }
 
-// A path through the points of two columns, where null is a gap: by cubics with these slopes, or straight where they are
-// not known. `place`: the point of two numbers.
-export function cubics(points, place, columns, slopes, times, marks) {
+// A path through points, where null is a gap. `middle(i)`: the middle points of the cubic to point i; null: it is straight.
+export function pathThrough(points, middle) {
   const path = new Path2D();
   points.forEach((p, i) => {
     if (!p) return;
+    const bend = points[i - 1] && middle(i);
     if (!points[i - 1]) path.moveTo(...p);
-    else if (slopes.every((s) => isCubic(s, marks, times, i))) {
-      const h = (times[i] - times[i - 1]) / 3;
-      path.bezierCurveTo(
-        ...place(...columns.map((values, k) => values[i - 1] + h * slopes[k].after[i - 1])),
-        ...place(...columns.map((values, k) => values[i] - h * slopes[k].before[i])),
-        ...p,
-      );
-    } else path.lineTo(...p);
+    else if (bend) path.bezierCurveTo(...bend, ...p);
+    else path.lineTo(...p);
   });
   return path;
+}
+
+// Through the points of two columns: by cubics with these slopes, or straight where they are not known. `place`: the
+// point of two numbers.
+export function cubics(points, place, columns, slopes, times, marks) {
+  return pathThrough(points, (i) => {
+    if (!slopes.every((s) => isCubic(s, marks, times, i))) return null;
+    const h = (times[i] - times[i - 1]) / 3;
+    const after = columns.map((values, k) => values[i - 1] + h * slopes[k].after[i - 1]),
+      before = columns.map((values, k) => values[i] - h * slopes[k].before[i]);
+    return [...place(...after), ...place(...before)];
+  });
 }
 
 // The same as a path of uPlot over time.
