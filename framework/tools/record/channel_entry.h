@@ -11,6 +11,7 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
+#include "framework/mechanism/system/coordinate_names.h"
 #include "framework/tools/record/frame.h"
 #include "framework/tools/record/quadrature.h"
 
@@ -37,8 +38,8 @@ void add_angle(Entries&, std::string name, std::string help, std::function<const
 void add_integral(Entries&, std::string name, std::string unit, std::string help, std::string id,
                   std::function<double(const Evaluated&)> rate, Integrand of = Integrand::motion);
 
-/// Three vectors: the origin of m relative to n, n's axes, its rate and second rate.
-void add_origin(Entries&, const Frame& m, const Frame& n, const std::array<const char*, 3>& help);
+/// A coordinate of m relative to n, its rate or second rate.
+void add_coordinate(Entries&, const NamedCoordinate&, const Frame& m, const Frame& n);
 
 /// A part of a link that exerts forces: the joint itself, all its drives, one of them.
 struct ReactionPart {
