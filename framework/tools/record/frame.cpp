@@ -18,7 +18,7 @@ Eigen::Matrix<Time, n, m> with_rates(const Eigen::Matrix<double, n, m>& x, const
 
 }  // namespace
 
-// a = a_O + A (al x u + w x (w x u + 2 ud) + udd),  al_m = B' al - pi x B' w + pid: pi turns the marker axes B on the slot
+// a_m = a + A (al x u + w x (w x u + 2 ud) + udd),  al_m = B' al - pi x B' w + pid: pi turns the marker's axes B on the slot
 MotionT<Time> Frame::moving(const Sample& sample) const {
   const VecX& acc = sample.accelerations();
   const MarkerOn<double> on = at(sample);
@@ -29,13 +29,13 @@ MotionT<Time> Frame::moving(const Sample& sample) const {
   const Vec3 carried = m.A.transpose() * O.w, w = carried + m.w;
   const Mat3 A = on.A();
   const Quat q = on.q();
-  a += O.A * (cross(al, m.u) + cross(O.w, Vec3(cross(O.w, m.u) + 2.0 * m.ud)) + m.udd);
-  al = m.A.transpose() * al - cross(m.w, carried) + m.a;
+  const Vec3 a_m = a + O.A * (cross(al, m.u) + cross(O.w, Vec3(cross(O.w, m.u) + 2.0 * m.ud)) + m.udd);
+  const Vec3 al_m = m.A.transpose() * al - cross(m.w, carried) + m.a;
   return {.x = with_rates<3, 1>(on.x(), on.v()),
           .A = with_rates<3, 3>(A, A * skew(w)),
           .e = QuatT<Time>::from(with_rates<4, 1>(q.coefficients(), rate(q, w).coefficients())),
-          .v = with_rates<3, 1>(on.v(), a),
-          .w = with_rates<3, 1>(w, al)};
+          .v = with_rates<3, 1>(on.v(), a_m),
+          .w = with_rates<3, 1>(w, al_m)};
 }
 
 }  // namespace lockstep::channels
