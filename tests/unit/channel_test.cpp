@@ -286,7 +286,7 @@ TEST_CASE("energies balance: drives, moving markers, springs, dampers", "[unit][
     a.channel(name);
   a.begin(0);
   const StepReport none;
-  a.channel("energy.balance").track(Sample(*a.dynamics, a.state, none));
+  a.channel("energy.balance").memory->start(Sample(*a.dynamics, a.state, none));
   const double before = a.value("energy.total");
   a.advance(a.state, 1.0, 2000);
   CHECK(a.value("energy.dissipated") > 0.1);

@@ -23,17 +23,10 @@ struct Channel {
   std::string name,                            ///< "crank.angle_z"
       unit;                                    ///< "rad"; "" without dimension
   std::function<double(const Sample&)> value;  ///< its value at a state of a run
-  /// Called at the start of a run and after every accepted step, if present: counts rejected attempts.
-  std::function<void(const Sample&)> track{};
-  /// Called after every accepted step, before its rows and before track(), if present.
-  std::function<void(const InsideStep&)> inside{};
-  /// Called after track() if something acted on the state, with the state from which the run continues, if present.
-  std::function<void(const Sample&)> jumped{};
-  /// Called at the start of a run before track(), if present: forgets an earlier run.
-  std::function<void()> restart{};
-  /// Write and read the data of track(), for a checkpoint, if present.
-  std::function<void(Snapshot&)> save{};
-  std::function<void(SnapshotReader&)> load{};  ///< the counterpart of `save`
+  /// What it remembers of the run up to that state, such as the number of rejected steps; null: nothing. Its start(),
+  /// inside(), step(), jumped(), save() and load() are called by the recorder.
+  std::shared_ptr<Observer> memory{};
+  bool of_motion = false;  ///< whether its value depends on the states inside the steps before
 };
 
 /// Name, unit and one line of help of a channel.
@@ -73,7 +66,7 @@ class LOCKSTEP_API Recorder : public Observer {
   /// Adds a column with the values of a channel, under its name. Throws as the other.
   void add(Channel channel);
   /// Keeps a channel up to date that is used elsewhere, as in an event's condition; adds no column.
-  void follow(Channel channel);
+  void follow(const Channel& channel);
   /// Reserves memory for n rows in all; beyond them the table grows geometrically.
   void reserve(std::size_t n) { table_.reserve(n); }
   const Table& table() const { return table_; }  ///< recorded so far
@@ -109,7 +102,7 @@ class LOCKSTEP_API Recorder : public Observer {
 
   Table table_;
   std::vector<Channel> channels_;  // of the columns after the first
-  std::vector<Channel> followed_;
+  std::vector<Channel> followed_;  // channels with a memory: of columns and of others
   std::vector<double> row_;
   std::unique_ptr<Extremes> extremes_;  // null: not looked for
   std::vector<double> at_end_;          // values at the end of the last step,
