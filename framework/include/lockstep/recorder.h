@@ -65,6 +65,8 @@ class LOCKSTEP_API Recorder : public Observer {
   void add(const std::string& name, const std::string& unit, std::function<double(const Sample&)> value);
   /// Adds a column with the values of a channel, under its name. Throws as the other.
   void add(Channel channel);
+  /// Adds a column with a channel of the system, under the name that is requested. Throws as make_channel() too.
+  void add(System& system, const Request& request);
   /// Keeps a channel up to date that is used elsewhere, as in an event's condition; adds no column.
   void follow(const Channel& channel);
   /// Reserves memory for n rows in all; beyond them the table grows geometrically.

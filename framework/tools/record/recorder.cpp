@@ -16,11 +16,7 @@ namespace lockstep {
 Recorder::Recorder(System& system, std::vector<Request> requests) {
   table_.add_column("t", "s");
   row_.resize(1);
-  for (const Request& r : requests) {
-    Channel c = make_channel(system, r.channel);
-    c.name = r.name;
-    add(std::move(c));
-  }
+  for (const Request& r : requests) add(system, r);
 }
 Recorder::~Recorder() = default;
 
@@ -34,6 +30,12 @@ void Recorder::add(Channel channel) {
   follow(channel);
   channels_.push_back(std::move(channel));
   row_.resize(channels_.size() + 1);
+}
+
+void Recorder::add(System& system, const Request& request) {
+  Channel channel = make_channel(system, request.channel);
+  channel.name = request.name;
+  add(std::move(channel));
 }
 
 void Recorder::follow(const Channel& channel) {
