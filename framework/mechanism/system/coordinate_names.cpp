@@ -79,20 +79,17 @@ std::optional<BodyOrMarker> frame_named(const System& system, std::string_view n
 }
 
 std::shared_ptr<Coordinate> coordinate_named(const System& system, const std::string& name) {
+  constexpr BodyOrMarker kWorld;
   const std::size_t at = name.find('@');
+  const bool of_pair = at != std::string::npos;
   const std::string_view left = std::string_view(name).substr(0, at);
   for (std::size_t dot = left.rfind('.'); dot != std::string::npos && dot > 0; dot = left.rfind('.', dot - 1)) {
     const std::string_view owner = left.substr(0, dot), word = left.substr(dot + 1);
-    std::shared_ptr<Coordinate> found;
     const std::optional<BodyOrMarker> m = frame_named(system, owner);
-    if (at != std::string::npos) {
-      const std::optional<BodyOrMarker> n = frame_named(system, std::string_view(name).substr(at + 1));
-      if (m && n) found = coordinate_of(pair, word, *m, *n);
-    } else if (m) {
-      found = coordinate_of(frame, word, *m, {});
-    }
+    const std::optional<BodyOrMarker> n = of_pair ? frame_named(system, std::string_view(name).substr(at + 1)) : kWorld;
+    std::shared_ptr<Coordinate> found = m && n ? coordinate_of(of_pair ? pair : frame, word, *m, *n) : nullptr;
     for (const auto& link : system.links())
-      if (at == std::string::npos && link->name() == owner && !link->pairs().empty()) {
+      if (!of_pair && link->name() == owner && !link->pairs().empty()) {
         const auto [p, s] = link->pairs().front();
         found = coordinate_of(joint, word, {p->body, p}, {s->body, s});
       }
