@@ -3,10 +3,7 @@
 #pragma once
 
 #include <cmath>
-#include <functional>
-#include <memory>
 #include <span>
-#include <string>
 
 #include <lockstep/author/params.h>
 #include <lockstep/author/relative.h>

@@ -231,18 +231,18 @@ Channel make_channel(System& system, const std::string& name) {
   const Entries of_all = totals();
   if (const Entry* e = find(of_all, name)) return made(system, name, *e);
   const std::size_t at = name.find('@');
-  const bool of_pair = at != std::string::npos;
-  const std::string own = name.substr(0, at), from = of_pair ? name.substr(at + 1) : "";
-  if (of_pair && !frame_named(system, from)) unknown_object(system, name, from);
+  const bool is_pair = at != std::string::npos;
+  const std::string own = name.substr(0, at), from = is_pair ? name.substr(at + 1) : "";
+  if (is_pair && !frame_named(system, from)) unknown_object(system, name, from);
   // The object's name may hold points ("A.P"), so may the quantity's ("drive.work"): the longest object's name wins.
   for (std::size_t dot = own.rfind('.'); dot != std::string::npos && dot > 0; dot = own.rfind('.', dot - 1)) {
     const std::string word = own.substr(0, dot), quantity = own.substr(dot + 1);
-    const std::optional<Object> object = of_pair ? find_pair(system, word, from) : find_object(system, word);
+    const std::optional<Object> object = is_pair ? find_pair(system, word, from) : find_object(system, word);
     if (!object) continue;
     if (const Entry* e = find(object->entries, quantity)) return made(system, name, *e);
     unknown_quantity(name, object->label, quantity, object->entries);
   }
-  unknown_object(system, name, own.substr(0, of_pair ? own.rfind('.') : own.find('.')));
+  unknown_object(system, name, own.substr(0, is_pair ? own.rfind('.') : own.find('.')));
 }
 
 std::vector<ChannelHelp> channel_help(const System& system) {

@@ -2,7 +2,6 @@
 // What the channel_*.cpp files provide for the lookup by name. Private to the room.
 #pragma once
 
-#include <array>
 #include <functional>
 #include <span>
 #include <string>
@@ -91,10 +90,9 @@ double violation(const Evaluation&, std::span<const RowEntry>, VecX& scratch);
 /// Of the constraints of an active joint that are left out as nearly redundant: the largest, in m.
 double left_out_violation(const Lock&, const Sample&, RowTable& room);
 
-/// The channel of a formula of channels.
-Channel computed_channel(System&, const std::string& formula);
-/// By how much a condition holds, in the unit of what it compares: b - a of "=a < b"; of other conditions 1 or -1.
-LOCKSTEP_API Channel margin_channel(System&, const std::string& condition);
+/// The channel of a formula of channels. `margin`: of a condition, by how much it holds, in the unit of what it compares:
+/// b - a of "=a < b"; of other conditions 1 or -1.
+LOCKSTEP_API Channel computed_channel(System&, const std::string& formula, bool margin = false);
 
 /// Power that a force gives to the bodies, W, with the load by these reactions if they are given.
 double power_of(const Force&, const Inputs&, const Reactions*, VecX& scratch);

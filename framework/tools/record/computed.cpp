@@ -184,22 +184,20 @@ class Computed final : public Observer {
 
   // A channel by its name.
   Scope::Name channel(const std::string& name) {
-    const Channel c = make_channel(system_, name);
-    const std::optional<Dimension> d = c.unit.empty() ? Dimension{} : dimension_of(c.unit);
-    return {{.variable = place_of(c)}, d, true};
+    const Channel& c = channels_.emplace_back(make_channel(system_, name));
+    if (c.memory) memories_.push_back(c.memory.get());
+    places_.push_back(new_place());
+    return {{.variable = places_.back()}, c.unit.empty() ? Dimension{} : dimension_of(c.unit), true};
   }
 
-  int place_of(const Channel& c) {
-    if (c.memory) memories_.push_back(c.memory.get());
-    channels_.push_back(c), places_.push_back(static_cast<int>(values_.size()));
+  int new_place() {
     values_.push_back(0);
-    return places_.back();
+    return static_cast<int>(values_.size()) - 1;
   }
 
   // -- functions of the motion
   int of_motion(const Node& n) {
-    const auto place = static_cast<int>(values_.size());
-    values_.push_back(0);
+    const int place = new_place();
     if (n.function == Function::rate) {
       rates_.emplace_back(place, scope_.compiled(e_, n.children[0]));
       return place;
@@ -265,14 +263,11 @@ class Computed final : public Observer {
   Scope scope_;
 };
 
-Channel channel_of(System& system, const std::string& formula, bool margin) {
+}  // namespace
+
+Channel computed_channel(System& system, const std::string& formula, bool margin) {
   const auto all = std::make_shared<Computed>(system, formula, margin);
   return {formula, all->unit(), [all](const Sample& s) { return all->value(s); }, all, all->is_of_motion()};
 }
-
-}  // namespace
-
-Channel computed_channel(System& system, const std::string& formula) { return channel_of(system, formula, false); }
-Channel margin_channel(System& system, const std::string& condition) { return channel_of(system, condition, true); }
 
 }  // namespace lockstep::channels

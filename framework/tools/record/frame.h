@@ -2,7 +2,7 @@
 // Frame: a body's frame, a marker or the world, at the states of a run.
 #pragma once
 
-#include <lockstep/author/law.h>
+#include <lockstep/author/jet.h>
 #include <lockstep/author/relative.h>
 #include <lockstep/step_loop.h>
 #include "framework/mechanism/lock/coordinate.h"
