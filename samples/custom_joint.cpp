@@ -39,7 +39,8 @@ int main() {
   sys.add<mine::Screw>("thread", nut, sys.ground(), pose_at({0, 0, 0}), lead);
 
   Simulation run(sys, {.integrator = "dop853", .tolerance = 1e-10, .output = 0.02});
-  const Table& t = run.record({"nut.z", "thread.rz", "thread.force_on_p_world_z", "thread.torque_on_p_world_z", "energy.total"});
+  const Table& t =
+      run.record({"nut.z", "thread.rz", "thread.force_on_p_world_z", "thread.torque_on_p_world_z", "energy.total"});
   run.run_until(2.0);
 
   const double a = -m * g / (m + J * k * k);  // z'' in closed form
