@@ -23,8 +23,8 @@ struct Channel {
   std::string name,                            ///< "crank.angle_z"
       unit;                                    ///< "rad"; "" without dimension
   std::function<double(const Sample&)> value;  ///< its value at a state of a run
-  /// What it remembers of the run up to that state, such as the number of rejected steps; null: nothing. Its start(),
-  /// inside(), step(), jumped(), save() and load() are called by the recorder.
+  /// What it remembers of the run up to that state, such as the number of rejected steps; null: nothing. The recorder
+  /// calls its start(), inside(), step(), jumped(), save(), load() and saves_all().
   std::shared_ptr<Observer> memory{};
   bool of_motion = false;  ///< whether its value depends on the states inside the steps before
 };
@@ -94,6 +94,7 @@ class LOCKSTEP_API Recorder : public Observer {
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;
   bool keeps_rows() const override { return true; }
+  bool saves_all() const override;
   /// Removes the rows recorded so far, for a caller that has taken them; columns stay.
   void drop_rows() { table_.clear_rows(); }
 

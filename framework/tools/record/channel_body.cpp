@@ -30,11 +30,11 @@ class DirectionAngle final : public CountedAngle {
 
  protected:
   double angle(const Inputs& in) const override {
-    const Vec3 axis = N(in).A().transpose() * M(in).axis(i());
+    const Vec3 axis = marker_on(N_, in).A().transpose() * marker_on(M_, in).axis(i());
     return std::atan2(axis[j()], axis[i()]);
   }
   double rate_of_pose(const Inputs& in) const override {
-    const auto m = M(in), n = N(in);
+    const MarkerOn<double> m = marker_on(M_, in), n = marker_on(N_, in);
     const Mat3 to_n = n.A().transpose();
     const Vec3 axis = to_n * m.axis(i()), rate = cross(Vec3(to_n * Vec3(m.w() - n.w())), axis);  // (1.10)
     const double clear = axis[i()] * axis[i()] + axis[j()] * axis[j()];
@@ -44,8 +44,6 @@ class DirectionAngle final : public CountedAngle {
  private:
   int i() const { return (k_ + 1) % 3; }
   int j() const { return (k_ + 2) % 3; }
-  MarkerOn<double> M(const Inputs& in) const { return {in.slot(M_.slot), M_.at(in.t)}; }
-  MarkerOn<double> N(const Inputs& in) const { return {in.slot(N_.slot), N_.at(in.t)}; }
   static const std::string& name_of(const Frame& f) { return f.marker ? f.marker->name : f.body->name; }
 
   Frame m_, n_;  // n without a body: the world

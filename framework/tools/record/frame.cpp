@@ -5,8 +5,7 @@ namespace lockstep::channels {
 
 MarkerOn<double> Frame::at(const Sample& sample) const {
   if (const long now = sample.system().revision(); revision != now) last = folded(), revision = now;
-  const Inputs& in = sample.inputs();
-  return {in.slot(last.slot), last.at(in.t)};
+  return marker_on(last, sample.inputs());
 }
 
 namespace {

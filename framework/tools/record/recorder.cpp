@@ -162,6 +162,10 @@ void Recorder::save(Snapshot& out) const {
   for (const Channel& c : followed_) c.memory->save(out);
 }
 
+bool Recorder::saves_all() const {
+  return std::ranges::all_of(followed_, [](const Channel& c) { return c.memory->saves_all(); });
+}
+
 void Recorder::load(SnapshotReader& in) {
   load_rows(table_, in);
   last_ = in.get(), is_continuous_ = in.get_flag();
