@@ -39,7 +39,8 @@ int main() {
   sys.add<mine::Screw>("thread", nut, sys.ground(), pose_at({0, 0, 0}), lead);
 
   Simulation run(sys, {.integrator = "dop853", .tolerance = 1e-10, .output = 0.02});
-  const Table& t = run.record({"nut.z", "thread.angle_z", "thread.force_on_p_world_z", "thread.torque_on_p_world_z", "energy.total"});
+  const Table& t =
+      run.record({"nut.z", "thread.rz", "thread.force_on_p_world_z", "thread.torque_on_p_world_z", "energy.total"});
   run.run_until(2.0);
 
   const double a = -m * g / (m + J * k * k);  // z'' in closed form
@@ -47,7 +48,7 @@ int main() {
   for (std::size_t i = 0; i < t.n_rows(); ++i) {
     const double exact = 0.5 * a * t["t"][i] * t["t"][i];
     z = std::max(z, std::abs(t["nut.z"][i] - exact));
-    turn = std::max(turn, std::abs(t["thread.angle_z"][i] - k * exact));
+    turn = std::max(turn, std::abs(t["thread.rz"][i] - k * exact));
     force = std::max(force, std::abs(t["thread.force_on_p_world_z"][i] - m * (a + g)));
   }
   write_csv(samples::output("custom_joint.csv"), t);
@@ -56,9 +57,9 @@ int main() {
       {.title = "A nut runs down a screw of 100 mm lead",
        .x_label = "t [s]",
        .panels = {{.y_label = "height [m]", .series = {table_series(t, "t", "nut.z", "nut")}},
-                  {.y_label = "angle [rad]", .series = {table_series(t, "t", "thread.angle_z", "turns counted on")}}}});
+                  {.y_label = "angle [rad]", .series = {table_series(t, "t", "thread.rz", "turns counted on")}}}});
   fmt::print("{:.1f} turns; height to {:.1e} m, angle to {:.1e} rad, axial force to {:.1e} N of the closed form\n",
-             t.last("thread.angle_z") / kTwoPi, z, turn, force);
+             t.last("thread.rz") / kTwoPi, z, turn, force);
   fmt::print("energy changed by {:.1e} J\n{}, custom_joint.svg, custom_joint.png\n", t.change("energy.total"),
              samples::output("custom_joint.csv"));
   return z < 1e-9 && turn < 1e-7 && force < 1e-8 ? 0 : 1;

@@ -43,8 +43,7 @@ class Probe {
     const State state = mechanism_.system.start();
     const StepReport report;
     const Sample sample(dynamics, state, report);
-    if (made.restart) made.restart();
-    if (made.track) made.track(sample);
+    if (made.memory) made.memory->start(sample);
     must_be_finite(made.value(sample), "channel " + name);
   }
 

@@ -185,10 +185,10 @@ TEST_CASE("a screw begins at the place of all its revolutions", "[unit][assembly
        {R"("drive": {"axis": "z", "law": {"type": "ramp", "slope": 0.01, "y0": 0.04}})", 0.4, 0.2 * kPi}}));
   const std::string in = formulation_with(more);
   CAPTURE(in, more);
-  const Table run = history_of(scene_of(screw(more), R"("S.angle_z", "n.z")", in));
-  CHECK(run.first("S.angle_z") == Approx(turns * kTwoPi));
+  const Table run = history_of(scene_of(screw(more), R"("S.rz", "n.z")", in));
+  CHECK(run.first("S.rz") == Approx(turns * kTwoPi));
   CHECK(run.first("n.z") == Approx(0.1 * turns));
-  CHECK(run.last("S.angle_z") == Approx(turns * kTwoPi + rate));
+  CHECK(run.last("S.rz") == Approx(turns * kTwoPi + rate));
   CHECK(run.last("n.z") == Approx(0.1 * (turns + rate / kTwoPi)));
 }
 

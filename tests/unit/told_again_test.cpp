@@ -50,6 +50,16 @@ struct Throw {
   }
 };
 
+/// Counts its calls, and fails between 0.3 and 0.42 s.
+struct FailingMemory final : Observer {
+  int calls = 0;
+  void start(const Sample& s) override { step(s); }
+  void step(const Sample& s) override {
+    ++calls;
+    if (s.state.t > 0.3 && s.state.t < 0.42) throw 7;
+  }
+};
+
 // Rows 0, 0.1, ... 1 of z = 10 t - 5 t^2.
 void check_rows(const Table& table, std::size_t n = 11) {
   REQUIRE(table.n_rows() == n);
@@ -162,13 +172,8 @@ TEST_CASE("outputs at a jump are made again too", "[unit][record]") {
 TEST_CASE("a recorder that fails outside of a run is not called twice in it", "[unit][record]") {
   Throw run;
   bool armed = false;
-  int tracked = 0;
-  Channel own{"price", "EUR", [&](const Sample&) { return armed ? throw 7 : 1.0; }};
-  own.track = [&](const Sample& s) {
-    ++tracked;
-    if (s.state.t > 0.3 && s.state.t < 0.42) throw 7;
-  };
-  run.recorder.add(std::move(own));
+  const auto memory = std::make_shared<FailingMemory>();
+  run.recorder.add({"price", "EUR", [&](const Sample&) { return armed ? throw 7 : 1.0; }, memory});
   run.begin("rk4", {.step = 0.05, .output = 0.1});
   run.loop->run_until(0.3);
   const StepReport report;
@@ -176,12 +181,12 @@ TEST_CASE("a recorder that fails outside of a run is not called twice in it", "[
   armed = true;
   check_words(message_of<UserCodeError>([&] { run.recorder.output(outside); }), {"price", "an object of type int"});
   armed = false;
-  const int before = tracked;
+  const int before = memory->calls;
   const long steps = run.loop->report().steps;
   int errors = 0;
   while (errors < 9 && message_of<UserCodeError>([&] { run.loop->run_until(1); }) != "no error") ++errors;
   CHECK(errors == 2);  // after the steps to 0.35 and 0.4 s
-  CHECK(tracked - before == run.loop->report().steps - steps);
+  CHECK(memory->calls - before == run.loop->report().steps - steps);
   check_rows(run.recorder.table());
 }
 

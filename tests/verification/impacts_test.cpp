@@ -126,8 +126,7 @@ TEST_CASE("a pendulum on a stop keeps e^2 of its energy a bounce, at the instant
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
   StepLoop simulation = simulate(dynamics, way);
   const auto now = [&](const Channel& c) { return c.value(Sample(dynamics, simulation.state(), {})); };
-  balance.restart();
-  balance.track(Sample(dynamics, simulation.state(), {}));
+  balance.memory->start(Sample(dynamics, simulation.state(), {}));
   double k = std::sin(kPi / 4), hit = boost::math::ellint_1(k) / W;
   const double lowest = -m * kG * l / 2;
   for (int n = 0; n < 5; ++n) {
@@ -349,7 +348,7 @@ TEST_CASE("a cube that is thrown on eight supports comes to lie", "[verification
   const Channel balance = make_channel(system_of(m), "energy.balance"), lost = make_channel(system_of(m), "energy.dissipated");
   Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>());
   StepLoop simulation = simulate(dynamics, {"dopri5", 0, 1e-8, 0});
-  balance.track(Sample(dynamics, simulation.state(), {}));
+  balance.memory->start(Sample(dynamics, simulation.state(), {}));
   const double before = make_channel(system_of(m), "energy.total").value(Sample(dynamics, simulation.state(), {}));
   const SimulationReport& report = simulation.run_until(3);
   CHECK(report.impacts > 10);

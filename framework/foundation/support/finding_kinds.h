@@ -49,8 +49,6 @@ inline constexpr FindingKind start_far{"start-far", Severity::doubt,
                                        "Give poses that fit the joints; `lockstep assemble` prints them."};
 
 // -- probably not what was meant
-inline constexpr FindingKind renamed_key{"renamed-key", Severity::warning, "A recorded channel has its old name.",
-                                         "Use the new name."};
 inline constexpr FindingKind implausible{
     "implausible", Severity::warning,
     "Gravity, an inertia for its mass, the distance of a centre of mass or an angle without a unit is too large.",

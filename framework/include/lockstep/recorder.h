@@ -23,17 +23,10 @@ struct Channel {
   std::string name,                            ///< "crank.angle_z"
       unit;                                    ///< "rad"; "" without dimension
   std::function<double(const Sample&)> value;  ///< its value at a state of a run
-  /// Called at the start of a run and after every accepted step, if present: counts rejected attempts.
-  std::function<void(const Sample&)> track{};
-  /// Called after every accepted step, before its rows and before track(), if present.
-  std::function<void(const InsideStep&)> inside{};
-  /// Called after track() if something acted on the state, with the state from which the run continues, if present.
-  std::function<void(const Sample&)> jumped{};
-  /// Called at the start of a run before track(), if present: forgets an earlier run.
-  std::function<void()> restart{};
-  /// Write and read the data of track(), for a checkpoint, if present.
-  std::function<void(Snapshot&)> save{};
-  std::function<void(SnapshotReader&)> load{};  ///< the counterpart of `save`
+  /// What it remembers of the run up to that state, such as the number of rejected steps; null: nothing. The recorder
+  /// calls its start(), inside(), step(), jumped(), save(), load() and saves_all().
+  std::shared_ptr<Observer> memory{};
+  bool of_motion = false;  ///< whether its value depends on the states inside the steps before
 };
 
 /// Name, unit and one line of help of a channel.
@@ -72,8 +65,10 @@ class LOCKSTEP_API Recorder : public Observer {
   void add(const std::string& name, const std::string& unit, std::function<double(const Sample&)> value);
   /// Adds a column with the values of a channel, under its name. Throws as the other.
   void add(Channel channel);
+  /// Adds a column with a channel of the system, under the name that is requested. Throws as make_channel() too.
+  void add(System& system, const Request& request);
   /// Keeps a channel up to date that is used elsewhere, as in an event's condition; adds no column.
-  void follow(Channel channel);
+  void follow(const Channel& channel);
   /// Reserves memory for n rows in all; beyond them the table grows geometrically.
   void reserve(std::size_t n) { table_.reserve(n); }
   const Table& table() const { return table_; }  ///< recorded so far
@@ -99,6 +94,7 @@ class LOCKSTEP_API Recorder : public Observer {
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;
   bool keeps_rows() const override { return true; }
+  bool saves_all() const override;
   /// Removes the rows recorded so far, for a caller that has taken them; columns stay.
   void drop_rows() { table_.clear_rows(); }
 
@@ -109,7 +105,7 @@ class LOCKSTEP_API Recorder : public Observer {
 
   Table table_;
   std::vector<Channel> channels_;  // of the columns after the first
-  std::vector<Channel> followed_;
+  std::vector<Channel> followed_;  // channels with a memory: of columns and of others
   std::vector<double> row_;
   std::unique_ptr<Extremes> extremes_;  // null: not looked for
   std::vector<double> at_end_;          // values at the end of the last step,

@@ -67,10 +67,10 @@ struct ColumnRange {
 LOCKSTEP_API std::string column_title(const Column&);
 
 /// Writes a table as CSV: the header `t [s],Bx [N]`, then one line per row, every number in the shortest form that
-/// reads back as the same double. A title with a comma, a quote or a line end is put in quotes.
-LOCKSTEP_API void write_csv(std::ostream&, const Table&);
+/// reads back as the same double. A title with a comma, a quote or a line end is put in quotes. `units`: in the header.
+LOCKSTEP_API void write_csv(std::ostream&, const Table&, bool units = true);
 /// Writes a table to a CSV file. Throws FileError with the file's name.
-LOCKSTEP_API void write_csv(const std::string& file, const Table&);
+LOCKSTEP_API void write_csv(const std::string& file, const Table&, bool units = true);
 /// Reads a CSV file; its first line is the header, with or without units. Throws FileError with file and line: a cell
 /// that is not a number, a row of another length, an invalid header.
 LOCKSTEP_API Table read_csv(const std::string& file);

@@ -148,7 +148,7 @@ T CoordinateForce::effort(const Ends<T>& at, const T& q, const T& rate) const {
   for (const auto& read : reads_) {
     const MotionT<T> O_m = at.motion(read->m().slot), O_n = at.motion(read->n().slot);
     const MarkerOn<T> m{O_m, read->m().at(at.t)}, on{O_n, read->n().at(at.t)};
-    if (f_.has_switches() && !read->of().rate) rates[n] = value_of(read->rate(m, on, read->direction(m, on)));
+    if (f_.has_switches() && read->of().order == 0) rates[n] = value_of(read->rate(m, on, read->direction(m, on)));
     v[n++] = read->value(m, on, at.s);
   }
   if (!f_.has_switches()) return f_(std::span<const T>(v.data(), n));

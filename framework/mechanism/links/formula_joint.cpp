@@ -164,7 +164,7 @@ std::unique_ptr<Lock> coupling_of(const Attachment& a, const Value& phi, const s
       const bool of_pair = c->from().marker == a.pairs[k].first && c->to().marker == a.pairs[k].second;
       const Coordinate::Of of = c->of();
       const bool turn = of.kind == Coordinate::Kind::turn && of.axis == 2;
-      if (!of_pair || of.rate || !(turn || of.kind == Coordinate::Kind::position)) continue;
+      if (!of_pair || of.order > 0 || !(turn || of.kind == Coordinate::Kind::position)) continue;
       const int at = kEach * static_cast<int>(k) + (turn ? 3 : of.axis);
       return expression::Scope::Name{{.variable = at}, c->dimension()};
     }

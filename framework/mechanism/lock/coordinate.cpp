@@ -14,9 +14,9 @@ MarkerFrame BodyOrMarker::folded() const {
 }
 
 Dimension Coordinate::dimension() const {
-  const bool rate = of_.rate || of_.kind == Kind::omega;
-  if (turns()) return dimension_of(rate ? Unit::angular_speed : Unit::angle);
-  return dimension_of(rate ? Unit::speed : Unit::length);
+  Dimension d = dimension_of(turns() ? Unit::angle : Unit::length);
+  d.s = -of_.order;
+  return d;
 }
 
 void Coordinate::count_angles(AngleCounter& counter) {

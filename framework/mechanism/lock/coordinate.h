@@ -3,10 +3,7 @@
 #pragma once
 
 #include <cmath>
-#include <functional>
-#include <memory>
 #include <span>
-#include <string>
 
 #include <lockstep/author/params.h>
 #include <lockstep/author/relative.h>
@@ -22,21 +19,23 @@ struct BodyOrMarker {
   LOCKSTEP_API MarkerFrame folded() const;
 };
 
-/// A coordinate of a frame m relative to a frame n, or its rate. a_k: an axis of n; d = x_m - x_n.
+/// A coordinate of a frame m relative to a frame n, or its rate. a_k: an axis of n, b_k of m; d = x_m - x_n.
 ///
 ///     position    a_k.d                              rate  a_k.(v_m - v_n - w_n x d)
 ///     distance    |d|                                rate  d.(v_m - v_n)/|d|
-///     turn        2 atan2(e_k, e0), turns counted    rate  g.(w_m - w_n),  g = (a_m + a_n)/(1 + a_m.a_n)
-///     omega       a_k.(w_m - w_n)
+///     turn        2 atan2(e_k, e0), turns counted    rate  g.(w_m - w_n),  g = (a_k + b_k)/(1 + a_k.b_k)
+///     omega                                          rate  a_k.(w_m - w_n)
+///     own_omega                                      rate  b_k.(w_m - w_n)
 ///
-/// The gradient g of the turn has no value if a_m = -a_n: the coordinate then has the direction 0.
+/// The gradient g of the turn has no value if b_k = -a_k: the coordinate then has the direction 0. The rate of a distance
+/// is 0 if the origins meet. Second rates are derivatives of rates: values on numbers that move.
 class LOCKSTEP_API Coordinate {
  public:
-  enum class Kind { position, distance, turn, omega };
+  enum class Kind { position, distance, turn, omega, own_omega };
   struct Of {
     Kind kind = Kind::position;
     int axis = 0;
-    bool rate = false;  ///< whether its value is the rate
+    int order = 0;  ///< of the derivative by time that its value is; angular velocities are of order 1
   };
   Coordinate(Of of, BodyOrMarker m, BodyOrMarker n) : of_(of), m_(m), n_(n) {}
 
@@ -51,11 +50,14 @@ class LOCKSTEP_API Coordinate {
   const MarkerFrame& m() const { return M_; }
   const MarkerFrame& n() const { return N_; }
 
+  /// The coordinate, or its rate if it is of an order above 0.
   template <class T>
   T value(const MarkerOn<T>& m, const MarkerOn<T>& n, std::span<const double> s) const {
-    return of_.rate || of_.kind == Kind::omega ? rate(m, n, direction(m, n)) : coordinate(m, n, s);
+    if (of_.order == 0) return coordinate(m, n, s);
+    const bool meet = of_.kind == Kind::distance && value_of(norm_of(Vec3T<T>(m.x() - n.x()))) == 0;
+    return meet ? T(0) : rate(m, n, direction(m, n));
   }
-  /// Derivative of the coordinate along the motion, by its direction; the velocity itself of kind omega.
+  /// Derivative of the coordinate along the motion, by its direction.
   template <class T>
   T rate(const MarkerOn<T>& m, const MarkerOn<T>& n, const Vec3T<T>& direction) const {
     if (turns()) return direction.dot(Vec3T<T>(m.w() - n.w()));
@@ -69,15 +71,16 @@ class LOCKSTEP_API Coordinate {
       const Vec3T<T> d = m.x() - n.x();
       return T(1.0 / norm_of(d)) * d;
     }
-    const Vec3T<T> a_n = n.axis(of_.axis);
-    if (of_.kind != Kind::turn) return a_n;
-    const Vec3T<T> a_m = m.axis(of_.axis);
-    const T sum = 1.0 + a_m.dot(a_n);
-    return value_of(sum) != 0 ? Vec3T<T>(T(1.0 / sum) * (a_m + a_n)) : Vec3T<T>(Vec3T<T>::Zero());
+    if (of_.kind == Kind::own_omega) return m.axis(of_.axis);
+    const Vec3T<T> a = n.axis(of_.axis);
+    if (of_.kind != Kind::turn) return a;
+    const Vec3T<T> b = m.axis(of_.axis);
+    const T sum = 1.0 + b.dot(a);
+    return value_of(sum) != 0 ? Vec3T<T>(T(1.0 / sum) * (b + a)) : Vec3T<T>(Vec3T<T>::Zero());
   }
 
  private:
-  bool turns() const { return of_.kind == Kind::turn || of_.kind == Kind::omega; }
+  bool turns() const { return of_.kind != Kind::position && of_.kind != Kind::distance; }
   template <class T>
   static T norm_of(const Vec3T<T>& d) {
     using std::sqrt;

@@ -67,7 +67,7 @@ double TurnAngle::angle(const Inputs& in) const {
 }
 
 double TurnAngle::rate_of_pose(const Inputs& in) const {
-  const MarkerOn<double> P{in.slot(P_.slot), P_.at(in.t)}, S{in.slot(S_.slot), S_.at(in.t)};
+  const MarkerOn<double> P = marker_on(P_, in), S = marker_on(S_, in);
   const Quat e = relative(in);
   const Vec3 ev = e.vec(), w = S.A().transpose() * Vec3(P.w() - S.w());
   const double e0 = e.w, ek = ev[axis_], n = e0 * e0 + ek * ek;

@@ -29,7 +29,7 @@ bool MarkerFrame::parallel() const {
 }
 
 MarkerInWorld in_world(const MarkerFrame& f, const Inputs& in) {
-  const MarkerOn<double> m{in.slot(f.slot), f.at(in.t)};
+  const MarkerOn<double> m = marker_on(f, in);
   return {m.x(), m.v(), m.w(), m.A()};
 }
 

@@ -2,8 +2,6 @@
 #include "framework/mechanism/system/coordinate_names.h"
 
 #include <algorithm>
-#include <optional>
-#include <string_view>
 
 #include <lockstep/author/lock.h>
 #include <lockstep/error.h>
@@ -11,36 +9,65 @@
 namespace lockstep {
 namespace {
 
-enum Owner : unsigned { joint = 1, frame = 2, pair = 4 };
-
-// The name of a quantity is `begin`, the axis and `end`.
+// In a name and its help, '?' stands for each of the three axes.
 struct Rule {
-  std::string_view begin, end;
+  CoordinateOwner owner;
+  std::string_view name;
   Coordinate::Kind kind;
-  bool rate;
-  unsigned owners;
+  int order;
+  std::string_view help;
 };
 using Kind = Coordinate::Kind;
-constexpr Rule kRules[] = {{"", "", Kind::position, false, joint | frame | pair},
-                           {"v", "", Kind::position, true, joint | frame | pair},
-                           {"", "_d", Kind::position, true, joint},
-                           {"r", "", Kind::turn, false, joint},
-                           {"r", "_d", Kind::turn, true, joint},
-                           {"angle_", "", Kind::turn, false, joint},
-                           {"angle_", "_d", Kind::turn, true, joint},
-                           {"omega_", "", Kind::omega, false, joint | pair},
-                           {"omega_world_", "", Kind::omega, false, frame}};
+using enum CoordinateOwner;
+constexpr Rule kRules[] = {
+    {joint, "?", Kind::position, 0, "position of P relative to S, S axes, ?"},
+    {joint, "v?", Kind::position, 1, "rate of the position, ?"},
+    {joint, "a?", Kind::position, 2, "second rate of the position, ?"},
+    {joint, "omega_?", Kind::omega, 1, "angular velocity of P relative to S, S axes, ?"},
+    {joint, "?_d", Kind::position, 1, "rate of ?"},
+    {joint, "?_dd", Kind::position, 2, "second rate of ?"},
+    {joint, "r?", Kind::turn, 0, "rotation of P about S's ?, with its revolutions"},
+    {joint, "r?_d", Kind::turn, 1, "rate of r?"},
+    {joint, "r?_dd", Kind::turn, 2, "second rate of r?"},
+    {joint, "angle_?", Kind::turn, 0, "rotation of P about S's ?, with its revolutions"},
+    {joint, "angle_?_d", Kind::turn, 1, "rate of angle_?"},
+    {joint, "angle_?_dd", Kind::turn, 2, "second rate of angle_?"},
+    {frame, "?", Kind::position, 0, "position of the origin, world, ?"},
+    {frame, "v?", Kind::position, 1, "velocity of the origin, world, ?"},
+    {frame, "a?", Kind::position, 2, "acceleration of the origin, world, ?"},
+    {frame, "omega_world_?", Kind::omega, 1, "angular velocity, world axes, ?"},
+    {frame, "omega_body_?", Kind::own_omega, 1, "angular velocity, its axes, ?"},
+    {frame, "alpha_world_?", Kind::omega, 2, "angular acceleration, world axes, ?"},
+    {frame, "alpha_body_?", Kind::own_omega, 2, "angular acceleration, its axes, ?"},
+    {pair, "?", Kind::position, 0, "position of the origin seen from the other frame, ?"},
+    {pair, "v?", Kind::position, 1, "rate of the position, ?"},
+    {pair, "a?", Kind::position, 2, "second rate of the position, ?"},
+    {pair, "omega_?", Kind::omega, 1, "angular velocity relative to the other frame, its axes, ?"},
+    {pair, "distance", Kind::distance, 0, "distance between the two origins"},
+    {pair, "distance_d", Kind::distance, 1, "rate of the distance; 0 if the origins meet"}};
 
-std::optional<Coordinate::Of> quantity(std::string_view name, Owner owner) {
-  if (owner == pair && name == "distance") return Coordinate::Of{Kind::distance};
-  if (owner == pair && name == "distance_d") return Coordinate::Of{Kind::distance, 0, true};
-  for (const Rule& r : kRules) {
-    const bool fits = (r.owners & owner) != 0 && name.size() == r.begin.size() + 1 + r.end.size();
-    if (!fits || !name.starts_with(r.begin) || !name.ends_with(r.end)) continue;
-    const std::size_t axis = std::string_view("xyz").find(name[r.begin.size()]);
-    if (axis != std::string_view::npos) return Coordinate::Of{r.kind, static_cast<int>(axis), r.rate};
-  }
-  return std::nullopt;
+std::string for_axis(std::string_view text, int axis) {
+  std::string named(text);
+  std::ranges::replace(named, '?', "xyz"[axis]);
+  return named;
+}
+
+// Of a lower order than accelerations; null if there is none.
+std::shared_ptr<Coordinate> coordinate_of(CoordinateOwner owner, std::string_view name, const BodyOrMarker& m,
+                                          const BodyOrMarker& n) {
+  for (const NamedCoordinate& c : coordinates_of(owner))
+    if (c.name == name && c.of.order < 2) return std::make_shared<Coordinate>(c.of, m, n);
+  return nullptr;
+}
+
+}  // namespace
+
+std::vector<NamedCoordinate> coordinates_of(CoordinateOwner owner) {
+  std::vector<NamedCoordinate> all;
+  for (const Rule& r : kRules)
+    for (int axis = 0; r.owner == owner && axis < (r.name.find('?') == std::string_view::npos ? 1 : 3); ++axis)
+      all.push_back({for_axis(r.name, axis), for_axis(r.help, axis), {r.kind, axis, r.order}});
+  return all;
 }
 
 std::optional<BodyOrMarker> frame_named(const System& system, std::string_view name) {
@@ -51,30 +78,20 @@ std::optional<BodyOrMarker> frame_named(const System& system, std::string_view n
   return std::nullopt;
 }
 
-std::shared_ptr<Coordinate> made(const std::optional<Coordinate::Of>& of, const BodyOrMarker& m,
-                                 const BodyOrMarker& n) {
-  return of ? std::make_shared<Coordinate>(*of, m, n) : nullptr;
-}
-
-}  // namespace
-
 std::shared_ptr<Coordinate> coordinate_named(const System& system, const std::string& name) {
+  constexpr BodyOrMarker kWorld;
   const std::size_t at = name.find('@');
+  const bool of_pair = at != std::string::npos;
   const std::string_view left = std::string_view(name).substr(0, at);
   for (std::size_t dot = left.rfind('.'); dot != std::string::npos && dot > 0; dot = left.rfind('.', dot - 1)) {
     const std::string_view owner = left.substr(0, dot), word = left.substr(dot + 1);
-    std::shared_ptr<Coordinate> found;
     const std::optional<BodyOrMarker> m = frame_named(system, owner);
-    if (at != std::string::npos) {
-      const std::optional<BodyOrMarker> n = frame_named(system, std::string_view(name).substr(at + 1));
-      if (m && n) found = made(quantity(word, pair), *m, *n);
-    } else if (m) {
-      found = made(quantity(word, frame), *m, {});
-    }
+    const std::optional<BodyOrMarker> n = of_pair ? frame_named(system, std::string_view(name).substr(at + 1)) : kWorld;
+    std::shared_ptr<Coordinate> found = m && n ? coordinate_of(of_pair ? pair : frame, word, *m, *n) : nullptr;
     for (const auto& link : system.links())
-      if (at == std::string::npos && link->name() == owner && !link->pairs().empty()) {
+      if (!of_pair && link->name() == owner && !link->pairs().empty()) {
         const auto [p, s] = link->pairs().front();
-        found = made(quantity(word, joint), {p->body, p}, {s->body, s});
+        found = coordinate_of(joint, word, {p->body, p}, {s->body, s});
       }
     if (found) return found;
   }

@@ -3,20 +3,36 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <lockstep/system.h>
 #include "framework/mechanism/lock/coordinate.h"
 
 namespace lockstep {
 
-/// The coordinate or rate that a channel of this name records:
-///
-///     of a joint, P relative to S      x  vx  x_d  rz  rz_d  angle_z  angle_z_d  omega_x
-///     of a body or a marker, world     x  vx  omega_world_x
-///     "M.quantity@N", M seen from N    x  vx  omega_x  distance  distance_d
-///
-/// x also y and z. Throws ModelError if there is none.
+/// What has coordinates, and so which frames they are of.
+enum class CoordinateOwner {
+  joint,  ///< P relative to S: "A.rz"
+  frame,  ///< a body or marker, relative to the world: "crank.x"
+  pair    ///< a body or marker M, relative to another, N: "M.x@N"
+};
+
+/// A coordinate or rate of an owner, by the name of its channel without the owner's.
+struct NamedCoordinate {
+  std::string name, help;
+  Coordinate::Of of;
+};
+/// All of an owner. Both names of a joint's rotation, "rz" and "angle_z", are among them.
+LOCKSTEP_API std::vector<NamedCoordinate> coordinates_of(CoordinateOwner);
+
+/// The body or marker of this name.
+LOCKSTEP_API std::optional<BodyOrMarker> frame_named(const System&, std::string_view name);
+
+/// The coordinate or rate that a channel of this name records: "A.rz_d", "crank.x", "M.distance@N". Second rates are none,
+/// as forces cannot read them. Throws ModelError if there is none.
 LOCKSTEP_API std::shared_ptr<Coordinate> coordinate_named(const System&, const std::string& name);
 
 }  // namespace lockstep

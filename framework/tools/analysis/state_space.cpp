@@ -106,10 +106,8 @@ class Outputs {
   Outputs(Dynamics& dynamics, const State& state, const std::vector<Channel>& channels)
       : dynamics_(dynamics), state_(state), channels_(channels), unknowns_(dynamics.system()) {
     const Sample sample(dynamics_, state_, report_);
-    for (const Channel& c : channels_) {
-      if (c.restart) c.restart();
-      if (c.track) c.track(sample);
-    }
+    for (const Channel& c : channels_)
+      if (c.memory) c.memory->start(sample);
   }
   // With h of what a column stands for.
   VecX at(const Direction& column, double h) const {

@@ -35,7 +35,7 @@ namespace {
 std::vector<Channel> lengths_and_angles(Mechanism& m) {
   std::vector<Channel> all;
   for (const ChannelRequest& request : m.run.record) {
-    Channel c = channel_of(m, request.channel);
+    Channel c = make_channel(system_of(m), request.channel);
     c.name = request.column();
     if (c.unit == "rad" || c.unit == "m") all.push_back(std::move(c));
   }

@@ -31,7 +31,6 @@
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/program/terminal.h"
-#include "framework/tools/record/csv_lines.h"
 #include "framework/tools/sweep/sweep_lanes.h"
 #include "framework/tools/sweep/watched_run.h"
 

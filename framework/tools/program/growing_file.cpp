@@ -17,7 +17,6 @@
 
 #include <lockstep/error.h>
 #include "framework/foundation/support/hash.h"
-#include "framework/tools/record/csv_lines.h"
 
 namespace lockstep {
 
@@ -78,7 +77,7 @@ void GrowingFile::fail(const char* what) const {
 
 void GrowingFile::clear() {
   waiting_.clear();
-  hash_ = hash_of("");
+  hash_ = hash_of(""), written_ = now();
   cut(0);
 }
 
@@ -126,6 +125,13 @@ void GrowingFile::append(std::string_view text) {
   if (waiting_.size() > kMostWaiting) write();
 }
 
+void GrowingFile::write_if_due() {
+  const double t = now();
+  if (t - written_ < kInterval) return;
+  write();
+  written_ = t;
+}
+
 // If the disk is full, whole lines stay, and a torn one is removed.
 void GrowingFile::write() {
   std::size_t written = 0;
@@ -155,26 +161,6 @@ void GrowingFile::count_written(std::size_t n) {
 void GrowingFile::commit() {
   sync();
   if (!in_place_ && std::rename(partial_.c_str(), name_.c_str()) != 0) fail("cannot be renamed");
-}
-
-void GrowingCsv::begin() {
-  file_.clear();
-  n_rows_ = 0, written_ = now();
-  line_.clear();
-  append_csv_header(line_, table_, units_);
-  file_.append(line_);
-}
-
-void GrowingCsv::take() {
-  for (; n_rows_ < table_.n_rows(); ++n_rows_) {
-    line_.clear();
-    append_csv_row(line_, table_, n_rows_);
-    file_.append(line_);
-  }
-  const double t = now();
-  if (t - written_ < kInterval) return;
-  file_.write();
-  written_ = t;
 }
 
 }  // namespace lockstep

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "framework/tools/program/growing_file.h"
+#include "framework/tools/record/csv_lines.h"
 #include "framework/tools/record/row_envelope.h"
 
 namespace lockstep {
@@ -12,7 +13,7 @@ class RunRows final : public Observer {
  public:
   /// `keeps`: the recorder keeps all its rows, for later readers; `units`: in the header.
   RunRows(GrowingFile& file, Recorder& recorder, bool keeps, bool units)
-      : file_(file), recorder_(recorder), csv_(file, recorder.table(), units), rows_(recorder.table()), keeps_(keeps) {}
+      : file_(file), recorder_(recorder), rows_(recorder.table()), keeps_(keeps), units_(units) {}
 
   /// The run continues from a checkpoint: the file is continued.
   void go_on() { goes_on_ = true; }
@@ -21,15 +22,22 @@ class RunRows final : public Observer {
   void start(const Sample&) override {
     n_taken_ = 0;
     rows_.clear();
-    if (!goes_on_) csv_.begin();
+    if (goes_on_) return;
+    file_.clear();
+    std::string header;
+    append_csv_header(header, recorder_.table(), units_);
+    file_.append(header);
   }
   void output(const Sample&) override {
-    csv_.take();
     const Table& table = recorder_.table();
-    for (; n_taken_ < table.n_rows(); ++n_taken_) rows_.add(table, n_taken_);
-    if (keeps_) return;
-    recorder_.drop_rows();
-    csv_.table_emptied(), n_taken_ = 0;
+    for (; n_taken_ < table.n_rows(); ++n_taken_) {
+      std::string line;
+      append_csv_row(line, table, n_taken_);
+      file_.append(line);
+      rows_.add(table, n_taken_);
+    }
+    file_.write_if_due();
+    if (!keeps_) recorder_.drop_rows(), n_taken_ = 0;
   }
   void finish(const Sample& s) override { output(s); }
   /// All rows must have been written (GrowingFile::sync).
@@ -48,10 +56,9 @@ class RunRows final : public Observer {
  private:
   GrowingFile& file_;
   Recorder& recorder_;
-  GrowingCsv csv_;
   RowEnvelope rows_;
   std::size_t n_taken_ = 0;  // of the recorder's rows
-  const bool keeps_;
+  const bool keeps_, units_;
   bool goes_on_ = false;
 };
 

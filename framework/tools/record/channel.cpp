@@ -11,6 +11,7 @@
 #include <lockstep/text.h>
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/foundation/support/lines.h"
+#include "framework/mechanism/params/units.h"
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep {
@@ -59,6 +60,21 @@ void add_integral(Entries& out, std::string name, std::string unit, std::string 
   out.push_back({std::move(name), std::move(unit), std::move(help), make});
 }
 
+void add_coordinate(Entries& out, const NamedCoordinate& named, const Frame& m, const Frame& n) {
+  const auto& [name, help, of] = named;
+  if (of.kind == Coordinate::Kind::turn && of.order == 0)
+    return add_angle(out, name, help, [m, n, axis = of.axis](System& system) -> const CountedAngle& {
+      return system.count(*m.marker, *n.marker, axis);
+    });
+  const Coordinate x(of, m, n);
+  const auto value = [x, m, n](const Sample& s) { return x.value(m.at(s), n.at(s), s.inputs().s); };
+  const auto derivative = [x, m, n](const Sample& s) {
+    const MotionT<Time> M = m.moving(s), N = n.moving(s);
+    return x.value(MarkerOn<Time>{M, {}}, MarkerOn<Time>{N, {}}, {}).d;
+  };
+  add(out, name, si_unit(x.dimension()), help, of.order < 2 ? Value(value) : Value(derivative));
+}
+
 namespace {
 
 // All objects that have channels: visit(kind, name, fill), where fill(Entries&) adds theirs.
@@ -95,12 +111,13 @@ std::optional<Object> find_object(const System& system, std::string_view name) {
   return found;
 }
 
-std::optional<Frame> find_frame(const System& system, std::string_view name) {
-  for (const Body& b : system.bodies())
-    if (b.name == name) return Frame{&b, nullptr};
-  for (const Marker& m : system.markers())
-    if (m.name == name) return Frame{m.body, &m};
-  return {};
+// M seen from N, of "M.x@N".
+std::optional<Object> find_pair(const System& system, const std::string& m, const std::string& n) {
+  const std::optional<BodyOrMarker> M = frame_named(system, m), N = frame_named(system, n);
+  if (!M || !N) return std::nullopt;
+  Object pair{fmt::format("'{}' seen from '{}'", m, n), {}};
+  of_pair(Frame{*M}, Frame{*N}, pair.entries);
+  return pair;
 }
 
 std::vector<std::string> names_of(const Entries& entries) {
@@ -118,17 +135,6 @@ Channel made(System& system, const std::string& name, const Entry& entry) {
 const Entry* find(const Entries& entries, std::string_view name) {
   const auto found = std::ranges::find(entries, name, &Entry::name);
   return found != entries.end() ? &*found : nullptr;
-}
-
-// The one rotation of a joint was called "angle_z" before it was "rz": for one release both are read.
-const Entry* find_old(const Entries& entries, const std::string& name, const std::string& quantity) {
-  const Entry* now = quantity.starts_with("angle_") ? find(entries, "r" + quantity.substr(6)) : nullptr;
-  if (now != nullptr)
-    report_finding({&finding::renamed_key, "",
-                    fmt::format("channel \"{}\" is now called \"{}{}\"", name,
-                                name.substr(0, name.size() - quantity.size()), now->name),
-                    "the next release reads only the new name"});
-  return now;
 }
 
 // Whether a name begins and ends with parts of the word, and has its other parts between them: "omega_world_z" for
@@ -152,6 +158,7 @@ std::vector<std::string> meant_by(const std::string& quantity, const std::vector
                                    {"drive.force", "drive.force_on_p_link_x"},
                                    {"reaction", "force_on_p_world_x"},
                                    {"force", "force_on_p_world_x"},
+                                   {"angle_", "r"},
                                    {"angle", "angle_z"},
                                    {"torque", "drive.torque_on_p_link_z"},
                                    {"torque", "torque_on_p_link_z"},
@@ -205,23 +212,6 @@ std::vector<std::string> meant_by(const std::string& quantity, const std::vector
       {.value = object});
 }
 
-// "M.x@N": M seen from N.
-Channel make_pair_channel(System& system, const std::string& name, std::size_t at) {
-  const std::string left = name.substr(0, at), from = name.substr(at + 1);
-  const std::optional<Frame> n = find_frame(system, from);
-  if (!n) unknown_object(system, name, from);
-  for (std::size_t dot = left.rfind('.'); dot != std::string::npos && dot > 0; dot = left.rfind('.', dot - 1)) {
-    const std::optional<Frame> m = find_frame(system, left.substr(0, dot));
-    if (!m) continue;
-    Entries entries;
-    of_pair(*m, *n, entries);
-    const std::string quantity = left.substr(dot + 1);
-    if (const Entry* e = find(entries, quantity)) return made(system, name, *e);
-    unknown_quantity(name, fmt::format("'{}' seen from '{}'", left.substr(0, dot), from), quantity, entries);
-  }
-  unknown_object(system, name, left.substr(0, left.rfind('.')));
-}
-
 }  // namespace
 
 std::pair<std::string, std::string> owner_of(const std::string& channel, const System& system) {
@@ -240,17 +230,19 @@ Channel make_channel(System& system, const std::string& name) {
   if (name.starts_with('=')) return computed_channel(system, name);
   const Entries of_all = totals();
   if (const Entry* e = find(of_all, name)) return made(system, name, *e);
-  if (const auto at = name.find('@'); at != std::string::npos) return make_pair_channel(system, name, at);
+  const std::size_t at = name.find('@');
+  const bool is_pair = at != std::string::npos;
+  const std::string own = name.substr(0, at), from = is_pair ? name.substr(at + 1) : "";
+  if (is_pair && !frame_named(system, from)) unknown_object(system, name, from);
   // The object's name may hold points ("A.P"), so may the quantity's ("drive.work"): the longest object's name wins.
-  for (std::size_t dot = name.rfind('.'); dot != std::string::npos && dot > 0; dot = name.rfind('.', dot - 1)) {
-    const std::optional<Object> object = find_object(system, name.substr(0, dot));
+  for (std::size_t dot = own.rfind('.'); dot != std::string::npos && dot > 0; dot = own.rfind('.', dot - 1)) {
+    const std::string word = own.substr(0, dot), quantity = own.substr(dot + 1);
+    const std::optional<Object> object = is_pair ? find_pair(system, word, from) : find_object(system, word);
     if (!object) continue;
-    const std::string quantity = name.substr(dot + 1);
     if (const Entry* e = find(object->entries, quantity)) return made(system, name, *e);
-    if (const Entry* e = find_old(object->entries, name, quantity)) return made(system, name, *e);
     unknown_quantity(name, object->label, quantity, object->entries);
   }
-  unknown_object(system, name, name.substr(0, name.find('.')));
+  unknown_object(system, name, own.substr(0, is_pair ? own.rfind('.') : own.find('.')));
 }
 
 std::vector<ChannelHelp> channel_help(const System& system) {

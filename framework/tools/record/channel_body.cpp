@@ -22,10 +22,7 @@ class DirectionAngle final : public CountedAngle {
         m_(m),
         n_(n),
         k_(k) {}
-  void setup() override {
-    M_ = m_.folded();
-    if (n_.body) N_ = n_.folded();
-  }
+  void setup() override { M_ = m_.folded(), N_ = n_.folded(); }
   std::optional<Turn> turn() const override {
     if (M_.rotation_law || N_.rotation_law) return {};
     return Turn{M_.slot, N_.slot, rotation(N_.at(0).q).col(k_)};
@@ -33,11 +30,11 @@ class DirectionAngle final : public CountedAngle {
 
  protected:
   double angle(const Inputs& in) const override {
-    const Vec3 axis = N(in).A().transpose() * M(in).axis(i());
+    const Vec3 axis = marker_on(N_, in).A().transpose() * marker_on(M_, in).axis(i());
     return std::atan2(axis[j()], axis[i()]);
   }
   double rate_of_pose(const Inputs& in) const override {
-    const auto m = M(in), n = N(in);
+    const MarkerOn<double> m = marker_on(M_, in), n = marker_on(N_, in);
     const Mat3 to_n = n.A().transpose();
     const Vec3 axis = to_n * m.axis(i()), rate = cross(Vec3(to_n * Vec3(m.w() - n.w())), axis);  // (1.10)
     const double clear = axis[i()] * axis[i()] + axis[j()] * axis[j()];
@@ -47,8 +44,6 @@ class DirectionAngle final : public CountedAngle {
  private:
   int i() const { return (k_ + 1) % 3; }
   int j() const { return (k_ + 2) % 3; }
-  MarkerOn<double> M(const Inputs& in) const { return {in.slot(M_.slot), M_.at(in.t)}; }
-  MarkerOn<double> N(const Inputs& in) const { return {in.slot(N_.slot), N_.at(in.t)}; }
   static const std::string& name_of(const Frame& f) { return f.marker ? f.marker->name : f.body->name; }
 
   Frame m_, n_;  // n without a body: the world
@@ -56,22 +51,20 @@ class DirectionAngle final : public CountedAngle {
   MarkerFrame M_, N_;
 };
 
-void add_directions(Entries& out, const Frame& m, const Frame& n, const std::string& help) {
+/// The rotation of m relative to n as a quaternion, as three sequences of angles, and by an angle about each axis.
+void add_rotation(Entries& out, const Frame& m, const Frame& n, const std::string& quaternion_help,
+                  const std::string& angle_help) {
+  const auto q = [m, n](const Sample& s) { return conjugate(n.at(s).q()) * m.at(s).q(); };
+  const char* const names[] = {"qw", "qx", "qy", "qz"};
+  for (int k = 0; k < 4; ++k)
+    add(out, names[k], "", quaternion_help + ", scalar first",
+        [q, k](const Sample& s) { return q(s).coefficients()[k]; });
   for (int k = 0; k < 3; ++k)
     add_angle(out, std::string("angle_") + kAxisName[k],
-              fmt::format(fmt::runtime(help), kAxisName[k], kAxisName[(k + 1) % 3]),
+              fmt::format(fmt::runtime(angle_help), kAxisName[k], kAxisName[(k + 1) % 3]),
               [m, n, k](System& system) -> const CountedAngle& {
                 return system.count(std::make_unique<DirectionAngle>(m, n, k));
               });
-}
-
-void add_quaternion(Entries& out, const std::string& help, const std::function<Quat(const Sample&)>& q) {
-  const char* const names[] = {"qw", "qx", "qy", "qz"};
-  for (int k = 0; k < 4; ++k)
-    add(out, names[k], "", help + ", scalar first", [q, k](const Sample& s) { return q(s).coefficients()[k]; });
-}
-
-void add_sequences(Entries& out, const std::function<Quat(const Sample&)>& q) {
   for (const std::string name : {"cardan", "euler", "hpb"}) {
     const std::string sequence = angle_sequence(name);
     for (int k = 0; k < 3; ++k)
@@ -85,27 +78,10 @@ void add_sequences(Entries& out, const std::function<Quat(const Sample&)>& q) {
 
 }  // namespace
 
-void add_origin(Entries& out, const Frame& m, const Frame& n, const std::array<const char*, 3>& help) {
-  add_vector(out, "", "m", help[0], [m, n](const Sample& s) { return relative(m, n, s).x; });
-  add_vector(out, "v", "m/s", help[1], [m, n](const Sample& s) { return relative(m, n, s).v; });
-  add_vector(out, "a", "m/s^2", help[2], [m, n](const Sample& s) { return relative_with_second(m, n, s).a; });
-}
-
 void of_frame(const Frame& f, Entries& out) {
-  const auto y = [f](const Sample& s) { return relative(f, {}, s); };
-  const auto y2 = [f](const Sample& s) { return relative_with_second(f, {}, s); };
-  add_origin(out, f, {},
-             {"position of the origin, world", "velocity of the origin, world", "acceleration of the origin, world"});
-  const auto q = [y](const Sample& s) { return y(s).e; };
-  add_quaternion(out, "quaternion to world axes", q);
-  add_vector(out, "omega_world_", "rad/s", "angular velocity, world axes", [y](const Sample& s) { return y(s).w(); });
-  add_vector(out, "omega_body_", "rad/s", "angular velocity, its axes", [y](const Sample& s) { return y(s).w_in_m(); });
-  add_vector(out, "alpha_world_", "rad/s^2", "angular acceleration, world axes",
-             [y2](const Sample& s) { return y2(s).alpha(); });
-  add_vector(out, "alpha_body_", "rad/s^2", "angular acceleration, its axes",
-             [y2](const Sample& s) { return y2(s).alpha_in_m(); });
-  add_directions(out, f, {}, "angle about the world's {}, of the own {} axis, with its revolutions");
-  add_sequences(out, q);
+  for (const NamedCoordinate& c : coordinates_of(CoordinateOwner::frame)) add_coordinate(out, c, f, {});
+  add_rotation(out, f, {}, "quaternion to world axes",
+               "angle about the world's {}, of the own {} axis, with its revolutions");
 }
 
 void of_body(const Body& body, Entries& out) {
@@ -121,22 +97,9 @@ void of_body(const Body& body, Entries& out) {
 }
 
 void of_pair(const Frame& m, const Frame& n, Entries& out) {
-  const auto y = [m, n](const Sample& s) { return relative(m, n, s); };
-  add_origin(
-      out, m, n,
-      {"position of the origin seen from the other frame", "rate of the position", "second rate of the position"});
-  const auto q = [y](const Sample& s) { return y(s).e; };
-  add_quaternion(out, "quaternion to the axes of the other frame", q);
-  add_vector(out, "omega_", "rad/s", "angular velocity relative to the other frame, its axes",
-             [y](const Sample& s) { return y(s).w(); });
-  add_directions(out, m, n, "angle about the {} axis of the other frame, with its revolutions");
-  add_sequences(out, q);
-  add(out, "distance", "m", "distance between the two origins", [y](const Sample& s) { return y(s).x.norm(); });
-  add(out, "distance_d", "m/s", "rate of the distance; 0 if the origins meet", [y](const Sample& s) {
-    const Relative r = y(s);
-    const double d = r.x.norm();
-    return d > 0 ? r.x.dot(r.v) / d : 0.0;
-  });
+  for (const NamedCoordinate& c : coordinates_of(CoordinateOwner::pair)) add_coordinate(out, c, m, n);
+  add_rotation(out, m, n, "quaternion to the axes of the other frame",
+               "angle about the {} axis of the other frame, with its revolutions");
 }
 
 }  // namespace lockstep::channels

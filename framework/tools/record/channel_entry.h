@@ -2,7 +2,6 @@
 // What the channel_*.cpp files provide for the lookup by name. Private to the room.
 #pragma once
 
-#include <array>
 #include <functional>
 #include <span>
 #include <string>
@@ -11,6 +10,7 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
+#include "framework/mechanism/system/coordinate_names.h"
 #include "framework/tools/record/frame.h"
 #include "framework/tools/record/quadrature.h"
 
@@ -37,8 +37,8 @@ void add_angle(Entries&, std::string name, std::string help, std::function<const
 void add_integral(Entries&, std::string name, std::string unit, std::string help, std::string id,
                   std::function<double(const Evaluated&)> rate, Integrand of = Integrand::motion);
 
-/// Three vectors: the origin of m relative to n, n's axes, its rate and second rate.
-void add_origin(Entries&, const Frame& m, const Frame& n, const std::array<const char*, 3>& help);
+/// A coordinate of m relative to n, its rate or second rate.
+void add_coordinate(Entries&, const NamedCoordinate&, const Frame& m, const Frame& n);
 
 /// A part of a link that exerts forces: the joint itself, all its drives, one of them.
 struct ReactionPart {
@@ -90,10 +90,9 @@ double violation(const Evaluation&, std::span<const RowEntry>, VecX& scratch);
 /// Of the constraints of an active joint that are left out as nearly redundant: the largest, in m.
 double left_out_violation(const Lock&, const Sample&, RowTable& room);
 
-/// The channel of a formula of channels.
-Channel computed_channel(System&, const std::string& formula);
-/// By how much a condition holds, in the unit of what it compares: b - a of "=a < b"; of other conditions 1 or -1.
-LOCKSTEP_API Channel margin_channel(System&, const std::string& condition);
+/// The channel of a formula of channels. `margin`: of a condition, by how much it holds, in the unit of what it compares:
+/// b - a of "=a < b"; of other conditions 1 or -1.
+LOCKSTEP_API Channel computed_channel(System&, const std::string& formula, bool margin = false);
 
 /// Power that a force gives to the bodies, W, with the load by these reactions if they are given.
 double power_of(const Force&, const Inputs&, const Reactions*, VecX& scratch);

@@ -49,9 +49,8 @@ void of_force(const Force& force, Entries& out) {
       return reacting ? reacting->reacting_quantity(k, v.in, Reactions(v)) : observable->quantity(k, v.in);
     });
   });
-  const auto free = [&out](const char* name) {  // a force's own quantity of that name takes precedence
-    return std::none_of(out.begin(), out.end(), [name](const Entry& e) { return e.name == name; });
-  };
+  // A force's own quantity of that name takes precedence.
+  const auto free = [&out](const char* name) { return std::ranges::find(out, name, &Entry::name) == out.end(); };
   const auto scratch = std::make_shared<VecX>();
   if (free("power"))
     add(out, "power", "W", "power of the force on the bodies", [f, reacting, scratch](const Sample& s) {

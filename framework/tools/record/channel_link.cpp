@@ -14,41 +14,14 @@
 namespace lockstep::channels {
 namespace {
 
-// Rates of theta = 2 atan2(e_k, e0); not finite if both are 0, where the angle is undefined.
-struct Turn {
-  double d, dd;
-};
-Turn turn(int k, const Relative& r) {
-  const double c = r.e.w, s = r.e.vec()[k], cd = r.ed.w, sd = r.ed.vec()[k], cdd = r.edd.w, sdd = r.edd.vec()[k];
-  const double n = c * c + s * s, d = 2.0 * (c * sd - s * cd) / n;
-  return {d, (2.0 * (c * sdd - s * cdd) - 2.0 * d * (c * cd + s * sd)) / n};
-}
-
-// "rz" of the one rotation that a joint leaves free; all others are "angle_x", ...
-std::string angle_name(const Lock& link, int k) {
+// Of the two names of a rotation the joint's own: "rz" of the one rotation that it leaves free; all others are
+// "angle_x", ...
+bool is_own_name(const Lock& link, const NamedCoordinate& c) {
+  if (c.of.kind != Coordinate::Kind::turn) return true;
   const Jointed* joint = link.jointed();
   const Mask turns = joint == nullptr ? Mask::none : joint->mask() & Mask::e123;
-  const bool only = count_rows(turns) == 2 && !overlaps(turns, row_of(static_cast<Axis>(3 + k)));
-  return (only ? "r" : "angle_") + std::string(kAxisName[k]);
-}
-
-void add_coordinates(const Lock& link, const Frame& p, const Frame& s, Entries& out) {
-  const auto y = [p, s](const Sample& x) { return relative(p, s, x); };
-  const auto y2 = [p, s](const Sample& x) { return relative_with_second(p, s, x); };
-  add_origin(out, p, s, {"position of P relative to S, S axes", "rate of the position", "second rate of the position"});
-  add_vector(out, "omega_", "rad/s", "angular velocity of P relative to S, S axes",
-             [y](const Sample& x) { return y(x).w(); });
-  for (int k = 0; k < 3; ++k) {
-    const std::string axis = kAxisName[k];
-    add(out, axis + "_d", "m/s", "rate of " + axis, [y, k](const Sample& x) { return y(x).v[k]; });
-    add(out, axis + "_dd", "m/s^2", "second rate of " + axis, [y2, k](const Sample& x) { return y2(x).a[k]; });
-    const std::string angle = angle_name(link, k);
-    add_angle(out, angle, "rotation of P about S's " + axis + ", with its revolutions",
-              [p, s, k](System& system) -> const CountedAngle& { return system.count(*p.marker, *s.marker, k); });
-    add(out, angle + "_d", "rad/s", "rate of " + angle, [y, k](const Sample& x) { return turn(k, y(x)).d; });
-    add(out, angle + "_dd", "rad/s^2", "second rate of " + angle,
-        [y2, k](const Sample& x) { return turn(k, y2(x)).dd; });
-  }
+  const bool only = count_rows(turns) == 2 && !overlaps(turns, row_of(static_cast<Axis>(3 + c.of.axis)));
+  return c.name.starts_with('r') == only;
 }
 
 // C of row k, whether or not the link is active.
@@ -123,10 +96,11 @@ double violation(const Evaluation& at, std::span<const RowEntry> entries, VecX& 
 
 void of_link(const System& system, const Lock& link, Entries& out) {
   const Lock* const l = &link;
-  const auto pairs = link.pairs();
-  if (!pairs.empty())
-    add_coordinates(link, {pairs.front().first->body, pairs.front().first},
-                    {pairs.front().second->body, pairs.front().second}, out);
+  if (const auto pairs = link.pairs(); !pairs.empty()) {
+    const auto [p, s] = pairs.front();
+    for (const NamedCoordinate& c : coordinates_of(CoordinateOwner::joint))
+      if (is_own_name(link, c)) add_coordinate(out, c, {p->body, p}, {s->body, s});
+  }
   if (system.ready()) add_rows(link, out);
   const auto scratch = std::make_shared<VecX>();
   const auto room = std::make_shared<RowTable>();

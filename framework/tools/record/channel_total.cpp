@@ -26,32 +26,35 @@ Vec3 angular_momentum(const Sample& s) {
   return sum;
 }
 
-// A number that is followed from step to step: `track` changes it.
-void keep_number(Channel& c, double first, std::function<void(double&, const Sample&)> track,
-                 std::function<double(double, const Sample&)> value) {
-  const auto number = std::make_shared<double>(first);
-  c.track = [number, track = std::move(track)](const Sample& s) { track(*number, s); };
-  c.value = [number, value = std::move(value)](const Sample& s) { return value(*number, s); };
-  c.restart = [number, first] { *number = first; };
-  c.save = [number](Snapshot& out) { out.put(*number); };
-  c.load = [number](SnapshotReader& in) { *number = in.get(); };
-}
+/// A number that is followed from step to step.
+struct KeptNumber final : Observer {
+  KeptNumber(double from, std::function<void(double&, const Sample&)> by) : first(from), follow(std::move(by)) {}
+  void start(const Sample& s) override { number = first, follow(number, s); }
+  void step(const Sample& s) override { follow(number, s); }
+  void save(Snapshot& out) const override { out.put(number); }
+  void load(SnapshotReader& in) override { number = in.get(); }
+
+  const double first;  ///< before the start
+  double number = first;
+  std::function<void(double&, const Sample&)> follow;
+};
 
 // total - drives - supplied + dissipated, minus its value at the start; of links and forces that are added later, too.
 void make_balance(System& system, Channel& c) {
   const EnergyTerms terms(system, true);
-  keep_number(
-      c, NAN,
-      [terms](double& first, const Sample& s) {
-        if (std::isnan(first)) first = terms.at(s).balance();
-      },
-      [terms](double first, const Sample& s) { return std::isnan(first) ? 0.0 : terms.at(s).balance() - first; });
+  const auto first = std::make_shared<KeptNumber>(NAN, [terms](double& balance, const Sample& s) {
+    if (std::isnan(balance)) balance = terms.at(s).balance();
+  });
+  c.memory = first;
+  c.value = [terms, first](const Sample& s) {
+    return std::isnan(first->number) ? 0.0 : terms.at(s).balance() - first->number;
+  };
 }
 
 void make_rejected(System&, Channel& c) {
-  keep_number(
-      c, 0, [](double& count, const Sample& s) { count += s.report.rejected; },
-      [](double count, const Sample&) { return count; });
+  const auto count = std::make_shared<KeptNumber>(0, [](double& n, const Sample& s) { n += s.report.rejected; });
+  c.memory = count;
+  c.value = [count](const Sample&) { return count->number; };
 }
 
 }  // namespace

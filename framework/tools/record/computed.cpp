@@ -100,8 +100,8 @@ class OfMotion {
   double begin_ = 0, last_ = 0, at_ = 0, total_ = 0;  // total_: of all before the pieces
 };
 
-/// A formula of channels on the states of a run.
-class Computed {
+/// A formula of channels on the states of a run, which it follows for those that remember it.
+class Computed final : public Observer {
  public:
   /// `margin`: of a condition, by how much it holds.
   Computed(System& system, const std::string& text, bool margin)
@@ -134,23 +134,22 @@ class Computed {
 
   bool is_of_motion() const { return !motions_.empty(); }
 
-  void track(const Sample& s) {
-    for (Channel& c : channels_)
-      if (c.track) c.track(s);
-    if (begun_ || motions_.empty()) return;
-    begun_ = true;
-    read(s);
+  void start(const Sample& s) override {
+    for (Observer* memory : memories_) memory->start(s);
+    if (is_of_motion()) read(s);
     for (const auto& [k, x] : motions_) x->begin(s.state.t, x->now(span()));
   }
-  void jumped(const Sample& s) {
-    for (Channel& c : channels_)
-      if (c.jumped) c.jumped(s);
-    read(s);
+  void step(const Sample& s) override {
+    for (Observer* memory : memories_) memory->step(s);
+  }
+  void jumped(const Sample& s) override {
+    for (Observer* memory : memories_) memory->jumped(s);
+    if (is_of_motion()) read(s);
     for (const auto& [k, x] : motions_) x->jump(x->now(span()));
   }
-  void inside(const InsideStep& step) {
+  void inside(const InsideStep& step) override {
+    if (!is_of_motion()) return;
     std::vector<Piece> pieces(motions_.size(), Piece{step.begin(), step.end().state.t});
-    if (pieces.empty()) return;
     const auto take = [&](int k, const Sample& s) {
       read(s);
       for (std::size_t i = 0; i < pieces.size(); ++i) pieces[i].v[k] = motions_[i].second->now(span());
@@ -169,22 +168,13 @@ class Computed {
       });
     }
   }
-  void restart() {
-    begun_ = false;
-    for (Channel& c : channels_)
-      if (c.restart) c.restart();
-  }
-  void save(Snapshot& out) const {
-    out.put(begun_ ? 1 : 0);
+  void save(Snapshot& out) const override {
     for (const auto& [k, x] : motions_) x->save(out);
-    for (const Channel& c : channels_)
-      if (c.save) c.save(out);
+    for (const Observer* memory : memories_) memory->save(out);
   }
-  void load(SnapshotReader& in) {
-    begun_ = in.get_flag();
+  void load(SnapshotReader& in) override {
     for (const auto& [k, x] : motions_) x->load(in);
-    for (Channel& c : channels_)
-      if (c.load) c.load(in);
+    for (Observer* memory : memories_) memory->load(in);
   }
 
  private:
@@ -202,21 +192,20 @@ class Computed {
 
   // A channel by its name.
   Scope::Name channel(const std::string& name) {
-    const Channel c = make_channel(system_, name);
-    const std::optional<Dimension> d = c.unit.empty() ? Dimension{} : dimension_of(c.unit);
-    return {{.variable = place_of(c)}, d, true};
+    const Channel& c = channels_.emplace_back(make_channel(system_, name));
+    if (c.memory) memories_.push_back(c.memory.get());
+    places_.push_back(new_place());
+    return {{.variable = places_.back()}, c.unit.empty() ? Dimension{} : dimension_of(c.unit), true};
   }
 
-  int place_of(const Channel& c) {
-    channels_.push_back(c), places_.push_back(static_cast<int>(values_.size()));
+  int new_place() {
     values_.push_back(0);
-    return places_.back();
+    return static_cast<int>(values_.size()) - 1;
   }
 
   // -- functions of the motion
   int of_motion(const Node& n) {
-    const auto place = static_cast<int>(values_.size());
-    values_.push_back(0);
+    const int place = new_place();
     if (n.function == Function::rate) {
       rates_.emplace_back(place, scope_.compiled(e_, n.children[0]));
       return place;
@@ -275,36 +264,18 @@ class Computed {
   std::string unit_;
   std::vector<double> values_;  // the time, channels, functions of the motion
   std::vector<Channel> channels_;
+  std::vector<Observer*> memories_;  // of the channels
   std::vector<int> places_;  // of the channels among the values
   std::vector<std::pair<int, std::shared_ptr<OfMotion>>> motions_;
   std::vector<std::pair<int, FormulaFunction>> rates_;
   Scope scope_;
-  bool begun_ = false;
 };
 
 }  // namespace
 
-namespace {
-
-Channel channel_of(const std::string& formula, const std::shared_ptr<Computed>& all) {
-  Channel c{formula, all->unit(), [all](const Sample& s) { return all->value(s); }};
-  c.track = [all](const Sample& s) { all->track(s); };
-  c.restart = [all] { all->restart(); };
-  c.save = [all](Snapshot& out) { all->save(out); };
-  c.load = [all](SnapshotReader& in) { all->load(in); };
-  if (!all->is_of_motion()) return c;
-  c.inside = [all](const InsideStep& step) { all->inside(step); };
-  c.jumped = [all](const Sample& s) { all->jumped(s); };
-  return c;
-}
-
-}  // namespace
-
-Channel computed_channel(System& system, const std::string& formula) {
-  return channel_of(formula, std::make_shared<Computed>(system, formula, false));
-}
-Channel margin_channel(System& system, const std::string& condition) {
-  return channel_of(condition, std::make_shared<Computed>(system, condition, true));
+Channel computed_channel(System& system, const std::string& formula, bool margin) {
+  const auto all = std::make_shared<Computed>(system, formula, margin);
+  return {formula, all->unit(), [all](const Sample& s) { return all->value(s); }, all, all->is_of_motion()};
 }
 
 }  // namespace lockstep::channels

@@ -49,17 +49,6 @@ void split_line(const std::string& text, std::vector<std::string>& cells, const 
     throw FileError(fmt::format("{}:{}:{}: {}", file, line, csv_column(text, fault->byte), fault->problem));
 }
 
-void write_lines(std::ostream& out, const Table& table, bool units) {
-  std::string line;
-  append_csv_header(line, table, units);
-  out.write(line.data(), static_cast<std::streamsize>(line.size()));
-  for (std::size_t i = 0; i < table.n_rows(); ++i) {
-    line.clear();
-    append_csv_row(line, table, i);
-    out.write(line.data(), static_cast<std::streamsize>(line.size()));
-  }
-}
-
 }  // namespace
 
 void append_csv_header(std::string& text, const Table& table, bool units) {
@@ -79,14 +68,21 @@ void append_csv_row(std::string& text, const Table& table, std::size_t i) {
   text += '\n';
 }
 
-void write_csv(std::ostream& out, const Table& table) { write_lines(out, table, true); }
-
-void write_csv(const std::string& file, const Table& table) { write_csv(file, table, true); }
+void write_csv(std::ostream& out, const Table& table, bool units) {
+  std::string line;
+  append_csv_header(line, table, units);
+  out.write(line.data(), static_cast<std::streamsize>(line.size()));
+  for (std::size_t i = 0; i < table.n_rows(); ++i) {
+    line.clear();
+    append_csv_row(line, table, i);
+    out.write(line.data(), static_cast<std::streamsize>(line.size()));
+  }
+}
 
 void write_csv(const std::string& file, const Table& table, bool units) {
   errno = 0;
   std::ofstream out(file, std::ios::binary | std::ios::trunc);
-  if (out) write_lines(out, table, units);
+  if (out) write_csv(out, table, units);
   out.close();
   if (!out)
     throw FileError(

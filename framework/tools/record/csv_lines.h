@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string>
 
-#include <lockstep/recorder.h>
+#include <lockstep/table.h>
 
 namespace lockstep {
 
@@ -13,7 +13,5 @@ namespace lockstep {
 LOCKSTEP_API void append_csv_header(std::string& text, const Table&, bool units = true);
 /// Appends row i, with its line end.
 LOCKSTEP_API void append_csv_row(std::string& text, const Table&, std::size_t i);
-/// Writes a whole file. Throws FileError.
-LOCKSTEP_API void write_csv(const std::string& file, const Table&, bool units);
 
 }  // namespace lockstep

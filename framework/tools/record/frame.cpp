@@ -3,43 +3,38 @@
 
 namespace lockstep::channels {
 
-const MarkerFrame& Frame::in(const System& system) const {
-  if (revision != system.revision()) last = folded(), revision = system.revision();
-  return last;
+MarkerOn<double> Frame::at(const Sample& sample) const {
+  if (const long now = sample.system().revision(); revision != now) last = folded(), revision = now;
+  return marker_on(last, sample.inputs());
 }
 
 namespace {
 
-Relative values_of(const Vec7T<double>& y, const Vec7T<double>& yd) {
-  return {.x = y.head<3>(), .v = yd.head<3>(), .e = Quat::from(y.tail<4>()), .ed = Quat::from(yd.tail<4>())};
+template <int n, int m>
+Eigen::Matrix<Time, n, m> with_rates(const Eigen::Matrix<double, n, m>& x, const Eigen::Matrix<double, n, m>& rates) {
+  return x.binaryExpr(rates, [](double value, double rate) { return Time(value, rate, 0.0); });
 }
-
-bool has_laws(const MarkerFrame& m) { return m.translation_law || m.rotation_law; }
 
 }  // namespace
 
-Relative relative(const Frame& m, const Frame& n, const Sample& sample) {
-  const MarkerFrame &P = m.in(sample.system()), &S = n.in(sample.system());
-  const auto read = [](const auto& pair) { return values_of(pair.y(), pair.yd()); };
-  return has_laws(P) || has_laws(S) ? read(MovingPair<Reads::both>(P, S, sample.inputs()))
-                                    : read(StillPair<Reads::both>(P, S, sample.inputs()));
-}
-
-// ydd = Jh acc - Qhat
-Relative relative_with_second(const Frame& m, const Frame& n, const Sample& sample) {
+// a_m = a + A (al x u + w x (w x u + 2 ud) + udd),  al_m = B' al - pi x B' w + pid: pi turns the marker's axes B on the slot
+MotionT<Time> Frame::moving(const Sample& sample) const {
   const VecX& acc = sample.accelerations();
-  const auto part = [&](const MarkerFrame& f, int first) {
-    return f.slot == kGround ? Vec3(Vec3::Zero()) : Vec3(acc.segment<3>(6 * f.slot + first));
-  };
-  const MarkerFrame &P = m.in(sample.system()), &S = n.in(sample.system());
-  const double t = sample.state.t;
-  const RelativeKinematics k =
-      relative_kinematics(sample.inputs().slot(P.slot), sample.inputs().slot(S.slot), P.at(t), S.at(t),
-                          has_laws(P) || has_laws(S) ? with::all_laws : with::nothing);
-  const Vec7T<double> ydd = k.Jv1 * (part(P, 0) - part(S, 0)) + k.Jw1 * part(P, 3) + k.Jw2 * part(S, 3) - k.Qhat;
-  Relative r = values_of(k.y, k.yd);
-  r.a = ydd.head<3>(), r.edd = Quat::from(ydd.tail<4>());
-  return r;
+  const MarkerOn<double> on = at(sample);
+  const Motion& O = on.slot;
+  const MarkerMotion& m = on.marker;
+  Vec3 a = Vec3::Zero(), al = Vec3::Zero();
+  if (last.slot != kGround) a = acc.segment<3>(6 * last.slot), al = acc.segment<3>(6 * last.slot + 3);
+  const Vec3 carried = m.A.transpose() * O.w, w = carried + m.w;
+  const Mat3 A = on.A();
+  const Quat q = on.q();
+  const Vec3 a_m = a + O.A * (cross(al, m.u) + cross(O.w, Vec3(cross(O.w, m.u) + 2.0 * m.ud)) + m.udd);
+  const Vec3 al_m = m.A.transpose() * al - cross(m.w, carried) + m.a;
+  return {.x = with_rates<3, 1>(on.x(), on.v()),
+          .A = with_rates<3, 3>(A, A * skew(w)),
+          .e = QuatT<Time>::from(with_rates<4, 1>(q.coefficients(), rate(q, w).coefficients())),
+          .v = with_rates<3, 1>(on.v(), a_m),
+          .w = with_rates<3, 1>(w, al_m)};
 }
 
 }  // namespace lockstep::channels

@@ -16,11 +16,7 @@ namespace lockstep {
 Recorder::Recorder(System& system, std::vector<Request> requests) {
   table_.add_column("t", "s");
   row_.resize(1);
-  for (const Request& r : requests) {
-    Channel c = make_channel(system, r.channel);
-    c.name = r.name;
-    add(std::move(c));
-  }
+  for (const Request& r : requests) add(system, r);
 }
 Recorder::~Recorder() = default;
 
@@ -31,11 +27,20 @@ void Recorder::add(const std::string& name, const std::string& unit, std::functi
 void Recorder::add(Channel channel) {
   if (!channel.value) throw ModelError(fmt::format("column \"{}\" has no function; give it one", channel.name));
   table_.add_column(channel.name, channel.unit);
+  follow(channel);
   channels_.push_back(std::move(channel));
   row_.resize(channels_.size() + 1);
 }
 
-void Recorder::follow(Channel channel) { followed_.push_back(std::move(channel)); }
+void Recorder::add(System& system, const Request& request) {
+  Channel channel = make_channel(system, request.channel);
+  channel.name = request.name;
+  add(std::move(channel));
+}
+
+void Recorder::follow(const Channel& channel) {
+  if (channel.memory) followed_.push_back(channel);
+}
 
 namespace {
 
@@ -43,25 +48,15 @@ double value_of(const Channel& c, const Sample& sample) {
   return user_code("channel", c.name, sample.state.t, [&] { return c.value(sample); });
 }
 
-// Calls one hook of all channels that have it.
-template <class Hook, class... Args>
-void call(Hook Channel::*hook, const std::vector<Channel>& columns, const std::vector<Channel>& followed,
-          Args&... args) {
-  for (const auto* all : {&columns, &followed})
-    for (const Channel& c : *all)
-      if (c.*hook) (c.*hook)(args...);
-}
-
-// The same at a state, once: all are called, also if one throws, so that no other misses a revolution.
-template <class Hook>
-void call_at(const Sample& sample, Hook Channel::*hook, const std::vector<Channel>& columns,
-             const std::vector<Channel>& followed) {
+// Calls the memories of channels at a state, once: all are called, also if one throws, so that no other misses a
+// revolution.
+template <class Call>
+void call_at(const Sample& sample, const std::vector<Channel>& channels, const Call& call) {
   std::exception_ptr first;
-  for (const auto* all : {&columns, &followed})
-    for (const Channel& c : *all) {
-      const auto called = [&] { user_code("channel", c.name, sample.state.t, [&] { (c.*hook)(sample); }); };
-      if (const std::exception_ptr error = c.*hook ? thrown_by(called) : nullptr; !first) first = error;
-    }
+  for (const Channel& c : channels) {
+    const auto called = [&] { user_code("channel", c.name, sample.state.t, [&] { call(*c.memory); }); };
+    if (const std::exception_ptr error = thrown_by(called); !first) first = error;
+  }
   if (first) std::rethrow_exception(first);
 }
 
@@ -114,15 +109,14 @@ void Recorder::begin_part(const Sample& sample) {
 
 void Recorder::start(const Sample& sample) {
   table_.clear_rows(), last_ = kNone;
-  call(&Channel::restart, channels_, followed_);
-  step(sample);
+  call_at(sample, followed_, [&](Observer& memory) { memory.start(sample); });
   if (extremes_) extremes_->begin(table_.columns());
   begin_part(sample);
 }
 
 void Recorder::inside(const InsideStep& step) {
   constexpr int kAlongLaws = 20;  // looks at least between two rows
-  call(&Channel::inside, channels_, followed_, step);
+  for (const Channel& c : followed_) c.memory->inside(step);
   if (!extremes_) return;
   const Sample& end = step.end();
   if (!is_continuous_) return begin_part(end);
@@ -138,10 +132,12 @@ void Recorder::inside(const InsideStep& step) {
   extremes_->add_step(read_, at_end_, step.along_laws() ? kAlongLaws : 1, step.has_states() ? look : Extremes::Look());
 }
 
-void Recorder::step(const Sample& sample) { call_at(sample, &Channel::track, channels_, followed_); }
+void Recorder::step(const Sample& sample) {
+  call_at(sample, followed_, [&](Observer& memory) { memory.step(sample); });
+}
 
 void Recorder::jumped(const Sample& sample) {
-  call_at(sample, &Channel::jumped, channels_, followed_);
+  call_at(sample, followed_, [&](Observer& memory) { memory.jumped(sample); });
   begin_part(sample);
 }
 
@@ -163,14 +159,18 @@ void Recorder::save(Snapshot& out) const {
   save_rows(table_, out);
   out.put(last_), out.put(is_continuous_ ? 1 : 0);
   if (extremes_) extremes_->save(out);
-  call(&Channel::save, channels_, followed_, out);
+  for (const Channel& c : followed_) c.memory->save(out);
+}
+
+bool Recorder::saves_all() const {
+  return std::ranges::all_of(followed_, [](const Channel& c) { return c.memory->saves_all(); });
 }
 
 void Recorder::load(SnapshotReader& in) {
   load_rows(table_, in);
   last_ = in.get(), is_continuous_ = in.get_flag();
   if (extremes_) extremes_->load(in);
-  call(&Channel::load, channels_, followed_, in);
+  for (const Channel& c : followed_) c.memory->load(in);
 }
 
 }  // namespace lockstep

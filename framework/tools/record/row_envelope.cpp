@@ -8,8 +8,7 @@ namespace lockstep {
 RowEnvelope::RowEnvelope(const Table& columns, std::size_t most) : width_(columns.n_columns()), most_(most) {
   for (const Column& c : columns.columns()) columns_.add_column(c.name, c.unit);
   kept_.reserve(most_ * width_);
-  for (std::vector<double>* v : {&least_, &most_of_, &last_}) v->resize(width_);
-  for (std::vector<long>* v : {&least_at_, &most_at_}) v->resize(width_);
+  last_.resize(width_), open_.resize(3 * width_);
   clear();
 }
 
@@ -33,24 +32,26 @@ void RowEnvelope::add(const Table& table, std::size_t i) {
     path_.insert(path_.end(), last_.begin(), last_.end());
     if (path_.size() == most_ * width_) thin_path();
   }
-  for (std::size_t k = 0; k < width_; ++k) {
-    if (n_open_ == 0 || last_[k] < least_[k]) least_[k] = last_[k], least_at_[k] = n_open_;
-    if (n_open_ == 0 || last_[k] > most_of_[k]) most_of_[k] = last_[k], most_at_[k] = n_open_;
-  }
+  for (std::size_t j = n_open_ == 0 ? 0 : 2; j < 3; ++j) std::ranges::copy(last_, &open_[j * width_]);
+  take_extremes(open_.data(), 3, open_.data());
   if (++n_open_ < per_pair_) return;
-  for (const bool second : {false, true}) {
-    const std::vector<double> row = open_row(second);
-    kept_.insert(kept_.end(), row.begin(), row.end());
-  }
+  kept_.insert(kept_.end(), open_.data(), &open_[2 * width_]);
   n_open_ = 0;
   if (n_kept() == most_) thin();
 }
 
-// The extremes of the open group, the earlier of each column in the first row.
-std::vector<double> RowEnvelope::open_row(bool second) const {
-  std::vector<double> row(width_);
-  for (std::size_t k = 0; k < width_; ++k) row[k] = (least_at_[k] <= most_at_[k]) == second ? most_of_[k] : least_[k];
-  return row;
+// The extremes of each column in n rows, the earlier one in the first row of a pair, which may be the first of the rows.
+void RowEnvelope::take_extremes(const double* rows, std::size_t n, double* pair) const {
+  for (std::size_t k = 0; k < width_; ++k) {
+    const auto at = [&](std::size_t j) { return rows[j * width_ + k]; };
+    std::size_t least = 0, most = 0;
+    for (std::size_t j = 1; j < n; ++j) {
+      if (at(j) < at(least)) least = j;
+      if (at(j) > at(most)) most = j;
+    }
+    const double first = at(std::min(least, most)), second = at(std::max(least, most));
+    pair[k] = first, pair[width_ + k] = second;
+  }
 }
 
 // Every second whole row goes; the first stays.
@@ -61,20 +62,11 @@ void RowEnvelope::thin_path() {
   path_every_ *= 2;
 }
 
-// Every four rows become two: the extremes of each column, the earlier one first.
+// Every four rows become two.
 void RowEnvelope::thin() {
   const std::size_t n = n_kept() / 4;
   for (std::size_t group = 0; group < n; ++group)
-    for (std::size_t k = 0; k < width_; ++k) {
-      const double* from = &kept_[4 * group * width_ + k];
-      std::size_t least = 0, most = 0;
-      for (std::size_t j = 1; j < 4; ++j) {
-        if (from[j * width_] < from[least * width_]) least = j;
-        if (from[j * width_] > from[most * width_]) most = j;
-      }
-      const double first = from[std::min(least, most) * width_], second = from[std::max(least, most) * width_];
-      kept_[2 * group * width_ + k] = first, kept_[(2 * group + 1) * width_ + k] = second;
-    }
+    take_extremes(&kept_[4 * group * width_], 4, &kept_[2 * group * width_]);
   kept_.resize(2 * n * width_);
   per_pair_ = per_pair_ == 1 ? 4 : 2 * per_pair_;
 }
@@ -83,8 +75,7 @@ void RowEnvelope::thin() {
 Table RowEnvelope::table() const {
   Table table = columns_;
   for (std::size_t i = 0; i < n_kept(); ++i) table.add_row({&kept_[i * width_], width_});
-  if (n_open_ > 1)
-    for (const bool second : {false, true}) table.add_row(open_row(second));
+  for (std::size_t j = 0; j < 2 && n_open_ > 1; ++j) table.add_row({&open_[j * width_], width_});
   if (n_open_ > 0) table.add_row(last_);
   return table;
 }
@@ -99,14 +90,12 @@ Table RowEnvelope::path_table() const {
 
 void RowEnvelope::save(Snapshot& out) const {
   for (const long n : {per_pair_, path_every_, n_rows_, n_open_}) out.put(static_cast<double>(n));
-  for (const std::vector<double>* v : {&kept_, &path_, &least_, &most_of_, &last_}) out.put_all(*v);
-  for (const std::vector<long>* v : {&least_at_, &most_at_}) out.put_all(*v);
+  for (const std::vector<double>* v : {&kept_, &path_, &open_, &last_}) out.put_all(*v);
 }
 
 void RowEnvelope::load(SnapshotReader& in) {
   for (long* n : {&per_pair_, &path_every_, &n_rows_, &n_open_}) *n = in.get_count();
-  for (std::vector<double>* v : {&kept_, &path_, &least_, &most_of_, &last_}) in.get_all(*v);
-  for (std::vector<long>* v : {&least_at_, &most_at_}) in.get_all(*v);
+  for (std::vector<double>* v : {&kept_, &path_, &open_, &last_}) in.get_all(*v);
 }
 
 }  // namespace lockstep

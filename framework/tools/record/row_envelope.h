@@ -36,7 +36,7 @@ class LOCKSTEP_API RowEnvelope {
  private:
   void thin();
   void thin_path();
-  std::vector<double> open_row(bool second) const;
+  void take_extremes(const double* rows, std::size_t n, double* pair) const;
   std::size_t n_kept() const { return kept_.size() / width_; }
 
   Table columns_;
@@ -44,10 +44,9 @@ class LOCKSTEP_API RowEnvelope {
   std::vector<double> kept_;  // row by row; in pairs once rows are grouped
   std::vector<double> path_;  // whole rows, one in path_every_; empty while kept_ has all
   long per_pair_ = 1, path_every_ = 1, n_rows_ = 0;
-  // the group that is not full yet: its rows so far, and of each column both extremes and when they came
-  long n_open_ = 0;
-  std::vector<double> least_, most_of_, last_;
-  std::vector<long> least_at_, most_at_;
+  long n_open_ = 0;           // rows of the group that is not full yet,
+  std::vector<double> open_,  // the pair of their extremes, and room for the next row
+      last_;
 };
 
 }  // namespace lockstep

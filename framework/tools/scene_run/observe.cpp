@@ -9,13 +9,12 @@
 
 namespace lockstep {
 
-Channel channel_of(Mechanism& m, const std::string& name) { return make_channel(system_of(m), name); }
-
 namespace {
 
 Channel channel_of(Mechanism& m, const EventRequest& request) {
   const std::string owner = owner_of("event", request.event.name);
-  Channel channel = placed(request.where, owner + ", when.channel", [&] { return channel_of(m, request.channel); });
+  Channel channel =
+      placed(request.where, owner + ", when.channel", [&] { return make_channel(system_of(m), request.channel); });
   if (const std::string problem = request.given.empty() ? "" : misfit(request.given, channel.unit); !problem.empty())
     refuse(request.given_where, owner + ", when.crosses", problem);
   return channel;
@@ -38,11 +37,8 @@ std::unique_ptr<Recorder> make_recorder(Mechanism& m, const std::set<std::string
   for (const ChannelRequest& request : m.run.record)
     if (only == nullptr || only->contains(request.column()))
       wrong.attempt([&] {
-        placed(request.where, "run.record", [&] {
-          Channel channel = channel_of(m, request.channel);
-          channel.name = request.column();
-          recorder->add(std::move(channel));
-        });
+        placed(request.where, "run.record",
+               [&] { recorder->add(system_of(m), Request(request.column(), request.channel)); });
       });
   for (const EventRequest& request : m.events)
     if (!request.channel.empty()) wrong.attempt([&] { channel_of(m, request); });

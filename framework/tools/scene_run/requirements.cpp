@@ -18,7 +18,7 @@ std::unique_ptr<Recorder> make_requirements(Mechanism& m) {
   for (const ChannelRequest& r : m.run.require)
     wrong.attempt([&] {
       placed(r.where, "scene.require", [&] {
-        Channel margin = channels::margin_channel(system_of(m), r.channel);
+        Channel margin = channels::computed_channel(system_of(m), r.channel, true);
         margin.name = r.column();
         margins->add(std::move(margin));
       });

@@ -21,10 +21,6 @@ namespace lockstep {
 /// channels that do not exist, also of those of events.
 LOCKSTEP_API std::unique_ptr<Recorder> make_recorder(Mechanism&, const std::set<std::string>* only = nullptr);
 
-/// Makes a channel of the scene's system; an angle that the start asks for begins in the turn that is asked for. Throws
-/// ModelError for an unknown name.
-LOCKSTEP_API Channel channel_of(Mechanism&, const std::string& name);
-
 /// Makes the scene's events with their conditions; `recorder` keeps their channels up to date. Make them before the
 /// StepLoop too. Throws SceneError with the place in the file of a channel that does not exist.
 LOCKSTEP_API std::vector<Event> make_events(Mechanism&, Recorder& recorder);

@@ -32,7 +32,6 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
   std::unique_ptr<LinearSolver> make_solver() const override {
     return lockstep::make_solver(settings, *mechanism.methods);
   }
-  Channel channel(const std::string& name) override { return channel_of(mechanism, name); }
   void before() override {
     requirements = make_requirements(mechanism);
     audit = std::make_unique<EnergyAudit>(system, settings.limits);

@@ -142,9 +142,7 @@ const System& Simulation::system() const { return parts_->system; }
 const Table& Simulation::record(std::vector<Request> requests) {
   if (parts_->loop) throw ModelError("simulation: record() after the start of the run; call it directly after the Simulation is made");
   for (Request& request : requests) {
-    Channel channel = parts_->channel(request.channel);
-    channel.name = request.name;
-    parts_->recorder->add(std::move(channel));
+    parts_->recorder->add(parts_->system, request);
     parts_->settings.record.push_back({std::move(request.channel), std::move(request.name), {}});
   }
   return table();

@@ -29,8 +29,6 @@ struct LOCKSTEP_API Simulation::Parts {
 
   virtual std::unique_ptr<Integrator> make_method() const = 0;
   virtual std::unique_ptr<LinearSolver> make_solver() const = 0;
-  /// A channel of this name, for a column.
-  virtual Channel channel(const std::string& name) { return make_channel(system, name); }
   /// Called before the dynamics is made: what adds integrated states to the system.
   virtual void before() {}
   /// Adds observers and events, and returns the assembled start.

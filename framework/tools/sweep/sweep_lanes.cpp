@@ -68,7 +68,7 @@ std::string unsuited(Mechanism& m) {
     for (const std::string& channel : expression::channels_in(request.channel))
       if (channel == "step" || channel == "rejected" || channel == "evaluations" || channel.starts_with("solver."))
         return "column \"" + request.column() + "\" exists only for single runs";
-    if (make_channel(system_of(m), request.channel).inside)  // works add their states to the system
+    if (make_channel(system_of(m), request.channel).of_motion)  // works add their states to the system
       return "column \"" + request.column() + "\" is of the whole motion";
   }
   return Copies::unsuited(system_of(m), m.run.formulation);

@@ -40,6 +40,9 @@ struct MarkerOn {
   /// Angular velocity of the slot, world axes, rad/s.
   Vec3T<T> slot_rate() const { return slot.A * slot.w; }
 };
+/// A marker on its slot at these inputs, which must outlive it.
+inline MarkerOn<double> marker_on(const MarkerFrame& m, const Inputs& in) { return {in.slot(m.slot), m.at(in.t)}; }
+
 // Relative kinematics of a pair of markers: the seven coordinates of P relative to S, with everything that a function
 // of them needs (theory, (7.1)). The markers' own laws are included, imposed laws are not.
 
