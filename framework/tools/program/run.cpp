@@ -47,13 +47,10 @@ struct FailedRun {
   std::string error;
   long rows;
 };
-const Fields<FailedRun>& failed_fields() {
-  static const Fields<FailedRun> kFields{{"status", "", "status", &FailedRun::status},
-                                         {"t", "s", "ended at t", &FailedRun::t},
-                                         {"error", "", "", &FailedRun::error},
-                                         {"rows", "", "rows", &FailedRun::rows}};
-  return kFields;
-}
+const Fields<FailedRun> kFailedFields{{"status", "", "status", &FailedRun::status},
+                                      {"t", "s", "ended at t", &FailedRun::t},
+                                      {"error", "", "", &FailedRun::error},
+                                      {"rows", "", "rows", &FailedRun::rows}};
 
 // The report of a run until it failed; the error itself matters more than one of this file.
 void write_unfinished(const RunReport& report, const StepLoop& sim, const std::exception_ptr& error) {
@@ -331,7 +328,7 @@ class ProgramRun {
     if (explained == error) tell(saved);
     write_unfinished(report_, sim_, explained);
     CommandFindings::add(doubts_.findings(sim_.report().steps, sim_.state().t));
-    Result result(loaded_, failed_fields(), {.t = sim_.state().t, .error = thrown_words(explained), .rows = n});
+    Result result(loaded_, kFailedFields, {.t = sim_.state().t, .error = thrown_words(explained), .rows = n});
     if (n == 0)
       std::filesystem::remove(file_.partial(), code);
     else
@@ -468,7 +465,7 @@ Result run_scene(const Arguments& args) {
 }
 Result run_and_certify(const Arguments& args, Certify certify) { return ProgramRun(args, nullptr, certify).go(); }
 
-std::vector<const Schema*> run_results() { return {&run_fields().schema(), &failed_fields().schema()}; }
+std::vector<const Schema*> run_results() { return {&run_fields().schema(), &kFailedFields.schema()}; }
 
 Command run_command() {
   return {"run", run_options(), run_scene,
