@@ -222,7 +222,7 @@ Fields<AllAtRest> fields_of_all(const char* label, const Fields<AtRest>& each) {
              if (a.failed > a.unassembled) all.push_back(fmt::format("{} not converged", a.failed - a.unassembled));
              return all.empty() ? "0" : text::join(all, ", ");
            }},
-          Field<AllAtRest>("equilibria", label, &AllAtRest::all, each).whole()};
+          {"equilibria", label, &AllAtRest::all, each, kWhole}};
 }
 const Fields<AllAtRest> kAllRestFields = fields_of_all("equilibrium", kRestFields);
 /// One line for each equilibrium, with the first quantities that differ between them; where these are equal for two, with

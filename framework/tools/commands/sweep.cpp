@@ -303,9 +303,9 @@ const Fields<SweepRow> kSweepRowFields{
     {"steps", "", "", [](const SweepRow& r) { return r.run.steps; }},
     {"cpu", "s", "", [](const SweepRow& r) { return r.run.cpu; }},
     {"columns", "", &SweepRow::columns, kEndsFields},
-    Field<SweepRow>("t", "s", "", [](const SweepRow& r) { return r.run.failed ? NAN : r.run.t; }).optional(),
-    Field<SweepRow>("energy", "", if_done, kRowEnergyFields).optional(),
-    Field<SweepRow>("drift", "", if_done, kRowDriftFields).optional()};
+    {"t", "s", "", [](const SweepRow& r) { return r.run.failed ? NAN : r.run.t; }, kUnlessEmpty},
+    {"energy", "", if_done, kRowEnergyFields, kUnlessEmpty},
+    {"drift", "", if_done, kRowDriftFields, kUnlessEmpty}};
 const Fields<Tally> kSweepFields{{"asked", "", "", &Tally::asked},
                                  {"share", "", "share", &Tally::share},
                                  {"done", "", "", &Tally::done},

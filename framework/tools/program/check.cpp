@@ -148,7 +148,7 @@ const Fields<OwnedChannel> kChannelFields{
     {"of", "", "of", &OwnedChannel::owner, json_only},
     {"help", "", "what it is", [](const OwnedChannel& c) { return c.channel.help; }}};
 const Fields<std::vector<OwnedChannel>> kChannelsFields{
-    Field<std::vector<OwnedChannel>>("channels", "channels", std::identity(), kChannelFields).whole()};
+    {"channels", "channels", std::identity(), kChannelFields, kWhole}};
 
 /// The constraints that a tree leaves: of loop-closing joints, and of joints that do not hold all of theirs.
 std::string rows_in_words(const TreeReport& tree) {

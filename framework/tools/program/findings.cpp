@@ -39,18 +39,16 @@ std::vector<Finding> CommandFindings::added() {
 }
 
 const Fields<Finding>& finding_fields() {
-  using Made = Field<Finding>;
-  static const Fields<Finding> kFields{
-      Made("severity", "", "", [](const Finding& f) { return to_string(f.severity()); }),
-      Made("code", "", "", &Finding::code),
-      Made("thing", "", "", &Finding::thing).optional(),
-      Made("message", "", "", &Finding::message).optional(),
-      Made("advice", "", "", &Finding::advice).optional(),
-      Made("value", "", "", &Finding::value).optional(),
-      Made("limit", "", "", &Finding::limit).optional(),
-      Made("unit", "", "", &Finding::unit).optional(),
-      Made("t", "s", "", &Finding::t).optional(),
-      Made("place", "", "", &Finding::place).optional()};
+  static const Fields<Finding> kFields{{"severity", "", "", [](const Finding& f) { return to_string(f.severity()); }},
+                                       {"code", "", "", &Finding::code},
+                                       {"thing", "", "", &Finding::thing, kUnlessEmpty},
+                                       {"message", "", "", &Finding::message, kUnlessEmpty},
+                                       {"advice", "", "", &Finding::advice, kUnlessEmpty},
+                                       {"value", "", "", &Finding::value, kUnlessEmpty},
+                                       {"limit", "", "", &Finding::limit, kUnlessEmpty},
+                                       {"unit", "", "", &Finding::unit, kUnlessEmpty},
+                                       {"t", "s", "", &Finding::t, kUnlessEmpty},
+                                       {"place", "", "", &Finding::place, kUnlessEmpty}};
   return kFields;
 }
 

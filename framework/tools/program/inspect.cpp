@@ -36,10 +36,12 @@ const Fields<KeyOf> kKeyFields{
     {"form", "", "form", [](const KeyOf& k) { return form_words(k.first, k.second->parts); }},
     {"required", "", "required", [](const KeyOf& k) { return k.first.required(); }},
     {"help", "", "help", [](const KeyOf& k) { return std::string(k.first.help); }},
-    Field<KeyOf>("default", "", "default", [](const KeyOf& k) {
-      const Value* v = k.first.default_value();
-      return v != nullptr ? Json::parse(write_json(*v)) : Json();
-    }).optional()};
+    {"default", "", "default",
+     [](const KeyOf& k) {
+       const Value* v = k.first.default_value();
+       return v != nullptr ? Json::parse(write_json(*v)) : Json();
+     },
+     kUnlessEmpty}};
 const Fields<Description> kDescriptionFields{
     {"shown", "", "name", shown_name},
     {"name", "", "", [](const Description& d) { return d.info.name; }},
@@ -54,10 +56,12 @@ const Fields<Description> kDescriptionFields{
        return all;
      },
      kKeyFields},
-    Field<Description>("example", "", "", [](const Description& d) {
-      const std::string example = example_of(d);
-      return example.empty() ? Json() : Json::parse(example);
-    }).optional()};
+    {"example", "", "",
+     [](const Description& d) {
+       const std::string example = example_of(d);
+       return example.empty() ? Json() : Json::parse(example);
+     },
+     kUnlessEmpty}};
 
 using Kinds = std::vector<const FindingKind*>;
 const Fields<const FindingKind*> kKindFields{
@@ -67,7 +71,7 @@ const Fields<const FindingKind*> kKindFields{
     {"cause", "", "cause", [](const auto& k) { return k->cause; }},
     {"cure", "", "", [](const auto& k) { return k->cure; }}};
 
-const Fields<Kinds> kKindsFields{Field<Kinds>("codes", "findings", std::identity(), kKindFields).whole()};
+const Fields<Kinds> kKindsFields{{"codes", "findings", std::identity(), kKindFields, kWhole}};
 
 // The shelves of `list`, each only if it is asked for.
 using Shelves = std::map<std::string, std::vector<Description>>;
@@ -75,15 +79,12 @@ constexpr const char* kShelves[] = {"links", "laws", "forces", "integrators", "s
 const Fields<Shelves> kShelfFields = [] {
   Fields<Shelves> all{};
   for (const char* name : kShelves)
-    all.add(Field<Shelves>(
-                name, name == std::string_view("links") ? "joints" : name,
-                [name](const Shelves& s) {
-                  const auto found = s.find(name);
-                  return found == s.end() ? std::vector<Description>() : found->second;
-                },
-                kDescriptionFields)
-                .optional()
-                .whole());
+    all.add({name, name == std::string_view("links") ? "joints" : name,
+             [name](const Shelves& s) {
+               const auto found = s.find(name);
+               return found == s.end() ? std::vector<Description>() : found->second;
+             },
+             kDescriptionFields, kUnlessEmpty, kWhole});
   return all;
 }();
 

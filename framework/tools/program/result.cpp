@@ -218,9 +218,9 @@ struct Document {
   const std::vector<Finding>& findings;
 };
 const Fields<Document> kDocumentFields{
-    Field<Document>("scene", "", "", [](const Document& d) { return d.result.scene; }).optional(),
-    Field<Document>("title", "", "", [](const Document& d) { return d.result.title; }).optional(),
-    Field<Document>("command", "", "", [](const Document& d) { return d.result.command; }).optional()};
+    {"scene", "", "", [](const Document& d) { return d.result.scene; }, kUnlessEmpty},
+    {"title", "", "", [](const Document& d) { return d.result.title; }, kUnlessEmpty},
+    {"command", "", "", [](const Document& d) { return d.result.command; }, kUnlessEmpty}};
 // "a/fb.csv, a/fb.png", and the folder of more than three only once: "a: fb.csv, fb.png, ...".
 std::string files_text(const Json& files) {
   std::vector<std::string> names = files;
@@ -232,11 +232,8 @@ std::string files_text(const Json& files) {
 }
 
 const Fields<Document> kLastFields{
-    Field<Document>(
-        "files", "", "written", [](const Document& d) { return d.result.files; }, files_text)
-        .optional(),
-    Field<Document>(
-        "findings", "", [](const Document& d) { return d.findings; }, finding_fields())};
+    {"files", "", "written", [](const Document& d) { return d.result.files; }, files_text, kUnlessEmpty},
+    {"findings", "", [](const Document& d) { return d.findings; }, finding_fields()}};
 
 }  // namespace
 

@@ -58,9 +58,9 @@ const Fields<EndedRun>& method_fields() {
   constexpr auto adaptive = [](const Run& r) { return r.sim.integrator().info().adaptive; };
   static const Fields<Run> kFields{
       {"integrator", "", "", [](const Run& r) { return to_word(r.settings.integrator); }},
-      Field<Run>("tolerance", "", "", [=](const Run& r) { return adaptive(r) ? r.settings.tolerance.relative : NAN; })
-          .optional(),
-      Field<Run>("step", "s", "", [=](const Run& r) { return adaptive(r) ? NAN : r.settings.step; }).optional(),
+      {"tolerance", "", "", [=](const Run& r) { return adaptive(r) ? r.settings.tolerance.relative : NAN; },
+       kUnlessEmpty},
+      {"step", "s", "", [=](const Run& r) { return adaptive(r) ? NAN : r.settings.step; }, kUnlessEmpty},
       {"formulation", "", "", [](const Run& r) { return to_string(r.settings.formulation); }},
       {"formulation_used", "", "", &Run::formulation},
       {"solver", "", "", [](const Run& r) { return to_word(r.settings.solver); }}};
@@ -97,15 +97,13 @@ const Fields<MissedEvent>& missed_fields() {
   constexpr auto of_channel = [](const Missed& e, double x) { return e.asked.channel.empty() ? NAN : x; };
   static const Fields<Missed> kFields{
       {"event", "", "", [](const Missed& e) { return e.course.name; }},
-      Field<Missed>("at", "s", "", [](const Missed& e) { return e.asked.channel.empty() ? e.asked.event.at : NAN; })
-          .optional(),
-      Field<Missed>("channel", "", "", [](const Missed& e) { return e.asked.channel; }).optional(),
-      Field<Missed>("unit", "", "", [](const Missed& e) { return e.asked.channel.empty() ? "" : e.unit; }).optional(),
-      Field<Missed>("crosses", "", "", [=](const Missed& e) { return of_channel(e, e.asked.crosses); }).optional(),
-      Field<Missed>("nearest", "", "",
-                    [=](const Missed& e) { return of_channel(e, e.asked.crosses + e.course.nearest); })
-          .optional(),
-      Field<Missed>("t", "s", "", [=](const Missed& e) { return of_channel(e, e.course.at); }).optional()};
+      {"at", "s", "", [](const Missed& e) { return e.asked.channel.empty() ? e.asked.event.at : NAN; }, kUnlessEmpty},
+      {"channel", "", "", [](const Missed& e) { return e.asked.channel; }, kUnlessEmpty},
+      {"unit", "", "", [](const Missed& e) { return e.asked.channel.empty() ? "" : e.unit; }, kUnlessEmpty},
+      {"crosses", "", "", [=](const Missed& e) { return of_channel(e, e.asked.crosses); }, kUnlessEmpty},
+      {"nearest", "", "", [=](const Missed& e) { return of_channel(e, e.asked.crosses + e.course.nearest); },
+       kUnlessEmpty},
+      {"t", "s", "", [=](const Missed& e) { return of_channel(e, e.course.at); }, kUnlessEmpty}};
   return kFields;
 }
 
@@ -158,10 +156,10 @@ std::string simulated(const EndedRun& run) {
   const double t = run.sim.state().t;
   const double mean = report.steps > 0 ? t / static_cast<double>(report.steps) : set.step;
   const bool cut = fmt::format("{:.2g}", mean) != fmt::format("{:.2g}", set.step);  // at outputs and events
-  const std::string method =
-      run.sim.integrator().info().adaptive ? fmt::format("tolerance {:g}", set.tolerance.relative)
-      : cut                                ? fmt::format("mean step {:.2g} s", mean)
-                                           : fmt::format("step {:g} s", set.step);
+  const std::string method = run.sim.integrator().info().adaptive
+                                 ? fmt::format("tolerance {:g}", set.tolerance.relative)
+                             : cut ? fmt::format("mean step {:.2g} s", mean)
+                                   : fmt::format("step {:g} s", set.step);
   std::string text = fmt::format("{:.6g} s{} in {} step{}, computed in {} ({}, {})", t,
                                  t < set.until ? fmt::format(" of {:.6g} s", set.until) : "", report.steps,
                                  report.steps == 1 ? "" : "s", time_text(run.seconds), to_word(set.integrator), method);
@@ -202,8 +200,7 @@ std::vector<ColumnEnds> rounded_columns(const EndedRun& run) {
 // A line for each column, with the times of its extremes.
 std::string summary_of(const EndedRun& run) {
   using Columns = std::vector<ColumnEnds>;
-  static const Fields<Columns> kTable{
-      Field<Columns>("columns", "extremes of the motion", std::identity(), column_fields()).whole()};
+  static const Fields<Columns> kTable{{"columns", "extremes of the motion", std::identity(), column_fields(), kWhole}};
   Columns columns = rounded_columns(run);
   for (ColumnEnds& c : columns)
     if (c.most - c.least <= run.settings.tolerance.relative * std::abs(c.most)) c.t_least = c.t_most = NAN;
@@ -301,7 +298,7 @@ const Fields<EndedRun>& run_fields() {
       {"columns", "", columns_of, column_fields()},
       {"frames_taken", "", "places assumed", &Run::frames_taken, first_places},
       {"notes", "", "", &Run::notes},
-      Field<Run>("certificate", "", "", &Run::certificate).optional(),
+      {"certificate", "", "", &Run::certificate, kUnlessEmpty},
       {"not_unique", "", "", &Run::not_unique},
       {"nearly_redundant", "", &Run::near, near_fields()}};
   return kFields;
