@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -17,18 +16,8 @@
 
 #include <lockstep/error.h>
 #include "framework/foundation/support/hash.h"
-#include "framework/tools/record/csv_lines.h"
 
 namespace lockstep {
-
-namespace {
-
-constexpr double kInterval = 1.0;              // s, wall-clock: at most so much is lost,
-constexpr std::size_t kMostWaiting = 1 << 20;  // or so many bytes
-
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
-}  // namespace
 
 GrowingFile::GrowingFile(std::string name) : name_(std::move(name)) {
   namespace fs = std::filesystem;
@@ -122,6 +111,7 @@ void GrowingFile::go_on(long length, std::uint64_t hash) {
 }
 
 void GrowingFile::append(std::string_view text) {
+  constexpr std::size_t kMostWaiting = 1 << 20;  // bytes: at most so many are lost
   waiting_ += text;
   if (waiting_.size() > kMostWaiting) write();
 }
@@ -155,26 +145,6 @@ void GrowingFile::count_written(std::size_t n) {
 void GrowingFile::commit() {
   sync();
   if (!in_place_ && std::rename(partial_.c_str(), name_.c_str()) != 0) fail("cannot be renamed");
-}
-
-void GrowingCsv::begin() {
-  file_.clear();
-  n_rows_ = 0, written_ = now();
-  line_.clear();
-  append_csv_header(line_, table_, units_);
-  file_.append(line_);
-}
-
-void GrowingCsv::take() {
-  for (; n_rows_ < table_.n_rows(); ++n_rows_) {
-    line_.clear();
-    append_csv_row(line_, table_, n_rows_);
-    file_.append(line_);
-  }
-  const double t = now();
-  if (t - written_ < kInterval) return;
-  file_.write();
-  written_ = t;
 }
 
 }  // namespace lockstep

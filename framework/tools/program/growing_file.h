@@ -6,8 +6,6 @@
 #include <string>
 #include <string_view>
 
-#include <lockstep/table.h>
-
 namespace lockstep {
 
 /// NAME.partial, which becomes NAME when it is done. It is locked: a second program that writes results of that name
@@ -48,25 +46,6 @@ class GrowingFile {
   long length_ = 0;  // of what was written whole,
   std::uint64_t hash_ = 0;
   int file_ = -1;
-};
-
-/// Appends the rows of a table as they come, and writes them every second; what it appended last is left to write() or
-/// commit().
-class GrowingCsv {
- public:
-  GrowingCsv(GrowingFile& file, const Table& table, bool units = true) : file_(file), table_(table), units_(units) {}
-  void begin();  ///< the file begins again, with the header
-  void take();   ///< appends the rows that were added since
-  /// The table begins again: its rows were removed.
-  void table_emptied() { n_rows_ = 0; }
-
- private:
-  GrowingFile& file_;
-  const Table& table_;
-  bool units_;              // in the header
-  std::size_t n_rows_ = 0;  // appended
-  std::string line_;
-  double written_ = 0;  // when, s, wall-clock
 };
 
 }  // namespace lockstep

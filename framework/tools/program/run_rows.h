@@ -2,17 +2,21 @@
 // RunRows: writes the rows of a run to its file as they come, and to an envelope in memory.
 #pragma once
 
+#include <chrono>
+
 #include "framework/tools/program/growing_file.h"
+#include "framework/tools/record/csv_lines.h"
 #include "framework/tools/record/row_envelope.h"
 
 namespace lockstep {
 
-/// Add it to the run after the recorder.
+/// Add it to the run after the recorder. It writes the file every second; what it appended last is left to write() or
+/// commit().
 class RunRows final : public Observer {
  public:
   /// `keeps`: the recorder keeps all its rows, for later readers; `units`: in the header.
   RunRows(GrowingFile& file, Recorder& recorder, bool keeps, bool units)
-      : file_(file), recorder_(recorder), csv_(file, recorder.table(), units), rows_(recorder.table()), keeps_(keeps) {}
+      : file_(file), recorder_(recorder), rows_(recorder.table()), keeps_(keeps), units_(units) {}
 
   /// The run continues from a checkpoint: the file is continued.
   void go_on() { goes_on_ = true; }
@@ -21,15 +25,26 @@ class RunRows final : public Observer {
   void start(const Sample&) override {
     n_taken_ = 0;
     rows_.clear();
-    if (!goes_on_) csv_.begin();
+    if (goes_on_) return;
+    file_.clear();
+    written_ = Clock::now();
+    line_.clear();
+    append_csv_header(line_, recorder_.table(), units_);
+    file_.append(line_);
   }
   void output(const Sample&) override {
-    csv_.take();
     const Table& table = recorder_.table();
-    for (; n_taken_ < table.n_rows(); ++n_taken_) rows_.add(table, n_taken_);
-    if (keeps_) return;
-    recorder_.drop_rows();
-    csv_.table_emptied(), n_taken_ = 0;
+    for (; n_taken_ < table.n_rows(); ++n_taken_) {
+      line_.clear();
+      append_csv_row(line_, table, n_taken_);
+      file_.append(line_);
+      rows_.add(table, n_taken_);
+    }
+    if (!keeps_) recorder_.drop_rows(), n_taken_ = 0;
+    const Clock::time_point now = Clock::now();
+    if (now - written_ < std::chrono::seconds(1)) return;  // at most so much is lost
+    file_.write();
+    written_ = now;
   }
   void finish(const Sample& s) override { output(s); }
   /// All rows must have been written (GrowingFile::sync).
@@ -46,13 +61,15 @@ class RunRows final : public Observer {
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
   GrowingFile& file_;
   Recorder& recorder_;
-  GrowingCsv csv_;
   RowEnvelope rows_;
   std::size_t n_taken_ = 0;  // of the recorder's rows
-  const bool keeps_;
+  const bool keeps_, units_;
   bool goes_on_ = false;
+  std::string line_;
+  Clock::time_point written_;  // when
 };
 
 }  // namespace lockstep
