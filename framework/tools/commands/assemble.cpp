@@ -62,7 +62,7 @@ const Fields<AssemblyReport> kAssemblyFields{
     {"open", "joints that the given poses violate", &AssemblyReport::open, kOpenFields}};
 const Fields<Moved> kMovedFields =
     Fields<Moved>{{"moved", "m", "moved", &Moved::moved}, {"rotated", "rad", "rotated", &Moved::rotated}}
-        .with(&Moved::pose, pose_fields())
+        .with(&Moved::pose, kPoseFields)
         .with({{"ends", "m", "rod from, to", &Moved::ends}});
 const Fields<Assembled> kAssembleFields = Fields<Assembled>{}
                                               .with(&Assembled::report, kAssemblyFields)
@@ -87,7 +87,7 @@ const Fields<Placed> kPlacedFields{
     {"freedoms", "", "remaining degrees of freedom", [](const Placed& p) { return p.branch.freedoms; }},
     {"distance", "m", "", [](const Placed& p) { return p.branch.distance; }},
     {"farthest", "", "farthest from the first", [](const Placed& p) { return p.branch.farthest; }},
-    {"bodies", "bodies", &Placed::poses, pose_fields()}};
+    {"bodies", "bodies", &Placed::poses, kPoseFields}};
 const Fields<Branches> kBranchesFields{{"starts", "", "starts", [](const Branches& b) { return b.report.starts; }},
                                        {"failed", "", "  failed", [](const Branches& b) { return b.report.failed; }},
                                        {"branches", "branch", placed, kPlacedFields}};

@@ -102,7 +102,7 @@ const Fields<LinkAccount> kLinkFields{
     {"incomplete", "", "incomplete", &LinkAccount::incomplete},
     {"laws", "laws", &LinkAccount::laws, kLawFields},
     {"dependencies", "dependent constraints; the model does not determine how they share the load",
-     &LinkAccount::dependencies, dependency_fields()}};
+     &LinkAccount::dependencies, kDependencyFields}};
 
 const Fields<Contribution> kOnFields{{"body", "", "on", &Contribution::what},
                                      {"force", "N", "force, world", &Contribution::force},
@@ -122,18 +122,16 @@ Fields<At<Account>> at_instant(const Fields<Account>& fields) {
 }
 using Balances = At<std::vector<BodyBalance>>;
 
-struct AccountFields {
-  Fields<At<BodyBalance>> body = at_instant(kBalanceFields);
-  Fields<At<LinkAccount>> link =
-      at_instant(kLinkFields)
-          .with({{"restitution", "", "restitution", &At<LinkAccount>::restitution},
-                 {"contact", "", "state", &At<LinkAccount>::contact},
-                 {"quantities", "quantities", &At<LinkAccount>::quantities, number_fields()}});
-  Fields<At<ForceEffect>> force =
-      at_instant(kForceFields).with({{"quantities", "quantities", &At<ForceEffect>::quantities, number_fields()}});
-  Fields<Balances> bodies{{"t", "s", "t", &Balances::t}, {"bodies", "body", &Balances::account, kBalanceFields}};
-};
-const AccountFields kAccountFields;
+const Fields<At<BodyBalance>> kBodyAtFields = at_instant(kBalanceFields);
+const Fields<At<LinkAccount>> kLinkAtFields =
+    at_instant(kLinkFields)
+        .with({{"restitution", "", "restitution", &At<LinkAccount>::restitution},
+               {"contact", "", "state", &At<LinkAccount>::contact},
+               {"quantities", "quantities", &At<LinkAccount>::quantities, kNumberFields}});
+const Fields<At<ForceEffect>> kForceAtFields =
+    at_instant(kForceFields).with({{"quantities", "quantities", &At<ForceEffect>::quantities, kNumberFields}});
+const Fields<Balances> kBodiesAtFields{{"t", "s", "t", &Balances::t},
+                                       {"bodies", "body", &Balances::account, kBalanceFields}};
 
 /// What a force shows, and of a joint its free coordinates, the gaps of its stops, and its friction; of a stop also
 /// those of its joint.
@@ -194,19 +192,19 @@ Result explain(const Arguments& args) {
   for (const Channel& c : channels) quantities.push_back({c.name, c.unit, c.value(sample)});
   const auto at = [&]<class Account>(Account account) { return At<Account>{state.t, std::move(account), quantities}; };
   for (const Body& body : system.bodies())
-    if (body.name == thing) return {loaded, kAccountFields.body, at(balance_of(dynamics, state, body))};
+    if (body.name == thing) return {loaded, kBodyAtFields, at(balance_of(dynamics, state, body))};
   for (const auto& link : system.links()) {
     if (link->name() != thing) continue;
     At<LinkAccount> account = at(account_of(dynamics, state, *link));
     if (const Unilateral* side = link->unilateral())
       account.contact = state.modes[link->number()] ? "in contact" : "open", account.restitution = side->restitution;
-    return {loaded, kAccountFields.link, account};
+    return {loaded, kLinkAtFields, account};
   }
   for (const auto& force : system.forces())
-    if (force->name() == thing) return {loaded, kAccountFields.force, at(account_of(dynamics, state, *force))};
+    if (force->name() == thing) return {loaded, kForceAtFields, at(account_of(dynamics, state, *force))};
   Balances all{state.t, {}};
   for (int k = 0; k < system.n_slots(); ++k) all.account.push_back(balance_of(dynamics, state, system.body_of_slot(k)));
-  return {loaded, kAccountFields.bodies, all};
+  return {loaded, kBodiesAtFields, all};
 }
 
 }  // namespace
@@ -219,8 +217,7 @@ Command explain_command() {
           "Forces and moments are in world axes, those of single constraints in axes of S. A missing value (-) is a "
           "reaction that is unbounded near a singular configuration.\n\n"
           "Example:\n  lockstep explain samples/scenes/four_bar.json coupler --at 0.1",
-          {&kAccountFields.body.schema(), &kAccountFields.link.schema(), &kAccountFields.force.schema(),
-           &kAccountFields.bodies.schema()}};
+          {&kBodyAtFields.schema(), &kLinkAtFields.schema(), &kForceAtFields.schema(), &kBodiesAtFields.schema()}};
 }
 
 }  // namespace lockstep

@@ -224,11 +224,10 @@ class PassedStops {
   void tell() const {
     for (const auto& [i, t] : passed_) {
       const std::string& name = stops_[i].link->name();
-      Finding f{&finding::stop_passed, "joint '" + name + "'",
-                fmt::format("'{}' is passed before t = {:.6g} s, as a prescribed motion does not stop there", name, t),
-                "end the motion before it, or move the stop"};
-      f.t = t;
-      CommandFindings::add(f);
+      CommandFindings::add(
+          {&finding::stop_passed, "joint '" + name + "'",
+           fmt::format("'{}' is passed before t = {:.6g} s, as a prescribed motion does not stop there", name, t),
+           "end the motion before it, or move the stop", NAN, NAN, "", t});
     }
   }
 

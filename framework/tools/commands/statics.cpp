@@ -199,9 +199,9 @@ const Fields<AtRest> kRestFields =
         .with([](const AtRest& r) -> const Stability& { return r.report.stability; }, kStabilityFields)
         .with({{"energy", "J", "potential energy", [](const AtRest& r) { return r.report.energy; }},
                {"found", "", "starts that lead here", &AtRest::found, unless_zero},
-               {"bodies", "bodies", &AtRest::poses, pose_fields()},
-               {"quantities", "forces and recorded quantities", &AtRest::quantities, number_fields()},
-               {"reactions", "reactions at P, world", &AtRest::reactions, reaction_fields()}})
+               {"bodies", "bodies", &AtRest::poses, kPoseFields},
+               {"quantities", "forces and recorded quantities", &AtRest::quantities, kNumberFields},
+               {"reactions", "reactions at P, world", &AtRest::reactions, kReactionFields}})
         .with(&AtRest::report, kRestReportFields);
 
 /// Of --all.

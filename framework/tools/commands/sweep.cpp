@@ -299,7 +299,7 @@ const Fields<SweepRow> kSweepRowFields{
     {"run", "", "", &SweepRow::number},
     {"status", "", "", [](const SweepRow& r) { return r.run.outcome(); }},
     {"values", "", "", &SweepRow::values},
-    {"findings", "", [](const SweepRow& r) { return r.run.findings; }, finding_fields()},
+    {"findings", "", [](const SweepRow& r) { return r.run.findings; }, kFindingFields},
     {"steps", "", "", [](const SweepRow& r) { return r.run.steps; }},
     {"cpu", "s", "", [](const SweepRow& r) { return r.run.cpu; }},
     {"columns", "", &SweepRow::columns, kEndsFields},

@@ -38,16 +38,13 @@ std::string decision(const NearDependency& d, NearlyRedundant choice) {
 }  // namespace
 
 void note_near(const std::vector<NearDependency>& near, NearlyRedundant choice) {
-  for (const NearDependency& d : near) {
-    Finding f{&finding::nearly_redundant, by_joint(d.rows)};
-    f.message =
-        fmt::format("{} of the constraints {} {} nearly redundant (relative singular value {:.2g}, 0 is redundant). ",
-                    d.nearly, by_joint(d.rows), d.nearly == 1 ? "is" : "are", d.singular_value) +
-        decided_words(d, choice);
-    f.advice = d.advice;
-    f.value = d.singular_value;
-    CommandFindings::add(f);
-  }
+  for (const NearDependency& d : near)
+    CommandFindings::add(
+        {&finding::nearly_redundant, by_joint(d.rows),
+         fmt::format(
+             "{} of the constraints {} {} nearly redundant (relative singular value {:.2g}, 0 is redundant). {}",
+             d.nearly, by_joint(d.rows), d.nearly == 1 ? "is" : "are", d.singular_value, decided_words(d, choice)),
+         d.advice, d.singular_value});
 }
 
 std::vector<DecidedNear> decided(const std::vector<NearDependency>& near, NearlyRedundant choice) {
@@ -71,14 +68,6 @@ const Fields<DecidedNear>& near_fields() {
 }
 
 std::string grouped_text(const Json& constraints) { return by_joint(constraints.get<std::vector<std::string>>()); }
-
-const Fields<Dependency>& dependency_fields() {
-  static const Fields<Dependency> kFields{{"rows", "", "constraints", &Dependency::rows, grouped_text},
-                                          {"too_many", "", "redundant", &Dependency::too_many},
-                                          {"nearly", "", "nearly redundant", &Dependency::nearly},
-                                          {"pivot", "", "", &Dependency::pivot}};
-  return kFields;
-}
 
 void note_not_unique(const UniquenessReport& reactions) {
   if (reactions.all_unique()) return;

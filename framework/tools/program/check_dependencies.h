@@ -21,7 +21,10 @@ const Fields<DecidedNear>& near_fields();
 /// The names of constraints, grouped by joint.
 std::string grouped_text(const Json& constraints);
 /// Constraints that depend on one another, as a table.
-const Fields<Dependency>& dependency_fields();
+inline const Fields<Dependency> kDependencyFields{{"rows", "", "constraints", &Dependency::rows, grouped_text},
+                                                  {"too_many", "", "redundant", &Dependency::too_many},
+                                                  {"nearly", "", "nearly redundant", &Dependency::nearly},
+                                                  {"pivot", "", "", &Dependency::pivot}};
 /// Adds the finding that reactions are not unique, if some are not.
 void note_not_unique(const UniquenessReport&);
 /// Names of the recorded columns that hold reactions which are not unique.

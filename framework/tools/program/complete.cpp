@@ -3,8 +3,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
+#include <set>
 
 #include <lockstep/author/lock.h>
 #include <lockstep/finding.h>
@@ -266,12 +266,10 @@ Command completion_command() {
 int print_completions(const Program& program, int argc, const char* const* argv) {
   const Line line = read_line(program, Words(argv, argv + argc));
   SceneAtHand scene(line.positionals.empty() ? "" : line.positionals.front(), line.plugins);
-  Completion found = all_of(line, scene);
-  std::erase_if(found.words, [&](const std::string& word) { return !word.starts_with(line.last); });
-  std::sort(found.words.begin(), found.words.end());
-  found.words.erase(std::unique(found.words.begin(), found.words.end()), found.words.end());
+  const Completion found = all_of(line, scene);
   if (found.files) fmt::print(":files\n");
-  for (const std::string& word : found.words) fmt::print("{}{}\n", line.before, word);
+  for (const std::string& word : std::set<std::string>(found.words.begin(), found.words.end()))
+    if (word.starts_with(line.last)) fmt::print("{}{}\n", line.before, word);
   return kExitOk;
 }
 

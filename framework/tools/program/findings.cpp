@@ -38,20 +38,6 @@ std::vector<Finding> CommandFindings::added() {
   return unlogged;
 }
 
-const Fields<Finding>& finding_fields() {
-  static const Fields<Finding> kFields{{"severity", "", "", [](const Finding& f) { return to_string(f.severity()); }},
-                                       {"code", "", "", &Finding::code},
-                                       {"thing", "", "", &Finding::thing, kUnlessEmpty},
-                                       {"message", "", "", &Finding::message, kUnlessEmpty},
-                                       {"advice", "", "", &Finding::advice, kUnlessEmpty},
-                                       {"value", "", "", &Finding::value, kUnlessEmpty},
-                                       {"limit", "", "", &Finding::limit, kUnlessEmpty},
-                                       {"unit", "", "", &Finding::unit, kUnlessEmpty},
-                                       {"t", "s", "", &Finding::t, kUnlessEmpty},
-                                       {"place", "", "", &Finding::place, kUnlessEmpty}};
-  return kFields;
-}
-
 std::string text_of(const std::vector<Finding>& findings) {
   std::string text;
   for (const Finding& f : findings) {

@@ -30,6 +30,8 @@ std::string shown_name(const Description& d) {
   return d.info.name + (is_default(d) ? " (default)" : "");
 }
 
+Json parsed(const std::string& json) { return json.empty() ? Json() : Json::parse(json); }
+
 using KeyOf = std::pair<Key, const Description*>;
 const Fields<KeyOf> kKeyFields{
     {"name", "", "key", [](const KeyOf& k) { return std::string(k.first.name); }},
@@ -38,8 +40,7 @@ const Fields<KeyOf> kKeyFields{
     {"help", "", "help", [](const KeyOf& k) { return std::string(k.first.help); }},
     {"default", "", "default",
      [](const KeyOf& k) {
-       const Value* v = k.first.default_value();
-       return v != nullptr ? Json::parse(write_json(*v)) : Json();
+       return parsed(k.first.default_value() != nullptr ? write_json(*k.first.default_value()) : "");
      },
      kUnlessEmpty}};
 const Fields<Description> kDescriptionFields{
@@ -56,12 +57,7 @@ const Fields<Description> kDescriptionFields{
        return all;
      },
      kKeyFields},
-    {"example", "", "",
-     [](const Description& d) {
-       const std::string example = example_of(d);
-       return example.empty() ? Json() : Json::parse(example);
-     },
-     kUnlessEmpty}};
+    {"example", "", "", [](const Description& d) { return parsed(example_of(d)); }, kUnlessEmpty}};
 
 using Kinds = std::vector<const FindingKind*>;
 const Fields<const FindingKind*> kKindFields{
@@ -73,17 +69,13 @@ const Fields<const FindingKind*> kKindFields{
 
 const Fields<Kinds> kKindsFields{{"codes", "findings", std::identity(), kKindFields, kWhole}};
 
-// The shelves of `list`, each only if it is asked for.
+// The shelves of `list`, each empty unless it is asked for.
 using Shelves = std::map<std::string, std::vector<Description>>;
 constexpr const char* kShelves[] = {"links", "laws", "forces", "integrators", "solvers"};
 const Fields<Shelves> kShelfFields = [] {
   Fields<Shelves> all{};
   for (const char* name : kShelves)
-    all.add({name, name == std::string_view("links") ? "joints" : name,
-             [name](const Shelves& s) {
-               const auto found = s.find(name);
-               return found == s.end() ? std::vector<Description>() : found->second;
-             },
+    all.add({name, name == std::string_view("links") ? "joints" : name, [name](const Shelves& s) { return s.at(name); },
              kDescriptionFields, kUnlessEmpty, kWhole});
   return all;
 }();
@@ -96,8 +88,8 @@ Result list_all(const Arguments& args) {
   }
   Shelves shelves;
   for (const std::string name : kShelves)
-    if (!args.has("kind") || (args["kind"] == "joints" ? "links" : args["kind"]) == name)
-      shelves[name] = shelf_contents(registry, name);
+    if (auto& shelf = shelves[name]; !args.has("kind") || (args["kind"] == "joints" ? "links" : args["kind"]) == name)
+      shelf = shelf_contents(registry, name);
   return {kShelfFields, shelves};
 }
 

@@ -133,7 +133,7 @@ const Fields<MobilityFindings>& mobility_fields() {
       {"drives", "", "  drives", &MobilityReport::drives},
       {"redundant", "", "redundant constraints", &MobilityReport::redundant},
       {"redundant_links", "", "", &MobilityReport::redundant_links},
-      {"dependencies", "dependent constraints", &MobilityReport::dependencies, dependency_fields()}};
+      {"dependencies", "dependent constraints", &MobilityReport::dependencies, kDependencyFields}};
   static const Fields<Found> kPosition{{"in", "", "", [](const Found& f) { return f.position.singular; }},
                                        {"near", "", "", [](const Found& f) { return is_near(f.position); }},
                                        {"what", "", "", &Found::position_words},

@@ -233,7 +233,7 @@ std::string files_text(const Json& files) {
 
 const Fields<Document> kLastFields{
     {"files", "", "written", [](const Document& d) { return d.result.files; }, files_text, kUnlessEmpty},
-    {"findings", "", [](const Document& d) { return d.findings; }, finding_fields()}};
+    {"findings", "", [](const Document& d) { return d.findings; }, kFindingFields}};
 
 }  // namespace
 

@@ -123,6 +123,7 @@ struct Field {
   FieldInfo info;
   std::function<Json(const T&)> get;
 
+  Field(FieldInfo of, std::function<Json(const T&)> read) : info(std::move(of)), get(std::move(read)) {}
   /// `more`: its words, kUnlessEmpty, kWhole.
   template <class Get, class... More>
   Field(std::string name, std::string unit, std::string label, Get read, More... more)
@@ -182,11 +183,8 @@ class Fields {
   template <class Get, class U>
   Fields with(Get read, const Fields<U>& part) const {
     Fields all = *this;
-    for (const Field<U>& f : part.fields()) {
-      Field<T> of_part(f.info.name, "", "", [](const T&) { return 0; });
-      of_part.info = f.info, of_part.get = [read, get = f.get](const T& t) { return get(std::invoke(read, t)); };
-      all.add(of_part);
-    }
+    for (const Field<U>& f : part.fields())
+      all.add({f.info, [read, get = f.get](const T& t) { return get(std::invoke(read, t)); }});
     return all;
   }
   const std::vector<Field<T>>& fields() const { return fields_; }
