@@ -10,7 +10,6 @@
 #include <map>
 
 #include <lockstep/recorder.h>
-#include <lockstep/sweep.h>
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/lines.h"
 #include "framework/tools/program/method_specs.h"
