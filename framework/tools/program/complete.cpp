@@ -11,6 +11,7 @@
 #include <lockstep/recorder.h>
 #include "framework/description/scene/describe.h"
 #include "framework/foundation/support/lines.h"
+#include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/tools.h"
 
@@ -68,10 +69,7 @@ class SceneAtHand {
     Words all;
     std::error_code error;  // reading a pipe would block
     if (!std::filesystem::is_regular_file(args_["scene"], error)) return all;
-    try {
-      collect(read_with_plugins(args_), all);
-    } catch (...) {  // an unfinished scene is no error while a line is typed
-    }
+    thrown_by([&] { collect(read_with_plugins(args_), all); });  // an unfinished scene is no error
     return all;
   }
   template <class Collect>

@@ -213,14 +213,10 @@ Json object_schema(const Schema& schema) {
 }
 
 // Common fields of all documents.
-struct Document {
-  const Result& result;
-  const std::vector<Finding>& findings;
-};
-const Fields<Document> kDocumentFields{
-    {"scene", "", "", [](const Document& d) { return d.result.scene; }, kUnlessEmpty},
-    {"title", "", "", [](const Document& d) { return d.result.title; }, kUnlessEmpty},
-    {"command", "", "", [](const Document& d) { return d.result.command; }, kUnlessEmpty}};
+const Fields<Result> kDocumentFields{{"scene", "", "", &Result::scene, kUnlessEmpty},
+                                     {"title", "", "", &Result::title, kUnlessEmpty},
+                                     {"command", "", "", &Result::command, kUnlessEmpty}};
+
 // "a/fb.csv, a/fb.png", and the folder of more than three only once: "a: fb.csv, fb.png, ...".
 std::string files_text(const Json& files) {
   std::vector<std::string> names = files;
@@ -231,9 +227,9 @@ std::string files_text(const Json& files) {
   return folder.substr(0, folder.size() - 1) + ": " + first_of(names);
 }
 
-const Fields<Document> kLastFields{
-    {"files", "", "written", [](const Document& d) { return d.result.files; }, files_text, kUnlessEmpty},
-    {"findings", "", [](const Document& d) { return d.findings; }, kFindingFields}};
+const Fields<Result> kLastFields{
+    {"files", "", "written", &Result::files, files_text, kUnlessEmpty},
+    {"findings", "", [](const Result&) { return CommandFindings::all(); }, kFindingFields}};
 
 }  // namespace
 
@@ -271,14 +267,13 @@ std::string csv_of(const std::vector<std::vector<std::string>>& lines) {
 }
 
 Json document_of(const Result& result) {
-  const Document document{result, CommandFindings::all()};
-  Json all = kDocumentFields(document);
+  Json all = kDocumentFields(result);
   for (const Result& each : result.each) {
     all["scenes"].push_back({{"scene", each.scene}, {"title", each.title}});
     all["scenes"].back().update(each.data);
   }
   if (!result.data.is_null()) all.update(result.data);
-  all.update(kLastFields(document));
+  all.update(kLastFields(result));
   return all;
 }
 
@@ -296,7 +291,7 @@ std::string text_of(const Result& result) {
   const bool brief = !result.brief.empty();
   text += (brief ? result.brief : text_of(*result.schema, result.data)) + text_of(CommandFindings::added());
   if (brief && !result.files.empty()) return text + fmt::format("  {:<9}  {}\n", "written", first_of(result.files));
-  return text + text_of(kLastFields.schema(), kLastFields({result, {}}));
+  return text + text_of(kLastFields.schema(), kLastFields(result));
 }
 
 Json schema_of(std::span<const Schema* const> results, bool several) {

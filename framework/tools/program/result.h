@@ -51,9 +51,7 @@ struct Schema {
 namespace result_detail {
 
 template <class V>
-struct Listed : std::false_type {};
-template <class V>
-struct Listed<std::vector<V>> : std::true_type {};
+concept Listed = std::is_same_v<V, std::vector<typename V::value_type>>;
 /// Whether a V has objects of type U by their names.
 template <class V, class U>
 inline constexpr bool kNamed =
@@ -72,7 +70,7 @@ Json json_of(const V& value) {
     return {value.w, value.x, value.y, value.z};
   } else if constexpr (std::is_same_v<V, std::complex<double>>) {
     return {json_number(value.real()), json_number(value.imag())};
-  } else if constexpr (Vector<V> || Listed<V>::value) {
+  } else if constexpr (Vector<V> || Listed<V>) {
     auto all = Json::array();
     for (const auto& each : value) all.push_back(json_of<typename V::value_type>(each));
     return all;
@@ -101,7 +99,7 @@ constexpr std::pair<std::string_view, int> type_of() {
     return {"number", 1};
   else if constexpr (Numbers<V>)
     return {"number", type_of<typename V::Scalar>().second + (Vector<V> ? 1 : 2)};
-  else if constexpr (Listed<V>::value)
+  else if constexpr (Listed<V>)
     return {type_of<typename V::value_type>().first, type_of<typename V::value_type>().second + 1};
   else if constexpr (std::is_same_v<V, Json>)
     return {"", 0};
@@ -139,7 +137,7 @@ struct Field {
       : info{std::move(name), "", std::move(label), "object", 0, &of.schema()} {
     using V = std::remove_cvref_t<std::invoke_result_t<Get, const T&>>;
     info.by_name = result_detail::kNamed<V, U>;
-    info.depth = result_detail::Listed<V>::value && !info.by_name ? 1 : 0;
+    info.depth = result_detail::Listed<V> && !info.by_name ? 1 : 0;
     (info.set(more), ...);
     get = [read, &of](const T& t) -> Json {
       const auto& value = std::invoke(read, t);
@@ -147,7 +145,7 @@ struct Field {
         Json all = Json::object();
         for (const auto& [key, each] : value) all[key] = of(each);
         return all;
-      } else if constexpr (result_detail::Listed<V>::value) {
+      } else if constexpr (result_detail::Listed<V>) {
         Json all = Json::array();
         for (const auto& each : value) all.push_back(of(each));
         return all;
