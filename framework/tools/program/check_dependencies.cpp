@@ -29,12 +29,6 @@ std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
       d.violation);
 }
 
-std::string decision(const NearDependency& d, NearlyRedundant choice) {
-  if (choice == NearlyRedundant::reported) return "reported";
-  if (!d.decided) return choice == NearlyRedundant::automatic && d.undecided.empty() ? "reported" : "undecided";
-  return d.free ? "free" : "held";
-}
-
 }  // namespace
 
 void note_near(const std::vector<NearDependency>& near, NearlyRedundant choice) {
@@ -47,24 +41,16 @@ void note_near(const std::vector<NearDependency>& near, NearlyRedundant choice) 
          d.advice, d.singular_value});
 }
 
+std::string decision(const NearDependency& d, NearlyRedundant choice) {
+  if (choice == NearlyRedundant::reported) return "reported";
+  if (!d.decided) return choice == NearlyRedundant::automatic && d.undecided.empty() ? "reported" : "undecided";
+  return d.free ? "free" : "held";
+}
+
 std::vector<DecidedNear> decided(const std::vector<NearDependency>& near, NearlyRedundant choice) {
   std::vector<DecidedNear> all;
   for (const NearDependency& d : near) all.emplace_back(d, choice);
   return all;
-}
-
-const Fields<DecidedNear>& near_fields() {
-  using Near = DecidedNear;
-  static const Fields<Near> kFields{{"rows", "", "", [](const Near& n) { return n.first.rows; }},
-                                    {"nearly", "", "", [](const Near& n) { return n.first.nearly; }},
-                                    {"singular_value", "", "", [](const Near& n) { return n.first.singular_value; }},
-                                    {"in_passing", "", "", [](const Near& n) { return n.first.in_passing; }},
-                                    {"decided", "", "", [](const Near& n) { return decision(n.first, n.second); }},
-                                    {"undecided", "", "", [](const Near& n) { return n.first.undecided; }},
-                                    {"needed", "", "", [](const Near& n) { return n.first.needed; }},
-                                    {"violation", "m", "", [](const Near& n) { return n.first.violation; }},
-                                    {"left_out", "", "", [](const Near& n) { return n.first.left_out; }}};
-  return kFields;
 }
 
 std::string grouped_text(const Json& constraints) { return by_joint(constraints.get<std::vector<std::string>>()); }

@@ -288,7 +288,7 @@ const Fields<EndedRun>& run_fields() {
       {"notes", "", "", &Run::notes},
       {"certificate", "", "", &Run::certificate, kUnlessEmpty},
       {"not_unique", "", "", &Run::not_unique},
-      {"nearly_redundant", "", &Run::near, near_fields()}};
+      {"nearly_redundant", "", &Run::near, kNearFields}};
   return kFields;
 }
 
