@@ -158,7 +158,7 @@ TEST_CASE("text has a label a line, tables of lists, and nothing of what is empt
   Cart many;
   many.wheels.assign(41, {"w", 1, {}});
   CHECK(contains(text_of(fields.schema(), fields(many)), "    and 1 more (--json)\n"));
-  const Fields<Cart> whole{Field<Cart>("wheels", "wheels", &Cart::wheels, kWheel).whole()};
+  const Fields<Cart> whole{{"wheels", "wheels", &Cart::wheels, kWheel, kWhole}};
   CHECK_FALSE(contains(text_of(whole.schema(), whole(many)), "more"));
 }
 

@@ -63,7 +63,7 @@ struct MapGridSpec {
   int width = 1300, map_height = 360;  ///< pixels
 };
 
-/// Writes `<base>.svg` and `<base>.png` as write_chart does. Throws ModelError for centres that do not rise.
+/// Writes `<base>.svg` and `<base>.png` as write_chart does. There is at least one map.
 LOCKSTEP_API void write_map_grid(const std::string& path, const MapGridSpec&);
 
 }  // namespace lockstep

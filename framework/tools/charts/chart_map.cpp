@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lockstep/error.h>
 #include "framework/tools/charts/chart_grid.h"
 #include "framework/tools/charts/chart_style.h"
 #include "framework/tools/charts/grid_page.h"
@@ -13,29 +12,6 @@
 namespace lockstep {
 namespace {
 using namespace chart_style;
-
-void check(const MapSpec& spec) {
-  if (spec.x.size() < 2 || spec.y.size() < 2)
-    throw ModelError(fmt::format("map \"{}\": {} columns and {} rows; it needs at least two of each", spec.title,
-                                 spec.x.size(), spec.y.size()));
-  if (spec.cells.size() != spec.x.size() * spec.y.size())
-    throw ModelError(fmt::format("map \"{}\": {} cells for {} x {} centres; give one per centre, row after row",
-                                 spec.title, spec.cells.size(), spec.x.size(), spec.y.size()));
-  const auto rising = [&](const std::vector<double>& c, bool log, char a) {
-    if (std::adjacent_find(c.begin(), c.end(), std::greater_equal<>()) != c.end() || (log && c.front() <= 0))
-      throw ModelError(
-          fmt::format("map \"{}\": the centres along {} must rise{}", spec.title, a, log ? " from above zero" : ""));
-  };
-  rising(spec.x, spec.log_x, 'x');
-  rising(spec.y, spec.log_y, 'y');
-  Extent seen{};
-  seen.take(spec.cells, false);
-  if (!seen.any) throw ModelError(fmt::format("map \"{}\" has no cell to draw; give it numbers", spec.title));
-  if (seen.low < 0 || seen.high > static_cast<double>(spec.kinds.size()) - 1)
-    throw ModelError(fmt::format("map \"{}\": a cell of kind {}, but the kinds are 0 to {}", spec.title,
-                                 seen.low < 0 ? seen.low : seen.high, spec.kinds.size() - 1));
-  for (const Series& s : spec.curves) chart_style::check(s, spec.title);
-}
 
 // Half way to the neighbours, in the logarithm on a logarithmic axis; the outer edges mirror the inner ones.
 std::vector<double> edges(std::vector<double> c, bool log) {
@@ -112,8 +88,6 @@ std::vector<std::string> legend_entries(const MapGridSpec& spec) {
 }  // namespace
 
 void write_map_grid(const std::string& path, const MapGridSpec& spec) {
-  if (spec.maps.empty()) throw ModelError(fmt::format("\"{}\" has no maps; give it at least one", spec.title));
-  for (const MapSpec& map : spec.maps) check(map);
   const std::size_t n_columns = spec.maps.size() > 1 ? 2 : 1;  // labels are long
   const std::vector<std::string> entries = legend_entries(spec);
   const GridPage page(spec.title, spec.remarks, spec.maps.size(), spec.n_columns,

@@ -107,32 +107,29 @@ std::string hint_of(const Advised& a) {
   return "without stabilisation the constraints drift in longer runs; to exclude it, repeat lockstep advise with "
          "--stabilizations project";
 }
-const Fields<Advised>& advise_fields() {
-  static const Fields<Choice> kChoice = [] {
-    Fields<Choice> all{{"command", "", "command", &Choice::command},
-                       {"run", "", "or in the scene's \"run\"", [](const Choice& c) { return Json::parse(c.block); },
-                        [](const Json& block) { return block.dump(); }}};
-    const Fields<Choice> costs = Fields<Choice>{}.with(&Choice::cost, cost_fields());
-    for (Field<Choice> f : costs.fields()) f.info.label.clear(), all.add(f);  // text has them in its table
-    return all;
-  }();
-  static const Fields<Advised> kFields = Fields<Advised>{
-      {"error", "", "", &Advised::error},
-      {"unit", "", "", [](const Advised& a) { return unit_of(a.kind); }},
-      {"of", "", "", [](const Advised& a) { return to_string(a.kind); }},
-      {"wanted", "", "wanted",
-       [](const Advised& a) {
-         return fmt::format("{} error of at most {:.3g} {}{}", to_string(a.kind), a.error, unit_of(a.kind),
-                            a.cheapest ? "" : ": no run met it");
-       }},
-      {"cheapest", "cheapest", &Advised::cheapest, kChoice},
-      {"runner_up", "", &Advised::second, kChoice},
-      {"nearest", "best run", &Advised::nearest, measured_run_fields()},
-      {"hint", "", "next", hint_of},
-      {"each", "cheapest of each integrator, the recommended one first", &Advised::each,
-       cost_fields()}}.with([](const Advised& a) -> const WorkPrecision& { return *a.measured; }, measurement_fields());
-  return kFields;
-}
+const Fields<Choice> kChoiceFields = [] {
+  Fields<Choice> all{{"command", "", "command", &Choice::command},
+                     {"run", "", "or in the scene's \"run\"", [](const Choice& c) { return Json::parse(c.block); },
+                      [](const Json& block) { return block.dump(); }}};
+  const Fields<Choice> costs = Fields<Choice>{}.with(&Choice::cost, cost_fields());
+  for (Field<Choice> f : costs.fields()) f.info.label.clear(), all.add(f);  // text has them in its table
+  return all;
+}();
+const Fields<Advised> kAdviseFields = Fields<Advised>{
+    {"error", "", "", &Advised::error},
+    {"unit", "", "", [](const Advised& a) { return unit_of(a.kind); }},
+    {"of", "", "", [](const Advised& a) { return to_string(a.kind); }},
+    {"wanted", "", "wanted",
+     [](const Advised& a) {
+       return fmt::format("{} error of at most {:.3g} {}{}", to_string(a.kind), a.error, unit_of(a.kind),
+                          a.cheapest ? "" : ": no run met it");
+     }},
+    {"cheapest", "cheapest", &Advised::cheapest, kChoiceFields},
+    {"runner_up", "", &Advised::second, kChoiceFields},
+    {"nearest", "best run", &Advised::nearest, measured_run_fields()},
+    {"hint", "", "next", hint_of},
+    {"each", "cheapest of each integrator, the recommended one first", &Advised::each,
+     cost_fields()}}.with([](const Advised& a) -> const WorkPrecision& { return *a.measured; }, measurement_fields());
 
 // The recommended run of each integrator that met the error; the one to recommend first.
 std::vector<CostAtError> each_of(std::vector<CostAtError> costs) {
@@ -169,7 +166,7 @@ Result advise(const Arguments& given) {
     const std::vector<Setting> changed = settings_to_change(args, loaded.scene.run, benchmark, best, run);
     return Choice{each[k], command_line(args, changed), run_block(changed)};
   };
-  Result out(loaded, advise_fields(),
+  Result out(loaded, kAdviseFields,
              Advised{error, kind, choice(0), choice(1), each,
                      each.empty() && nearest != nullptr ? std::optional(*nearest) : std::nullopt, result.get()});
   out.even_if_quiet = true;
@@ -190,7 +187,7 @@ Command advise_command() {
           "Measures like `lockstep chart`. First every integrator runs in the formulation of the scene, until two\n"
           "meet the error; then all other combinations run that may be cheaper. Exit code 1: no run met the error.\n\n"
           "Example:\n  lockstep advise samples/scenes/double_pendulum.json --error 1e-6 --until 2",
-          {&advise_fields().schema()}};
+          {&kAdviseFields.schema()}};
 }
 
 }  // namespace lockstep

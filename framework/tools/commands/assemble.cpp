@@ -48,27 +48,25 @@ std::vector<std::pair<std::string, Moved>> moved_bodies(const System& system, Va
   return all;
 }
 
-const Fields<Assembled>& assemble_fields() {
-  using Report = AssemblyReport;
-  static const Fields<OpenJoint> kOpen{{"joint", "", "joint", &OpenJoint::joint}, {"gap", "m", "by", &OpenJoint::gap}};
-  static const Fields<Report> kReport{{"before", "m", "constraint error of the given poses", &Report::before},
-                                      {"after", "m", "  after assembly", &Report::after},
-                                      {"before_v", "m/s", "velocity error before", &Report::before_v, json_only},
-                                      {"after_v", "m/s", "  after", &Report::after_v, json_only},
-                                      {"iterations", "", "iterations", &Report::iterations, json_only},
-                                      {"largest_move", "m", "largest move", &Report::largest_move},
-                                      {"moved_most", "", "  of", &Report::moved_most},
-                                      {"largest_turn", "rad", "largest rotation", &Report::largest_turn},
-                                      {"turned_most", "", "  of", &Report::turned_most},
-                                      {"open", "joints that the given poses violate", &Report::open, kOpen}};
-  static const Fields<Moved> kMoved =
-      Fields<Moved>{{"moved", "m", "moved", &Moved::moved}, {"rotated", "rad", "rotated", &Moved::rotated}}
-          .with(&Moved::pose, pose_fields())
-          .with({{"ends", "m", "rod from, to", &Moved::ends}});
-  static const Fields<Assembled> kFields =
-      Fields<Assembled>{}.with(&Assembled::report, kReport).with({{"bodies", "bodies", &Assembled::bodies, kMoved}});
-  return kFields;
-}
+const Fields<OpenJoint> kOpenFields{{"joint", "", "joint", &OpenJoint::joint}, {"gap", "m", "by", &OpenJoint::gap}};
+const Fields<AssemblyReport> kAssemblyFields{
+    {"before", "m", "constraint error of the given poses", &AssemblyReport::before},
+    {"after", "m", "  after assembly", &AssemblyReport::after},
+    {"before_v", "m/s", "velocity error before", &AssemblyReport::before_v, json_only},
+    {"after_v", "m/s", "  after", &AssemblyReport::after_v, json_only},
+    {"iterations", "", "iterations", &AssemblyReport::iterations, json_only},
+    {"largest_move", "m", "largest move", &AssemblyReport::largest_move},
+    {"moved_most", "", "  of", &AssemblyReport::moved_most},
+    {"largest_turn", "rad", "largest rotation", &AssemblyReport::largest_turn},
+    {"turned_most", "", "  of", &AssemblyReport::turned_most},
+    {"open", "joints that the given poses violate", &AssemblyReport::open, kOpenFields}};
+const Fields<Moved> kMovedFields =
+    Fields<Moved>{{"moved", "m", "moved", &Moved::moved}, {"rotated", "rad", "rotated", &Moved::rotated}}
+        .with(&Moved::pose, kPoseFields)
+        .with({{"ends", "m", "rod from, to", &Moved::ends}});
+const Fields<Assembled> kAssembleFields = Fields<Assembled>{}
+                                              .with(&Assembled::report, kAssemblyFields)
+                                              .with({{"bodies", "bodies", &Assembled::bodies, kMovedFields}});
 
 struct Branches {
   BranchReport report;
@@ -79,30 +77,27 @@ struct Placed {
   NamedPoses poses;
 };
 
-const Fields<Branches>& branch_fields() {
-  const auto placed = [](const Branches& b) {
-    std::vector<Placed> all;
-    for (const AssemblyBranch& each : b.report.branches) all.push_back({each, poses_of(*b.system, each.state)});
-    return all;
-  };
-  static const Fields<Placed> kPlaced{
-      {"found", "", "starts that lead here", [](const Placed& p) { return p.branch.found; }},
-      {"freedoms", "", "remaining degrees of freedom", [](const Placed& p) { return p.branch.freedoms; }},
-      {"distance", "m", "", [](const Placed& p) { return p.branch.distance; }},
-      {"farthest", "", "farthest from the first", [](const Placed& p) { return p.branch.farthest; }},
-      {"bodies", "bodies", &Placed::poses, pose_fields()}};
-  static const Fields<Branches> kFields{{"starts", "", "starts", [](const Branches& b) { return b.report.starts; }},
-                                        {"failed", "", "  failed", [](const Branches& b) { return b.report.failed; }},
-                                        {"branches", "branch", placed, kPlaced}};
-  return kFields;
+std::vector<Placed> placed(const Branches& b) {
+  std::vector<Placed> all;
+  for (const AssemblyBranch& each : b.report.branches) all.push_back({each, poses_of(*b.system, each.state)});
+  return all;
 }
+const Fields<Placed> kPlacedFields{
+    {"found", "", "starts that lead here", [](const Placed& p) { return p.branch.found; }},
+    {"freedoms", "", "remaining degrees of freedom", [](const Placed& p) { return p.branch.freedoms; }},
+    {"distance", "m", "", [](const Placed& p) { return p.branch.distance; }},
+    {"farthest", "", "farthest from the first", [](const Placed& p) { return p.branch.farthest; }},
+    {"bodies", "bodies", &Placed::poses, kPoseFields}};
+const Fields<Branches> kBranchesFields{{"starts", "", "starts", [](const Branches& b) { return b.report.starts; }},
+                                       {"failed", "", "  failed", [](const Branches& b) { return b.report.failed; }},
+                                       {"branches", "branch", placed, kPlacedFields}};
 
 Result find_all_branches(const Arguments& args) {
   const int starts = whole_number("--branches", args["--branches"], kMostStarts);
   const Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
-  return {loaded, branch_fields(), Branches{find_branches(dynamics, m.system.start(), {.starts = starts}), &m.system}};
+  return {loaded, kBranchesFields, Branches{find_branches(dynamics, m.system.start(), {.starts = starts}), &m.system}};
 }
 
 Result show_assembled(const Arguments& args) {
@@ -117,7 +112,7 @@ Result show_assembled(const Arguments& args) {
   const AssemblyReport r = assemble_scene(dynamics, m, state, near);
   StepLoop run(dynamics, make_integrator(m.run, *m.methods), loop_options(m.run));
   run.set_state(state), run.run_until(state.t);  // as a run begins: it reports a start beyond a stop
-  Result result(loaded, assemble_fields(), Assembled{r, moved_bodies(m.system, loaded.scene.root, given, state)});
+  Result result(loaded, kAssembleFields, Assembled{r, moved_bodies(m.system, loaded.scene.root, given, state)});
   if (!args.has("--within") && !r.findings.empty()) result.code = kExitDoubtful;
   if (!args.has("--within")) return result;
   const double within = positive_number("--within", args["--within"], Unit::length, "0.1m");
@@ -145,7 +140,7 @@ Command assemble_command() {
                      .without("--branches")}}),
           show_assembled,
           "Example:\n  lockstep assemble samples/scenes/four_bar.json",
-          {&assemble_fields().schema(), &branch_fields().schema()}};
+          {&kAssembleFields.schema(), &kBranchesFields.schema()}};
 }
 
 }  // namespace lockstep

@@ -194,18 +194,15 @@ class Atlas {
   long done_ = 0;
 };
 
-const Fields<Atlas>& drawn_fields() {
-  static const Fields<Atlas> kFields = Fields<Atlas>{
-      {"runs", "", "runs", &Atlas::n_runs},
-      {"reference", "", "reference", &Atlas::methods},
-      {"agreement", "m", "  accuracy", &Atlas::agreement},
-      {"missing", "", "no reference for some values", &Atlas::missing},
-      {"out_of_time", "", "", &Atlas::out_of_time},
-      {"not_tried", "", "budget used up", &Atlas::n_left, [](const Json& n) {
-         return n == 0 ? "" : n.dump() + " runs not tried; increase --budget";
-       }}}.with(&Atlas::plan, atlas_fields());
-  return kFields;
-}
+const Fields<Atlas> kAtlasFields = Fields<Atlas>{
+    {"runs", "", "runs", &Atlas::n_runs},
+    {"reference", "", "reference", &Atlas::methods},
+    {"agreement", "m", "  accuracy", &Atlas::agreement},
+    {"missing", "", "no reference for some values", &Atlas::missing},
+    {"out_of_time", "", "", &Atlas::out_of_time},
+    {"not_tried", "", "budget used up", &Atlas::n_left, [](const Json& n) {
+       return n == 0 ? "" : n.dump() + " runs not tried; increase --budget";
+     }}}.with(&Atlas::plan, atlas_fields());
 
 Result draw_atlas(const Arguments& args) {
   const std::string of = args.has("--of") ? args["--of"] : "status";
@@ -220,7 +217,7 @@ Result draw_atlas(const Arguments& args) {
     progress.finish();
   }
   if (!interrupt.asked() && !atlas.any_valid()) throw ModelError(atlas.missing());
-  Result result(plan.loaded, drawn_fields(), atlas);
+  Result result(plan.loaded, kAtlasFields, atlas);
   result.even_if_quiet = true;
   result.write(base + ".csv", atlas_csv(plan));
   const bool any = std::ranges::any_of(plan.panels, [](const AtlasPanel& p) { return p.unsuited.empty(); });
@@ -274,7 +271,7 @@ CSV file has a row for every run, with the reason if it failed or was reported a
 
 Example:
   lockstep atlas samples/scenes/mass_spring_damper.json --vary run.step=1e-3:3:30:log --vary forces.spring_a.stiffness=1:1e4:20:log --integrators rk4,semi_implicit_euler,radau5)",
-      {&drawn_fields().schema()}};
+      {&kAtlasFields.schema()}};
 }
 
 }  // namespace lockstep

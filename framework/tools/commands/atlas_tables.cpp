@@ -65,23 +65,19 @@ const Fields<AtlasPlan>& atlas_fields() {
   static const Fields<Shown> kPanel{
       {"integrator", "", "integrator", [](const Shown& p) { return to_word(p.second->integrator); }},
       {"stabilization", "", "stabilisation", [](const Shown& p) { return to_string(p.second->stabilization); }},
-      Field<Shown>("left_out", "", "left out", [](const Shown& p) { return p.second->unsuited; }).optional(),
-      Field<Shown>("counts", "", "runs", counts, counts_text).optional(),
+      {"left_out", "", "left out", [](const Shown& p) { return p.second->unsuited; }, kUnlessEmpty},
+      {"counts", "", "runs", counts, counts_text, kUnlessEmpty},
       {"passed", "", "singular configurations passed", passed},
-      Field<Shown>("outcomes", "", "", of_cells([](const AtlasCell& c) { return std::string(words_of(c.outcome)); }))
-          .optional(),
-      Field<Shown>("passed_singular_positions", "", "", of_cells([](const AtlasCell& c) { return c.passed; }))
-          .optional(),
-      Field<Shown>(
-          "limit", "",
-          [](const Shown& p) {
-            bool drawn = false;  // a method that is stable at every step has no line
-            for (std::size_t k = 0; k < p.second->limit_x.size(); ++k)
-              drawn = drawn || (std::isfinite(p.second->limit_x[k]) && std::isfinite(p.second->limit_y[k]));
-            return drawn ? std::optional(*p.second) : std::nullopt;
-          },
-          kLimit)
-          .optional()};
+      {"outcomes", "", "", of_cells([](const AtlasCell& c) { return std::string(words_of(c.outcome)); }), kUnlessEmpty},
+      {"passed_singular_positions", "", "", of_cells([](const AtlasCell& c) { return c.passed; }), kUnlessEmpty},
+      {"limit", "",
+       [](const Shown& p) {
+         bool drawn = false;  // a method that is stable at every step has no line
+         for (std::size_t k = 0; k < p.second->limit_x.size(); ++k)
+           drawn = drawn || (std::isfinite(p.second->limit_x[k]) && std::isfinite(p.second->limit_y[k]));
+         return drawn ? std::optional(*p.second) : std::nullopt;
+       },
+       kLimit, kUnlessEmpty}};
   static const Fields<AtlasPlan> kFields{{"axes", "", &AtlasPlan::variables, kAxis},
                                          {"maps", "methods",
                                           [](const AtlasPlan& plan) {

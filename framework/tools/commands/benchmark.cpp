@@ -261,9 +261,7 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args) {
                                {Kind::project, Kind::baumgarte, Kind::none}, stabilization_from);
   o.separately = args.has("--separately");
   o.gains = run.stabilization;
-  RunSettings own = run;
-  own.step = 1;
-  const IntegratorInfo info = make_integrator(own, registry)->info();
+  const IntegratorInfo info = integrator_info(run, registry);
   if (info.adaptive) o.largest_step = run.step;
   o.references = references_of(run, registry, info.implicit);
   o.budget = budget_of(args);

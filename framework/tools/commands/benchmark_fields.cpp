@@ -60,19 +60,15 @@ const Fields<WorkPrecisionRun>& measured_run_fields() {
       {"stabilization", "", "stabilisation", [](const Run& r) { return to_string(r.stabilization); }},
       {"solver", "", "solver", [](const Run& r) { return needs_no_solver(r.used) ? "-" : r.solver; },
        [](const Json& solver) { return solver == "-" ? "not used" : solver.get<std::string>(); }},
-      Field<Run>(
-          "tolerance", "", "tolerance", [](const Run& r) { return r.adaptive ? r.setting : NAN; }, digits_text<3>)
-          .optional(),
-      Field<Run>(
-          "step", "s", "step [s]", [](const Run& r) { return r.adaptive ? NAN : r.setting; }, digits_text<3>)
-          .optional(),
-      Field<Run>(
-          "error", "error", [](const Run& r) { return r.done() ? std::optional(r.error) : std::nullopt; },
-          error_fields(), error_text)
-          .optional(),
-      Field<Run>("failure", "", "failure", [](const Run& r) { return r.done() ? "" : r.failure; }).optional(),
-      Field<Run>("stopped", "", "", &Run::given_up).optional(),  // as too slow
-      Field<Run>("wrong", "", "", &Run::wrong).optional(),
+      {"tolerance", "", "tolerance", [](const Run& r) { return r.adaptive ? r.setting : NAN; }, digits_text<3>,
+       kUnlessEmpty},
+      {"step", "s", "step [s]", [](const Run& r) { return r.adaptive ? NAN : r.setting; }, digits_text<3>,
+       kUnlessEmpty},
+      {"error", "error", [](const Run& r) { return r.done() ? std::optional(r.error) : std::nullopt; }, error_fields(),
+       error_text, kUnlessEmpty},
+      {"failure", "", "failure", [](const Run& r) { return r.done() ? "" : r.failure; }, kUnlessEmpty},
+      {"stopped", "", "", &Run::given_up, kUnlessEmpty},  // as too slow
+      {"wrong", "", "", &Run::wrong, kUnlessEmpty},
       {"cpu", "s", "CPU [s]", &Run::cpu, digits_text<2>},
       {"evaluations", "", "evaluations", &Run::evaluations},
       {"factors", "", "", &Run::factors},

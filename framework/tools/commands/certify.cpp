@@ -114,9 +114,7 @@ std::string doubt_of(const Certificate& c) {
 // Repeats the run with a tighter tolerance (or shorter steps) and with a second method; reports how many digits of each
 // column agree. `run`: its settings; `table`: its results. Repeats that fail or exceed --budget are listed.
 CertifiedRun certificate_of(const Loaded& loaded, const Arguments& args, const RunSettings& run, const Table& table) {
-  RunSettings with_step = run;
-  with_step.step = std::max(run.step, 1e-300);
-  const IntegratorInfo own = make_integrator(with_step, loaded.registry)->info();
+  const IntegratorInfo own = integrator_info(run, loaded.registry);
   RunSettings again = run;
   again.times = table.columns().front().values;
   again.times.erase(std::unique(again.times.begin(), again.times.end()), again.times.end());

@@ -127,31 +127,28 @@ struct Charted {
   const SceneBenchmark& benchmark;
   std::string no_pictures;
 };
-const Fields<Charted>& chart_fields() {
-  static const Fields<Cheapest> kCheapest =
-      Fields<Cheapest>{{"limit", "m", "error below [m]", &Cheapest::limit, digits_text<3>}}.with(&Cheapest::cost,
-                                                                                                 cost_fields());
-  static const Fields<Winner> kWinner = [] {
-    Fields<Winner> all{{"by", "", "by", &Winner::by,
-                        [](const Json& by) { return by == "stabilization" ? "stabilisation" : by.get<std::string>(); }},
-                       {"value", "", "value", &Winner::value},
-                       {"used", "", "used formulation", &Winner::used}};
-    for (std::size_t k = 0; k < std::size(kLimits); ++k)
-      all.add({fmt::format("below_{}", kLimits[k]), "", fmt::format("below {} m", kLimits[k]),
-               [k](const Winner& w) { return w.cost[k]; }});
-    return all;
-  }();
-  static const Fields<Charted> kFields =
-      Fields<Charted>{
-          {"cheapest", kRecommended, [](const Charted& c) { return cheapest_of(c.result); }, kCheapest},
-          {"best", kBest, [](const Charted& c) { return winners_of(c.result, c.benchmark.base.formulation); }, kWinner},
-          {"length", "s", "simulated time", [](const Charted& c) { return c.benchmark.trajectory.length; }},
-          {"imposed", "", "", [](const Charted& c) { return c.benchmark.imposed; }}}
-          .with([](const Charted& c) -> const WorkPrecision& { return c.result; }, measurement_fields())
-          .with({{"remarks", "", "left out", [](const Charted& c) { return c.benchmark.remarks; }},
-                 {"no_pictures", "", "no pictures", &Charted::no_pictures}});
-  return kFields;
-}
+const Fields<Cheapest> kCheapestFields =
+    Fields<Cheapest>{{"limit", "m", "error below [m]", &Cheapest::limit, digits_text<3>}}.with(&Cheapest::cost,
+                                                                                               cost_fields());
+const Fields<Winner> kWinnerFields = [] {
+  Fields<Winner> all{{"by", "", "by", &Winner::by,
+                      [](const Json& by) { return by == "stabilization" ? "stabilisation" : by.get<std::string>(); }},
+                     {"value", "", "value", &Winner::value},
+                     {"used", "", "used formulation", &Winner::used}};
+  for (std::size_t k = 0; k < std::size(kLimits); ++k)
+    all.add({fmt::format("below_{}", kLimits[k]), "", fmt::format("below {} m", kLimits[k]),
+             [k](const Winner& w) { return w.cost[k]; }});
+  return all;
+}();
+const Fields<Charted> kChartFields =
+    Fields<Charted>{{"cheapest", kRecommended, [](const Charted& c) { return cheapest_of(c.result); }, kCheapestFields},
+                    {"best", kBest, [](const Charted& c) { return winners_of(c.result, c.benchmark.base.formulation); },
+                     kWinnerFields},
+                    {"length", "s", "simulated time", [](const Charted& c) { return c.benchmark.trajectory.length; }},
+                    {"imposed", "", "", [](const Charted& c) { return c.benchmark.imposed; }}}
+        .with([](const Charted& c) -> const WorkPrecision& { return c.result; }, measurement_fields())
+        .with({{"remarks", "", "left out", [](const Charted& c) { return c.benchmark.remarks; }},
+               {"no_pictures", "", "no pictures", &Charted::no_pictures}});
 
 Result chart_scene(const Arguments& given) {
   const Arguments args = measuring_arguments(given);
@@ -167,7 +164,7 @@ Result chart_scene(const Arguments& given) {
   const std::string no_pictures = result->runs.empty()     ? "no run was measured"
                                   : find_gnuplot().empty() ? "gnuplot is not installed (apt install gnuplot-nox)"
                                                            : "";
-  Result out(loaded, chart_fields(), Charted{*result, benchmark, no_pictures});
+  Result out(loaded, kChartFields, Charted{*result, benchmark, no_pictures});
   out.even_if_quiet = true;
   out.write(base + ".csv", runs_text(*result));
   if (no_pictures.empty())
@@ -200,7 +197,7 @@ runs of its combination stay within twice its error.
 Example:
   lockstep chart samples/scenes/four_bar.json --budget 60s --out charts
   lockstep chart samples/scenes/chain_10.json --integrators dopri5,dop853 --formulations omega)",
-      {&chart_fields().schema()}};
+      {&kChartFields.schema()}};
 }
 
 }  // namespace lockstep

@@ -16,15 +16,12 @@ namespace {
 
 std::string components_text(const Json& v) { return v.size() == 1 ? number_text(v[0]) : vector_text(v); }
 
-const Fields<LawAccount>& law_fields() {
-  static const Fields<LawAccount> kFields{
-      {"what", "", "of", &LawAccount::what},
-      {"unit", "", "unit", &LawAccount::unit},
-      {"value", "", "value", &LawAccount::value, components_text},
-      {"rate", "", "rate [per s]", &LawAccount::rate, components_text},
-      {"second", "", "second derivative [per s^2]", &LawAccount::second, components_text}};
-  return kFields;
-}
+const Fields<LawAccount> kLawFields{
+    {"what", "", "of", &LawAccount::what},
+    {"unit", "", "unit", &LawAccount::unit},
+    {"value", "", "value", &LawAccount::value, components_text},
+    {"rate", "", "rate [per s]", &LawAccount::rate, components_text},
+    {"second", "", "second derivative [per s^2]", &LawAccount::second, components_text}};
 
 std::string contribution_text(const Json& c) {
   return vector_text(c["force"]) + " N, " + vector_text(c["moment"]) + " N m";
@@ -40,24 +37,21 @@ struct At {
   double restitution = NAN;
 };
 
-const Fields<BodyBalance>& balance_fields() {
-  static const Fields<Contribution> kContribution{
-      {"what", "", "of", &Contribution::what},
-      {"force", "N", "force, world", &Contribution::force},
-      {"moment", "N m", "moment about the centre of mass", &Contribution::moment}};
-  static const Fields<BodyBalance> kFields{
-      {"body", "", "body", &BodyBalance::body},
-      {"mass", "kg", "mass", &BodyBalance::mass},
-      {"center", "m", "centre of mass", &BodyBalance::center},
-      {"acceleration", "m/s^2", "acceleration", &BodyBalance::acceleration},
-      {"parts", "loads", &BodyBalance::parts, kContribution},
-      {"sum", "sum of the loads", &BodyBalance::sum, kContribution, contribution_text},
-      {"rate", "rate of momentum, and of angular momentum", &BodyBalance::rate, kContribution, contribution_text},
-      {"left_force", "N", "residual force", &BodyBalance::left_force},
-      {"left_moment", "N m", "residual moment", &BodyBalance::left_moment},
-      {"incomplete", "", "incomplete", &BodyBalance::incomplete}};
-  return kFields;
-}
+const Fields<Contribution> kContributionFields{
+    {"what", "", "of", &Contribution::what},
+    {"force", "N", "force, world", &Contribution::force},
+    {"moment", "N m", "moment about the centre of mass", &Contribution::moment}};
+const Fields<BodyBalance> kBalanceFields{
+    {"body", "", "body", &BodyBalance::body},
+    {"mass", "kg", "mass", &BodyBalance::mass},
+    {"center", "m", "centre of mass", &BodyBalance::center},
+    {"acceleration", "m/s^2", "acceleration", &BodyBalance::acceleration},
+    {"parts", "loads", &BodyBalance::parts, kContributionFields},
+    {"sum", "sum of the loads", &BodyBalance::sum, kContributionFields, contribution_text},
+    {"rate", "rate of momentum, and of angular momentum", &BodyBalance::rate, kContributionFields, contribution_text},
+    {"left_force", "N", "residual force", &BodyBalance::left_force},
+    {"left_moment", "N m", "residual moment", &BodyBalance::left_moment},
+    {"incomplete", "", "incomplete", &BodyBalance::incomplete}};
 
 // Of value and rate.
 std::string units_of(const RowAccount& r) {
@@ -80,52 +74,47 @@ std::vector<double> of_drives(const LinkAccount& a, const Vec3& load) {
 std::string yes_or_no(const Json& v) { return v.get<bool>() ? "yes" : "no"; }  // no is shown, too
 std::string violation_text(const Json& v) { return number_text(v, 1); }
 
-const Fields<LinkAccount>& link_fields() {
-  using Account = LinkAccount;
-  static const Fields<RowAccount> kRow{{"row", "", "constraint", &RowAccount::name},
-                                       {"kind", "", "", [](const RowAccount& r) { return word_of(r.kind); }},
-                                       {"force", "N", "force", [](const RowAccount& r) { return r.on_p.force; }},
-                                       {"moment", "N m", "moment", [](const RowAccount& r) { return r.on_p.moment; }},
-                                       {"value", "", "violation", &RowAccount::value, violation_text},
-                                       {"rate", "", "its rate", &RowAccount::rate, violation_text},
-                                       {"multiplier", "", "", &RowAccount::multiplier},
-                                       {"units", "", "units", units_of},
-                                       {"drive", "", "driven", &RowAccount::is_drive}};
-  static const Fields<Account> kFields{
-      {"link", "", "joint", &Account::name},
-      {"type", "", "type", &Account::type},
-      {"p", "", "P on", &Account::on_p},
-      {"s", "", "S on", &Account::on_s},
-      {"in_force", "", "active", &Account::in_force, yes_or_no},
-      {"merged", "", "merged: its bodies move as one", &Account::merged},
-      {"axes", "", "axes of S, world", &Account::axes, axes_text},
-      {"rows", "constraints, with their loads on P's body about P in axes of S", &Account::rows, kRow},
-      {"left_out", "", "dropped as redundant", &Account::left_out},
-      {"force_on_p", "N", "force on P's body without drives, world", [](const Account& a) { return a.joint.force; }},
-      {"moment_on_p", "N m", "  moment about P", [](const Account& a) { return a.joint.moment; }},
-      {"drive_force_on_p", "N", "force of the drives", [](const Account& a) { return of_drives(a, a.drives.force); }},
-      {"drive_moment_on_p", "N m", "  moment about P", [](const Account& a) { return of_drives(a, a.drives.moment); }},
-      {"incomplete", "", "incomplete", &Account::incomplete},
-      {"laws", "laws", &Account::laws, law_fields()},
-      {"dependencies", "dependent constraints; the model does not determine how they share the load",
-       &Account::dependencies, dependency_fields()}};
-  return kFields;
-}
+const Fields<RowAccount> kRowAccountFields{
+    {"row", "", "constraint", &RowAccount::name},
+    {"kind", "", "", [](const RowAccount& r) { return word_of(r.kind); }},
+    {"force", "N", "force", [](const RowAccount& r) { return r.on_p.force; }},
+    {"moment", "N m", "moment", [](const RowAccount& r) { return r.on_p.moment; }},
+    {"value", "", "violation", &RowAccount::value, violation_text},
+    {"rate", "", "its rate", &RowAccount::rate, violation_text},
+    {"multiplier", "", "", &RowAccount::multiplier},
+    {"units", "", "units", units_of},
+    {"drive", "", "driven", &RowAccount::is_drive}};
+const Fields<LinkAccount> kLinkFields{
+    {"link", "", "joint", &LinkAccount::name},
+    {"type", "", "type", &LinkAccount::type},
+    {"p", "", "P on", &LinkAccount::on_p},
+    {"s", "", "S on", &LinkAccount::on_s},
+    {"in_force", "", "active", &LinkAccount::in_force, yes_or_no},
+    {"merged", "", "merged: its bodies move as one", &LinkAccount::merged},
+    {"axes", "", "axes of S, world", &LinkAccount::axes, axes_text},
+    {"rows", "constraints, with their loads on P's body about P in axes of S", &LinkAccount::rows, kRowAccountFields},
+    {"left_out", "", "dropped as redundant", &LinkAccount::left_out},
+    {"force_on_p", "N", "force on P's body without drives, world", [](const LinkAccount& a) { return a.joint.force; }},
+    {"moment_on_p", "N m", "  moment about P", [](const LinkAccount& a) { return a.joint.moment; }},
+    {"drive_force_on_p", "N", "force of the drives", [](const LinkAccount& a) { return of_drives(a, a.drives.force); }},
+    {"drive_moment_on_p", "N m", "  moment about P",
+     [](const LinkAccount& a) { return of_drives(a, a.drives.moment); }},
+    {"incomplete", "", "incomplete", &LinkAccount::incomplete},
+    {"laws", "laws", &LinkAccount::laws, kLawFields},
+    {"dependencies", "dependent constraints; the model does not determine how they share the load",
+     &LinkAccount::dependencies, kDependencyFields}};
 
-const Fields<ForceEffect>& force_fields() {
-  static const Fields<Contribution> kOn{{"body", "", "on", &Contribution::what},
-                                        {"force", "N", "force, world", &Contribution::force},
-                                        {"moment", "N m", "moment about its centre of mass", &Contribution::moment}};
-  static const Fields<ForceEffect> kFields{{"force", "", "force", &ForceEffect::name},
-                                           {"type", "", "type", &ForceEffect::type},
-                                           {"acts", "", "active", &ForceEffect::acts, yes_or_no},
-                                           {"on", "loads", &ForceEffect::on, kOn},
-                                           {"laws", "laws", &ForceEffect::laws, law_fields()},
-                                           {"potential", "J", "potential", &ForceEffect::potential},
-                                           {"dissipation", "W", "dissipates", &ForceEffect::dissipation},
-                                           {"supply", "W", "supplies", &ForceEffect::supply}};
-  return kFields;
-}
+const Fields<Contribution> kOnFields{{"body", "", "on", &Contribution::what},
+                                     {"force", "N", "force, world", &Contribution::force},
+                                     {"moment", "N m", "moment about its centre of mass", &Contribution::moment}};
+const Fields<ForceEffect> kForceFields{{"force", "", "force", &ForceEffect::name},
+                                       {"type", "", "type", &ForceEffect::type},
+                                       {"acts", "", "active", &ForceEffect::acts, yes_or_no},
+                                       {"on", "loads", &ForceEffect::on, kOnFields},
+                                       {"laws", "laws", &ForceEffect::laws, kLawFields},
+                                       {"potential", "J", "potential", &ForceEffect::potential},
+                                       {"dissipation", "W", "dissipates", &ForceEffect::dissipation},
+                                       {"supply", "W", "supplies", &ForceEffect::supply}};
 
 template <class Account>
 Fields<At<Account>> at_instant(const Fields<Account>& fields) {
@@ -133,21 +122,16 @@ Fields<At<Account>> at_instant(const Fields<Account>& fields) {
 }
 using Balances = At<std::vector<BodyBalance>>;
 
-struct AccountFields {
-  Fields<At<BodyBalance>> body = at_instant(balance_fields());
-  Fields<At<LinkAccount>> link =
-      at_instant(link_fields())
-          .with({{"restitution", "", "restitution", &At<LinkAccount>::restitution},
-                 {"contact", "", "state", &At<LinkAccount>::contact},
-                 {"quantities", "quantities", &At<LinkAccount>::quantities, number_fields()}});
-  Fields<At<ForceEffect>> force =
-      at_instant(force_fields()).with({{"quantities", "quantities", &At<ForceEffect>::quantities, number_fields()}});
-  Fields<Balances> bodies{{"t", "s", "t", &Balances::t}, {"bodies", "body", &Balances::account, balance_fields()}};
-};
-const AccountFields& account_fields() {
-  static const AccountFields kFields;
-  return kFields;
-}
+const Fields<At<BodyBalance>> kBodyAtFields = at_instant(kBalanceFields);
+const Fields<At<LinkAccount>> kLinkAtFields =
+    at_instant(kLinkFields)
+        .with({{"restitution", "", "restitution", &At<LinkAccount>::restitution},
+               {"contact", "", "state", &At<LinkAccount>::contact},
+               {"quantities", "quantities", &At<LinkAccount>::quantities, kNumberFields}});
+const Fields<At<ForceEffect>> kForceAtFields =
+    at_instant(kForceFields).with({{"quantities", "quantities", &At<ForceEffect>::quantities, kNumberFields}});
+const Fields<Balances> kBodiesAtFields{{"t", "s", "t", &Balances::t},
+                                       {"bodies", "body", &Balances::account, kBalanceFields}};
 
 /// What a force shows, and of a joint its free coordinates, the gaps of its stops, and its friction; of a stop also
 /// those of its joint.
@@ -208,19 +192,19 @@ Result explain(const Arguments& args) {
   for (const Channel& c : channels) quantities.push_back({c.name, c.unit, c.value(sample)});
   const auto at = [&]<class Account>(Account account) { return At<Account>{state.t, std::move(account), quantities}; };
   for (const Body& body : system.bodies())
-    if (body.name == thing) return {loaded, account_fields().body, at(balance_of(dynamics, state, body))};
+    if (body.name == thing) return {loaded, kBodyAtFields, at(balance_of(dynamics, state, body))};
   for (const auto& link : system.links()) {
     if (link->name() != thing) continue;
     At<LinkAccount> account = at(account_of(dynamics, state, *link));
     if (const Unilateral* side = link->unilateral())
       account.contact = state.modes[link->number()] ? "in contact" : "open", account.restitution = side->restitution;
-    return {loaded, account_fields().link, account};
+    return {loaded, kLinkAtFields, account};
   }
   for (const auto& force : system.forces())
-    if (force->name() == thing) return {loaded, account_fields().force, at(account_of(dynamics, state, *force))};
+    if (force->name() == thing) return {loaded, kForceAtFields, at(account_of(dynamics, state, *force))};
   Balances all{state.t, {}};
   for (int k = 0; k < system.n_slots(); ++k) all.account.push_back(balance_of(dynamics, state, system.body_of_slot(k)));
-  return {loaded, account_fields().bodies, all};
+  return {loaded, kBodiesAtFields, all};
 }
 
 }  // namespace
@@ -233,8 +217,7 @@ Command explain_command() {
           "Forces and moments are in world axes, those of single constraints in axes of S. A missing value (-) is a "
           "reaction that is unbounded near a singular configuration.\n\n"
           "Example:\n  lockstep explain samples/scenes/four_bar.json coupler --at 0.1",
-          {&account_fields().body.schema(), &account_fields().link.schema(), &account_fields().force.schema(),
-           &account_fields().bodies.schema()}};
+          {&kBodyAtFields.schema(), &kLinkAtFields.schema(), &kForceAtFields.schema(), &kBodiesAtFields.schema()}};
 }
 
 }  // namespace lockstep

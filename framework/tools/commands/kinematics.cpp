@@ -185,21 +185,18 @@ std::vector<Peak> peaks_of(const Recorder& recorder) {
   return all;
 }
 
-const Fields<Motion>& kinematics_fields() {
-  static const Fields<Peak> kPeak{{"name", "", "column", [](const Peak& p) { return p.column.name; }},
-                                  {"unit", "", "unit", [](const Peak& p) { return p.column.unit; }},
-                                  {"peak", "", "peak", &Peak::value},
-                                  {"t", "s", "at t", &Peak::t},
-                                  {"resolved", "", "resolved between poses", &Peak::resolved, only_if_false},
-                                  {"values", "", "", [](const Peak& p) { return p.column.values; }}};
-  static const Fields<Motion> kFields{
-      {"assembled", "", "assembled", &Motion::assembled},
-      {"poses", "", "poses", &Motion::poses},
-      {"solutions", "", "", &Motion::solutions},
-      {"seconds", "s", "computed in", &Motion::seconds, [](const Json& s) { return time_text(s.get<double>()); }},
-      {"columns", "columns", &Motion::peaks, kPeak}};
-  return kFields;
-}
+const Fields<Peak> kPeakFields{{"name", "", "column", [](const Peak& p) { return p.column.name; }},
+                               {"unit", "", "unit", [](const Peak& p) { return p.column.unit; }},
+                               {"peak", "", "peak", &Peak::value},
+                               {"t", "s", "at t", &Peak::t},
+                               {"resolved", "", "resolved between poses", &Peak::resolved, only_if_false},
+                               {"values", "", "", [](const Peak& p) { return p.column.values; }}};
+const Fields<Motion> kKinematicsFields{
+    {"assembled", "", "assembled", &Motion::assembled},
+    {"poses", "", "poses", &Motion::poses},
+    {"solutions", "", "", &Motion::solutions},
+    {"seconds", "s", "computed in", &Motion::seconds, [](const Json& s) { return time_text(s.get<double>()); }},
+    {"columns", "columns", &Motion::peaks, kPeakFields}};
 
 // Without the time, columns that are zero throughout, and reactions that the scene records by another name.
 std::string text_of_motion(Motion motion, const Mechanism& m) {
@@ -211,7 +208,7 @@ std::string text_of_motion(Motion motion, const Mechanism& m) {
     return p.column.name == "t" || std::ranges::any_of(m.run.record, is_of) ||
            number_text(p.value, largest[p.column.unit]) == "0";
   });
-  return text_of(kinematics_fields().schema(), kinematics_fields()(motion));
+  return text_of(kKinematicsFields.schema(), kKinematicsFields(motion));
 }
 
 /// One-sided joints that a motion passes.
@@ -227,11 +224,10 @@ class PassedStops {
   void tell() const {
     for (const auto& [i, t] : passed_) {
       const std::string& name = stops_[i].link->name();
-      Finding f{&finding::stop_passed, "joint '" + name + "'",
-                fmt::format("'{}' is passed before t = {:.6g} s, as a prescribed motion does not stop there", name, t),
-                "end the motion before it, or move the stop"};
-      f.t = t;
-      CommandFindings::add(f);
+      CommandFindings::add(
+          {&finding::stop_passed, "joint '" + name + "'",
+           fmt::format("'{}' is passed before t = {:.6g} s, as a prescribed motion does not stop there", name, t),
+           "end the motion before it, or move the stop", NAN, NAN, "", t});
     }
   }
 
@@ -304,7 +300,7 @@ Result follow(const Arguments& args, bool inverse) {
   CommandFindings::add(broken);
   Motion found{assembled.is_moved() ? assembled.text() : "", recorder->table().n_rows(), motion.steps(), seconds,
                peaks_of(*recorder)};
-  Result result(loaded, kinematics_fields(), found);
+  Result result(loaded, kKinematicsFields, found);
   result.brief = text_of_motion(std::move(found), m);
   result.files = {csv};
   draw_told(args, csv, loaded.title(), rows.rows(), details.get(), m.run, outputs, result.files);
@@ -324,7 +320,7 @@ Command driven_command(std::string_view name, Result (*run)(const Arguments&), s
                  {"--quiet", "", "print errors only"}}}),
           run,
           footer,
-          {&kinematics_fields().schema()}};
+          {&kKinematicsFields.schema()}};
 }
 
 }  // namespace

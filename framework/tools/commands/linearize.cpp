@@ -55,21 +55,18 @@ std::string small_matrix(const Json& A) {
   return text;
 }
 
-const Fields<Linearized>& linearize_fields() {
-  static const Fields<Signal> kSignal{{"name", "", "name", &Signal::name}, {"unit", "", "unit", &Signal::unit}};
-  static const Fields<StateSpace> kSpace{{"states", "x", &StateSpace::states, kSignal},
-                                         {"inputs", "u", &StateSpace::inputs, kSignal},
-                                         {"outputs", "y", &StateSpace::outputs, kSignal},
-                                         {"A", "", "A", &StateSpace::A, small_matrix},
-                                         {"B", "", "B", &StateSpace::B, small_matrix},
-                                         {"C", "", "C", &StateSpace::C, small_matrix},
-                                         {"D", "", "D", &StateSpace::D, small_matrix},
-                                         // two steps of a central difference of sixth order
-                                         {"accuracy", "", "accuracy of B, C, D", &StateSpace::accuracy}};
-  static const Fields<Linearized> kFields =
-      Fields<Linearized>{}.with(&Linearized::state, state_fields()).with(&Linearized::space, kSpace);
-  return kFields;
-}
+const Fields<Signal> kSignalFields{{"name", "", "name", &Signal::name}, {"unit", "", "unit", &Signal::unit}};
+const Fields<StateSpace> kSpaceFields{{"states", "x", &StateSpace::states, kSignalFields},
+                                      {"inputs", "u", &StateSpace::inputs, kSignalFields},
+                                      {"outputs", "y", &StateSpace::outputs, kSignalFields},
+                                      {"A", "", "A", &StateSpace::A, small_matrix},
+                                      {"B", "", "B", &StateSpace::B, small_matrix},
+                                      {"C", "", "C", &StateSpace::C, small_matrix},
+                                      {"D", "", "D", &StateSpace::D, small_matrix},
+                                      // two steps of a central difference of sixth order
+                                      {"accuracy", "", "accuracy of B, C, D", &StateSpace::accuracy}};
+const Fields<Linearized> kLinearizeFields =
+    Fields<Linearized>{}.with(&Linearized::state, state_fields()).with(&Linearized::space, kSpaceFields);
 
 Result linearize_scene(const Arguments& args) {
   const Loaded loaded = load(args);
@@ -88,7 +85,7 @@ Result linearize_scene(const Arguments& args) {
   const StateSpace s = with_words_of_program(
       [&] { return linearize(*at.dynamics, at.state, built.inputs, outputs, motion_options(args)); });
   CommandFindings::add(s.notes);
-  Result result(loaded, linearize_fields(), Linearized{{at.state.t, s.spin, s.unrest}, s});
+  Result result(loaded, kLinearizeFields, Linearized{{at.state.t, s.spin, s.unrest}, s});
   if (!args["--csv"].empty()) result.write(args["--csv"], csv_text(s));
   return result;
 }
@@ -109,7 +106,7 @@ Command linearize_command() {
 
 Example:
   lockstep linearize samples/scenes/mass_spring_damper_fast.json --set bodies.mass_c.velocity.0=0 --set bodies.mass_c.position.0=0 --inputs push_c --outputs mass_c.x,mass_c.ax)",
-          {&linearize_fields().schema()}};
+          {&kLinearizeFields.schema()}};
 }
 
 }  // namespace lockstep

@@ -37,44 +37,41 @@ struct FoundMatrices {
 };
 using NamedRow = std::pair<std::string, std::string>;  // its kind
 
-const Fields<FoundMatrices>& matrix_fields() {
-  static const Fields<UnknownVelocity> kUnknown{{"name", "", "name", &UnknownVelocity::name},
-                                                {"unit", "", "unit", &UnknownVelocity::unit}};
-  static const Fields<NamedRow> kRow{{"name", "", "name", &NamedRow::first}, {"kind", "", "kind", &NamedRow::second}};
-  static const Fields<SparseMat> kMatrix{{"rows", "", "rows", [](const SparseMat& A) { return A.rows(); }},
-                                         {"columns", "", "columns", [](const SparseMat& A) { return A.cols(); }},
-                                         {"entries", "", "entries", [](const SparseMat& A) {
-                                            std::vector<std::vector<double>> all;  // from 1, as in Matrix Market
-                                            for (Eigen::Index c = 0; c < A.cols(); ++c)
-                                              for (SparseMat::InnerIterator it(A, c); it; ++it)
-                                                all.push_back({it.row() + 1.0, c + 1.0, it.value()});
-                                            return all;
-                                          }}};
-  const auto rows = [](const MechanismMatrices& m) {
-    std::vector<NamedRow> all;
-    for (std::size_t k = 0; k < m.rows.size(); ++k) all.push_back({m.rows[k], word_of(m.kinds[k])});
-    return all;
-  };
-  constexpr auto size = +[](const Json& A) {
-    return fmt::format("{} x {}, {} numbers", A["rows"].dump(), A["columns"].dump(), A["entries"].size());
-  };
-  static const Fields<MechanismMatrices> kMatrices{{"unknowns", "unknowns", &MechanismMatrices::unknowns, kUnknown},
-                                                   {"rows", "constraints", rows, kRow},
-                                                   {"M", "M", &MechanismMatrices::M, kMatrix, size},
-                                                   {"D", "D", &MechanismMatrices::D, kMatrix, size},
-                                                   {"K", "K", &MechanismMatrices::K, kMatrix, size},
-                                                   {"J", "J", &MechanismMatrices::J, kMatrix, size},
-                                                   {"v", "", "", &MechanismMatrices::v},
-                                                   {"f", "", "", &MechanismMatrices::f},
-                                                   {"a", "", "", &MechanismMatrices::a},
-                                                   {"C", "", "", &MechanismMatrices::C},
-                                                   {"Ct", "", "", &MechanismMatrices::Ct},
-                                                   {"c", "", "", &MechanismMatrices::c},
-                                                   {"lambda", "", "", &MechanismMatrices::lambda}};
-  static const Fields<FoundMatrices> kFields =
-      Fields<FoundMatrices>{{"t", "s", "t", &FoundMatrices::t}}.with(&FoundMatrices::m, kMatrices);
-  return kFields;
+const Fields<UnknownVelocity> kUnknownFields{{"name", "", "name", &UnknownVelocity::name},
+                                             {"unit", "", "unit", &UnknownVelocity::unit}};
+const Fields<NamedRow> kNamedRowFields{{"name", "", "name", &NamedRow::first}, {"kind", "", "kind", &NamedRow::second}};
+const Fields<SparseMat> kSparseFields{{"rows", "", "rows", [](const SparseMat& A) { return A.rows(); }},
+                                      {"columns", "", "columns", [](const SparseMat& A) { return A.cols(); }},
+                                      {"entries", "", "entries", [](const SparseMat& A) {
+                                         std::vector<std::vector<double>> all;  // from 1, as in Matrix Market
+                                         for (Eigen::Index c = 0; c < A.cols(); ++c)
+                                           for (SparseMat::InnerIterator it(A, c); it; ++it)
+                                             all.push_back({it.row() + 1.0, c + 1.0, it.value()});
+                                         return all;
+                                       }}};
+std::vector<NamedRow> named_rows(const MechanismMatrices& m) {
+  std::vector<NamedRow> all;
+  for (std::size_t k = 0; k < m.rows.size(); ++k) all.push_back({m.rows[k], word_of(m.kinds[k])});
+  return all;
 }
+std::string size_text(const Json& A) {
+  return fmt::format("{} x {}, {} numbers", A["rows"].dump(), A["columns"].dump(), A["entries"].size());
+}
+const Fields<MechanismMatrices> kMatricesFields{{"unknowns", "unknowns", &MechanismMatrices::unknowns, kUnknownFields},
+                                                {"rows", "constraints", named_rows, kNamedRowFields},
+                                                {"M", "M", &MechanismMatrices::M, kSparseFields, size_text},
+                                                {"D", "D", &MechanismMatrices::D, kSparseFields, size_text},
+                                                {"K", "K", &MechanismMatrices::K, kSparseFields, size_text},
+                                                {"J", "J", &MechanismMatrices::J, kSparseFields, size_text},
+                                                {"v", "", "", &MechanismMatrices::v},
+                                                {"f", "", "", &MechanismMatrices::f},
+                                                {"a", "", "", &MechanismMatrices::a},
+                                                {"C", "", "", &MechanismMatrices::C},
+                                                {"Ct", "", "", &MechanismMatrices::Ct},
+                                                {"c", "", "", &MechanismMatrices::c},
+                                                {"lambda", "", "", &MechanismMatrices::lambda}};
+const Fields<FoundMatrices> kMatrixFields =
+    Fields<FoundMatrices>{{"t", "s", "t", &FoundMatrices::t}}.with(&FoundMatrices::m, kMatricesFields);
 
 // Every number reads back as the same double.
 std::string matrix_market(const SparseMat& A, const std::string& comment) {
@@ -110,7 +107,7 @@ Result find_matrices(const Arguments& args) {
                                   loaded.registry, instant_of(args));
   const System::InSpace look = at.dynamics->look_in_space();
   const FoundMatrices found{at.state.t, matrices_at(*at.dynamics, at.state)};
-  Result result(loaded, matrix_fields(), found);
+  Result result(loaded, kMatrixFields, found);
   if (!args["--out"].empty()) write_all(args["--out"], found.t, found.m, loaded.scene, result);
   return result;
 }
@@ -127,7 +124,7 @@ Command matrices_command() {
       "M a + J^T lambda = f, J a = c. The unknowns are velocities in space, also for a planar motion. The numbers are\n"
       "printed by --json and written by --out.\n\nExample:\n  lockstep "
       "matrices samples/scenes/four_bar.json --at 0.1 --out four_bar",
-      {&matrix_fields().schema()}};
+      {&kMatrixFields.schema()}};
 }
 
 }  // namespace lockstep

@@ -97,44 +97,41 @@ struct FoundModes {
   Modes found;
 };
 
-const Fields<FoundModes>& modes_fields() {
-  static const Fields<BodyShape> kShape{
-      {"body", "", "", &BodyShape::body}, {"move", "m", "", &BodyShape::move}, {"turn", "rad", "", &BodyShape::turn}};
-  struct Shown {
-    std::size_t number;
-    Mode mode;
-    double length;  // of the mechanism
-  };
-  static const Fields<Shown> kMode{
-      {"mode", "", "mode", &Shown::number},
-      {"kind", "", "kind", [](const Shown& m) { return word(m.mode.kind); }},
-      {"frequency", "Hz", "frequency [Hz]", [](const Shown& m) { return m.mode.frequency(); }, unless_zero},
-      {"omega", "rad/s", "omega [rad/s]", [](const Shown& m) { return m.mode.omega(); }, unless_zero},
-      {"damping", "", "damping ratio", [](const Shown& m) { return m.mode.is_marginal() ? 0 : m.mode.damping(); },
-       [](const Json& d) { return std::abs(d.get<double>()) < 1 ? number_text(d) : ""; }},
-      {"decay_rate", "1/s", "decay rate",
-       [](const Shown& m) { return m.mode.is_marginal() ? 0 : -m.mode.value.real(); }},
-      {"eigenvalue", "1/s", "", [](const Shown& m) { return m.mode.value; }},
-      {"bound", "1/s", "", [](const Shown& m) { return m.mode.bound; }},
-      {"stability", "", "stability", [](const Shown& m) { return stability_of(m.mode); }},
-      {"moves", "", "shape", [](const Shown& m) { return shape_words(m.mode, m.length); }},
-      {"shape", "", [](const Shown& m) { return m.mode.shape; }, kShape}};
-  static const Fields<Modes> kModes{{"modes", "modes",
-                                     [](const Modes& m) {
-                                       std::vector<Shown> all;
-                                       for (const Mode& each : m.modes) all.push_back({all.size() + 1, each, m.length});
-                                       return all;
-                                     },
-                                     kMode},
-                                    {"length", "m", "1 rad counts as", &Modes::length},
-                                    {"freedoms", "", "remaining degrees of freedom", &Modes::freedoms},
-                                    {"zeros", "", "zero eigenvalues", &Modes::zeros},
-                                    {"zero_bound", "1/s", "  zero below", &Modes::zero_bound},
-                                    {"complete", "", "all modes", &Modes::complete}};
-  static const Fields<FoundModes> kFields =
-      Fields<FoundModes>{}.with(&FoundModes::found, kModes).with(&FoundModes::state, state_fields());
-  return kFields;
-}
+struct NumberedMode {
+  std::size_t number;
+  Mode mode;
+  double length;  // of the mechanism
+};
+const Fields<BodyShape> kShapeFields{
+    {"body", "", "", &BodyShape::body}, {"move", "m", "", &BodyShape::move}, {"turn", "rad", "", &BodyShape::turn}};
+const Fields<NumberedMode> kModeFields{
+    {"mode", "", "mode", &NumberedMode::number},
+    {"kind", "", "kind", [](const NumberedMode& m) { return word(m.mode.kind); }},
+    {"frequency", "Hz", "frequency [Hz]", [](const NumberedMode& m) { return m.mode.frequency(); }, unless_zero},
+    {"omega", "rad/s", "omega [rad/s]", [](const NumberedMode& m) { return m.mode.omega(); }, unless_zero},
+    {"damping", "", "damping ratio", [](const NumberedMode& m) { return m.mode.is_marginal() ? 0 : m.mode.damping(); },
+     [](const Json& d) { return std::abs(d.get<double>()) < 1 ? number_text(d) : ""; }},
+    {"decay_rate", "1/s", "decay rate",
+     [](const NumberedMode& m) { return m.mode.is_marginal() ? 0 : -m.mode.value.real(); }},
+    {"eigenvalue", "1/s", "", [](const NumberedMode& m) { return m.mode.value; }},
+    {"bound", "1/s", "", [](const NumberedMode& m) { return m.mode.bound; }},
+    {"stability", "", "stability", [](const NumberedMode& m) { return stability_of(m.mode); }},
+    {"moves", "", "shape", [](const NumberedMode& m) { return shape_words(m.mode, m.length); }},
+    {"shape", "", [](const NumberedMode& m) { return m.mode.shape; }, kShapeFields}};
+const Fields<Modes> kModesFields{{"modes", "modes",
+                                  [](const Modes& m) {
+                                    std::vector<NumberedMode> all;
+                                    for (const Mode& each : m.modes) all.push_back({all.size() + 1, each, m.length});
+                                    return all;
+                                  },
+                                  kModeFields},
+                                 {"length", "m", "1 rad counts as", &Modes::length},
+                                 {"freedoms", "", "remaining degrees of freedom", &Modes::freedoms},
+                                 {"zeros", "", "zero eigenvalues", &Modes::zeros},
+                                 {"zero_bound", "1/s", "  zero below", &Modes::zero_bound},
+                                 {"complete", "", "all modes", &Modes::complete}};
+const Fields<FoundModes> kFoundModesFields =
+    Fields<FoundModes>{}.with(&FoundModes::found, kModesFields).with(&FoundModes::state, state_fields());
 
 // A line of the list: "3: 12.5 Hz", "1: rigid".
 std::string title_of(const Mode& mode, std::size_t number) {
@@ -186,7 +183,7 @@ Result analyse_modes(const Arguments& args) {
       motion_state(std::make_unique<Mechanism>(build_mechanism(loaded.scene, loaded.registry)), loaded.registry, args);
   const Modes found = with_words_of_program([&] { return find_modes(*at.dynamics, at.state, options); });
   CommandFindings::add(found.notes);
-  Result result(loaded, modes_fields(), FoundModes{{at.state.t, found.spin, found.unrest}, found});
+  Result result(loaded, kFoundModesFields, FoundModes{{at.state.t, found.spin, found.unrest}, found});
   if (!args["--csv"].empty()) result.write(args["--csv"], csv_text(found));
   if (!report.empty()) write_modes_report(report, args, loaded, at, found), result.files.push_back(report);
   return result;
@@ -208,7 +205,7 @@ largest translation the length that counts as 1 rad. The pendulum of the example
 
 Example:
   lockstep modes samples/scenes/pendulum.json --set gravity.0=9.81 --set gravity.1=0)",
-      {&modes_fields().schema()}};
+      {&kFoundModesFields.schema()}};
 }
 
 }  // namespace lockstep

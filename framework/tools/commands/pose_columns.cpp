@@ -74,25 +74,4 @@ NamedPoses poses_of(const System& system, const State& state) {
   return all;
 }
 
-const Fields<Pose>& pose_fields() {
-  static const Fields<Pose> kFields{{"position", "m", "at", &Pose::x}, {"orientation", "", "orientation", &Pose::q}};
-  return kFields;
-}
-
-const Fields<NamedReaction>& reaction_fields() {
-  static const Fields<NamedReaction> kFields{
-      {"on", "", "on", &NamedReaction::body},
-      {"force", "N", "force", [](const NamedReaction& r) { return r.wrench.force; }},
-      {"moment", "N m", "moment", [](const NamedReaction& r) { return r.wrench.moment; }},
-      {"note", "", "note", &NamedReaction::note}};
-  return kFields;
-}
-
-const Fields<PoseNumber>& number_fields() {
-  static const Fields<PoseNumber> kFields{{"name", "", "name", &PoseNumber::name},
-                                          {"value", "", "value", &PoseNumber::value},
-                                          {"unit", "", "unit", &PoseNumber::unit}};
-  return kFields;
-}
-
 }  // namespace lockstep

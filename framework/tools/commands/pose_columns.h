@@ -37,8 +37,14 @@ std::vector<PoseNumber> force_numbers(const System&, const Inputs&);
 /// Poses by the names of moving bodies, and reactions by the names of joints and drives, as results.
 using NamedPoses = std::vector<std::pair<std::string, Pose>>;
 NamedPoses poses_of(const System&, const State&);
-const Fields<Pose>& pose_fields();
-const Fields<NamedReaction>& reaction_fields();
-const Fields<PoseNumber>& number_fields();
+inline const Fields<Pose> kPoseFields{{"position", "m", "at", &Pose::x}, {"orientation", "", "orientation", &Pose::q}};
+inline const Fields<NamedReaction> kReactionFields{
+    {"on", "", "on", &NamedReaction::body},
+    {"force", "N", "force", [](const NamedReaction& r) { return r.wrench.force; }},
+    {"moment", "N m", "moment", [](const NamedReaction& r) { return r.wrench.moment; }},
+    {"note", "", "note", &NamedReaction::note}};
+inline const Fields<PoseNumber> kNumberFields{{"name", "", "name", &PoseNumber::name},
+                                              {"value", "", "value", &PoseNumber::value},
+                                              {"unit", "", "unit", &PoseNumber::unit}};
 
 }  // namespace lockstep

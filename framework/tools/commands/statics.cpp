@@ -159,54 +159,50 @@ std::string growth_text(const Json& time) {
   return time.is_number() ? fmt::format("time constant {:.3g} s", time.get<double>()) : "";
 }
 
-const Fields<AtRest>& rest_fields() {
-  using Report = EquilibriumReport;
-  static const Fields<FreeMotion> kNeutral{{"motion", "", "moves", &FreeMotion::words},
-                                           {"stiffness", "1/s^2", "", &FreeMotion::stiffness},
-                                           {"zero_below", "1/s^2", "", &FreeMotion::bound}};
-  static const Fields<FreeMotion> kMotion = kNeutral.with(
-      {{"growth_time", "s", "grows", [](const FreeMotion& m) { return growth_time(m.stiffness); }, growth_text}});
-  static const Fields<GripReport> kGrip{{"force", "", "of", &GripReport::force},
-                                        {"what", "", "against", &GripReport::what},
-                                        {"carries", "", "load", &GripReport::carries},
-                                        {"most", "", "limit", &GripReport::most},
-                                        {"unit", "", "unit", &GripReport::unit}};
-  static const Fields<Stability> kStability{
-      {"stability", "", "stability", stability_word},
-      {"freedoms", "", "remaining degrees of freedom", &Stability::freedoms},
-      {"lowest_eigenvalue", "1/s^2", "lowest natural frequency", &Stability::softest, frequency_text},
-      {"growth_time", "s", "fastest growth", [](const Stability& s) { return growth_time(s.softest); }, growth_text},
-      {"has_potential", "", "potential", &Stability::has_potential,
-       [](const Json& v) { return v.get<bool>() ? std::string() : "none: damping may decide the stability"; }},
-      {"unstable", "unstable motions", &Stability::unstable, kMotion},
-      {"not_held", "neutral motions", &Stability::neutral, kNeutral}};
-  static const Fields<Report> kReport{
-      {"method", "", "found by", &Report::method},
-      {"by_friction", "", "held by friction", &Report::by_friction},
-      {"relaxed", "", "", &Report::relaxed},
-      {"singular", "", "near a singular configuration", &Report::singular},
-      {"iterations", "", "", &Report::iterations},
-      {"relaxation_steps", "", "", &Report::relaxation_steps},
-      {"unbalanced", "", "unbalanced force, relative", &Report::unbalanced,
-       [](const Json& share) { return share < kRoundOff ? std::string("0") : number_text(share); }},
-      {"largest_force", "N", "largest force on a body", &Report::largest_force},
-      {"largest_move", "m", "largest move", &Report::largest_move},
-      {"moved_most", "", "  of", &Report::moved_most},
-      {"friction", "friction at the start", &Report::grips, kGrip},
-      {"left", "", "left an unstable pose along", &Report::left},
-      {"pressed", "", "in contact", &Report::pressed},
-      {"free", "", "free (one-sided)", &Report::free}};
-  static const Fields<AtRest> kFields =
-      Fields<AtRest>{}
-          .with([](const AtRest& r) -> const Stability& { return r.report.stability; }, kStability)
-          .with({{"energy", "J", "potential energy", [](const AtRest& r) { return r.report.energy; }},
-                 {"found", "", "starts that lead here", &AtRest::found, unless_zero},
-                 {"bodies", "bodies", &AtRest::poses, pose_fields()},
-                 {"quantities", "forces and recorded quantities", &AtRest::quantities, number_fields()},
-                 {"reactions", "reactions at P, world", &AtRest::reactions, reaction_fields()}})
-          .with(&AtRest::report, kReport);
-  return kFields;
-}
+const Fields<FreeMotion> kNeutralFields{{"motion", "", "moves", &FreeMotion::words},
+                                        {"stiffness", "1/s^2", "", &FreeMotion::stiffness},
+                                        {"zero_below", "1/s^2", "", &FreeMotion::bound}};
+const Fields<FreeMotion> kUnstableFields = kNeutralFields.with(
+    {{"growth_time", "s", "grows", [](const FreeMotion& m) { return growth_time(m.stiffness); }, growth_text}});
+const Fields<GripReport> kGripFields{{"force", "", "of", &GripReport::force},
+                                     {"what", "", "against", &GripReport::what},
+                                     {"carries", "", "load", &GripReport::carries},
+                                     {"most", "", "limit", &GripReport::most},
+                                     {"unit", "", "unit", &GripReport::unit}};
+const Fields<Stability> kStabilityFields{
+    {"stability", "", "stability", stability_word},
+    {"freedoms", "", "remaining degrees of freedom", &Stability::freedoms},
+    {"lowest_eigenvalue", "1/s^2", "lowest natural frequency", &Stability::softest, frequency_text},
+    {"growth_time", "s", "fastest growth", [](const Stability& s) { return growth_time(s.softest); }, growth_text},
+    {"has_potential", "", "potential", &Stability::has_potential,
+     [](const Json& v) { return v.get<bool>() ? std::string() : "none: damping may decide the stability"; }},
+    {"unstable", "unstable motions", &Stability::unstable, kUnstableFields},
+    {"not_held", "neutral motions", &Stability::neutral, kNeutralFields}};
+const Fields<EquilibriumReport> kRestReportFields{
+    {"method", "", "found by", &EquilibriumReport::method},
+    {"by_friction", "", "held by friction", &EquilibriumReport::by_friction},
+    {"relaxed", "", "", &EquilibriumReport::relaxed},
+    {"singular", "", "near a singular configuration", &EquilibriumReport::singular},
+    {"iterations", "", "", &EquilibriumReport::iterations},
+    {"relaxation_steps", "", "", &EquilibriumReport::relaxation_steps},
+    {"unbalanced", "", "unbalanced force, relative", &EquilibriumReport::unbalanced,
+     [](const Json& share) { return share < kRoundOff ? std::string("0") : number_text(share); }},
+    {"largest_force", "N", "largest force on a body", &EquilibriumReport::largest_force},
+    {"largest_move", "m", "largest move", &EquilibriumReport::largest_move},
+    {"moved_most", "", "  of", &EquilibriumReport::moved_most},
+    {"friction", "friction at the start", &EquilibriumReport::grips, kGripFields},
+    {"left", "", "left an unstable pose along", &EquilibriumReport::left},
+    {"pressed", "", "in contact", &EquilibriumReport::pressed},
+    {"free", "", "free (one-sided)", &EquilibriumReport::free}};
+const Fields<AtRest> kRestFields =
+    Fields<AtRest>{}
+        .with([](const AtRest& r) -> const Stability& { return r.report.stability; }, kStabilityFields)
+        .with({{"energy", "J", "potential energy", [](const AtRest& r) { return r.report.energy; }},
+               {"found", "", "starts that lead here", &AtRest::found, unless_zero},
+               {"bodies", "bodies", &AtRest::poses, kPoseFields},
+               {"quantities", "forces and recorded quantities", &AtRest::quantities, kNumberFields},
+               {"reactions", "reactions at P, world", &AtRest::reactions, kReactionFields}})
+        .with(&AtRest::report, kRestReportFields);
 
 /// Of --all.
 struct AllAtRest {
@@ -226,12 +222,9 @@ Fields<AllAtRest> fields_of_all(const char* label, const Fields<AtRest>& each) {
              if (a.failed > a.unassembled) all.push_back(fmt::format("{} not converged", a.failed - a.unassembled));
              return all.empty() ? "0" : text::join(all, ", ");
            }},
-          Field<AllAtRest>("equilibria", label, &AllAtRest::all, each).whole()};
+          {"equilibria", label, &AllAtRest::all, each, kWhole}};
 }
-const Fields<AllAtRest>& all_fields() {
-  static const Fields<AllAtRest> kFields = fields_of_all("equilibrium", rest_fields());
-  return kFields;
-}
+const Fields<AllAtRest> kAllRestFields = fields_of_all("equilibrium", kRestFields);
 /// One line for each equilibrium, with the first quantities that differ between them; where these are equal for two, with
 /// the coordinate of a body that differs most.
 std::string overview_of(const AllAtRest& found) {
@@ -285,11 +278,8 @@ struct Varied {
   std::size_t found = 0;
   long failed = 0;
 };
-const Fields<Varied>& varied_fields() {
-  static const Fields<Varied> kFields{{"equilibria", "", "equilibria", &Varied::found},
-                                      {"failed", "", "failed", &Varied::failed}};
-  return kFields;
-}
+const Fields<Varied> kVariedFields{{"equilibria", "", "equilibria", &Varied::found},
+                                   {"failed", "", "failed", &Varied::failed}};
 
 /// An equilibrium as numbers: what was found, poses and reactions (not if `brief`), what is recorded.
 std::vector<PoseNumber> numbers_of(Resting& r, bool brief = false) {
@@ -411,7 +401,7 @@ Result vary(const Arguments& args) {
   Result result;
   if (varied.found > 0) {
     file.commit();
-    if (!record.empty()) result = {scenes.loaded, varied_fields(), varied}, result.files = {record};
+    if (!record.empty()) result = {scenes.loaded, kVariedFields, varied}, result.files = {record};
     if (!record.empty() && variables.size() == 1)
       draw_curves(args, scenes.loaded.title(), curves, settings, result.files);
     if (record.empty()) tell(text_of(CommandFindings::added()));
@@ -433,7 +423,7 @@ Result find_all(const Arguments& args) {
     found.all.push_back(found_of(first, found.all.empty()));
     found.all.back().number = static_cast<int>(found.all.size()), found.all.back().found = e.found;
   }
-  Result result(loaded, all_fields(), found);
+  Result result(loaded, kAllRestFields, found);
   if (!args.has("--verbose")) result.brief = overview_of(found);
   return result;
 }
@@ -450,7 +440,7 @@ Result find_rest(const Arguments& args) {
   if (!record.empty()) check_overwrites(record, loaded.scene);
   Resting resting(loaded.scene, loaded.registry);
   resting.find(args, nullptr, true);
-  Result result(loaded, rest_fields(), found_of(resting));
+  Result result(loaded, kRestFields, found_of(resting));
   if (record.empty()) return result;
   std::vector<Cells> lines(2);
   const std::vector<PoseNumber> numbers = numbers_of(resting);
@@ -493,7 +483,7 @@ natural angular frequency. `move` is the largest displacement of a body. --recor
 
 Example:
   lockstep statics samples/scenes/double_pendulum.json)",
-      {&rest_fields().schema(), &all_fields().schema(), &varied_fields().schema()}};
+      {&kRestFields.schema(), &kAllRestFields.schema(), &kVariedFields.schema()}};
 }
 
 }  // namespace lockstep

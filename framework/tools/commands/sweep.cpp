@@ -287,39 +287,35 @@ class Sweep {
   std::vector<std::atomic<double>> under_way_;  // of each thread: runs that it has begun, as far as they have come
 };
 
-const Fields<Tally>& sweep_fields() {
-  using Row = SweepRow;
-  static const Fields<ColumnRange> kEnds{
-      {"final", "", "", &ColumnRange::last}, {"min", "", "", &ColumnRange::least}, {"max", "", "", &ColumnRange::most}};
-  static const Fields<Row> kEnergy{{"verdict", "", "", [](const Row& r) { return r.run.energy; }},
-                                   {"imbalance", "", "", [](const Row& r) { return r.run.imbalance; }}};
-  static const Fields<Row> kDrift{{"violation", "m", "", [](const Row& r) { return r.run.violation; }},
-                                  {"drifted", "", "", [](const Row& r) { return r.run.drifted; }}};
-  const auto done = [](const Row& r) { return r.run.failed ? std::nullopt : std::optional(r); };
-  static const Fields<Row> kRow{
-      {"run", "", "", &Row::number},
-      {"status", "", "", [](const Row& r) { return r.run.outcome(); }},
-      {"values", "", "", &Row::values},
-      {"findings", "", [](const Row& r) { return r.run.findings; }, finding_fields()},
-      {"steps", "", "", [](const Row& r) { return r.run.steps; }},
-      {"cpu", "s", "", [](const Row& r) { return r.run.cpu; }},
-      {"columns", "", &Row::columns, kEnds},
-      Field<Row>("t", "s", "", [](const Row& r) { return r.run.failed ? NAN : r.run.t; }).optional(),
-      Field<Row>("energy", "", done, kEnergy).optional(),
-      Field<Row>("drift", "", done, kDrift).optional()};
-  static const Fields<Tally> kFields{{"asked", "", "", &Tally::asked},
-                                     {"share", "", "share", &Tally::share},
-                                     {"done", "", "", &Tally::done},
-                                     {"failed", "", "", &Tally::failed},
-                                     {"wrong", "", "", &Tally::wrong},
-                                     {"kept", "", "done before", &Tally::kept, unless_zero},
-                                     {"in_lanes", "", "", &Tally::in_lanes},
-                                     {"one_by_one", "", "one by one", &Tally::alone},
-                                     {"histories", "", "tables kept", &Tally::histories, unless_zero},
-                                     {"notes", "", "report", &Tally::notes},
-                                     {"runs", "", &Tally::runs, kRow}};
-  return kFields;
-}
+const Fields<ColumnRange> kEndsFields{
+    {"final", "", "", &ColumnRange::last}, {"min", "", "", &ColumnRange::least}, {"max", "", "", &ColumnRange::most}};
+const Fields<SweepRow> kRowEnergyFields{{"verdict", "", "", [](const SweepRow& r) { return r.run.energy; }},
+                                        {"imbalance", "", "", [](const SweepRow& r) { return r.run.imbalance; }}};
+const Fields<SweepRow> kRowDriftFields{{"violation", "m", "", [](const SweepRow& r) { return r.run.violation; }},
+                                       {"drifted", "", "", [](const SweepRow& r) { return r.run.drifted; }}};
+std::optional<SweepRow> if_done(const SweepRow& r) { return r.run.failed ? std::nullopt : std::optional(r); }
+const Fields<SweepRow> kSweepRowFields{
+    {"run", "", "", &SweepRow::number},
+    {"status", "", "", [](const SweepRow& r) { return r.run.outcome(); }},
+    {"values", "", "", &SweepRow::values},
+    {"findings", "", [](const SweepRow& r) { return r.run.findings; }, kFindingFields},
+    {"steps", "", "", [](const SweepRow& r) { return r.run.steps; }},
+    {"cpu", "s", "", [](const SweepRow& r) { return r.run.cpu; }},
+    {"columns", "", &SweepRow::columns, kEndsFields},
+    {"t", "s", "", [](const SweepRow& r) { return r.run.failed ? NAN : r.run.t; }, kUnlessEmpty},
+    {"energy", "", if_done, kRowEnergyFields, kUnlessEmpty},
+    {"drift", "", if_done, kRowDriftFields, kUnlessEmpty}};
+const Fields<Tally> kSweepFields{{"asked", "", "", &Tally::asked},
+                                 {"share", "", "share", &Tally::share},
+                                 {"done", "", "", &Tally::done},
+                                 {"failed", "", "", &Tally::failed},
+                                 {"wrong", "", "", &Tally::wrong},
+                                 {"kept", "", "done before", &Tally::kept, unless_zero},
+                                 {"in_lanes", "", "", &Tally::in_lanes},
+                                 {"one_by_one", "", "one by one", &Tally::alone},
+                                 {"histories", "", "tables kept", &Tally::histories, unless_zero},
+                                 {"notes", "", "report", &Tally::notes},
+                                 {"runs", "", &Tally::runs, kSweepRowFields}};
 
 // "9 runs, all succeeded (vectorised: 8 of 9)".
 std::string summary(const Tally& t) {
@@ -406,7 +402,7 @@ Result sweep_scene(const Arguments& args) {
   const std::string table = interrupted && csv != "-" ? rows.partial() : csv;
   if (!report.empty())
     write_report(plan, tally, table, interrupted ? unfinished_report(report) : report, sweep.motions(), tally.notes);
-  Result result(plan.loaded, sweep_fields(), tally);
+  Result result(plan.loaded, kSweepFields, tally);
   result.brief = summary(tally) + text_of(*result.schema, result.data) + sweep.results();
   result.files = {table};
   if (!report.empty()) result.files.push_back(interrupted ? unfinished_report(report) : report);
@@ -461,7 +457,7 @@ The page sweep.md shows shards on several machines.
 
 Example:
   lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --vary gravity.1=-9.81,-1.62 --record moon.csv)",
-      {&sweep_fields().schema()}};
+      {&kSweepFields.schema()}};
 }
 
 }  // namespace lockstep

@@ -90,10 +90,6 @@ Variable as_written(Variable v, const std::string& text) {
   return v;
 }
 
-}  // namespace
-
-namespace {
-
 VariedScene read_varied(const Arguments& args, const std::string& option, const std::vector<std::string>& texts,
                         bool is_grid) {
   Loaded loaded = read_with_plugins(args);

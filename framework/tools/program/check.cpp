@@ -142,16 +142,13 @@ std::vector<OwnedChannel> channels_of(const System& system, const std::string& o
   return all;
 }
 
-const Fields<std::vector<OwnedChannel>>& channel_fields() {
-  using Owned = OwnedChannel;
-  static const Fields<Owned> kChannel{{"name", "", "name", [](const Owned& c) { return c.channel.name; }},
-                                      {"unit", "", "unit", [](const Owned& c) { return c.channel.unit; }},
-                                      {"of", "", "of", &Owned::owner, json_only},
-                                      {"help", "", "what it is", [](const Owned& c) { return c.channel.help; }}};
-  static const Fields<std::vector<Owned>> kFields{
-      Field<std::vector<Owned>>("channels", "channels", std::identity(), kChannel).whole()};
-  return kFields;
-}
+const Fields<OwnedChannel> kChannelFields{
+    {"name", "", "name", [](const OwnedChannel& c) { return c.channel.name; }},
+    {"unit", "", "unit", [](const OwnedChannel& c) { return c.channel.unit; }},
+    {"of", "", "of", &OwnedChannel::owner, json_only},
+    {"help", "", "what it is", [](const OwnedChannel& c) { return c.channel.help; }}};
+const Fields<std::vector<OwnedChannel>> kChannelsFields{
+    {"channels", "channels", std::identity(), kChannelFields, kWhole}};
 
 /// The constraints that a tree leaves: of loop-closing joints, and of joints that do not hold all of theirs.
 std::string rows_in_words(const TreeReport& tree) {
@@ -288,36 +285,32 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
   return found;
 }
 
-const Fields<Findings>& check_fields() {
-  static const Fields<Branch> kBranch{{"body", "", "body", &Branch::body},
-                                      {"parent", "", "on", &Branch::parent},
-                                      {"link", "", "by joint", &Branch::link},
-                                      {"coordinates", "", "coordinates", &Branch::coordinates},
-                                      {"held", "", "prescribed", [](const Branch& b) { return b.coordinates.empty(); }},
-                                      {"rows", "", "constraints left", &Branch::rows}};
-  using Parameter = SceneParameter;
-  static const Fields<Parameter> kParameter{
-      {"name", "", "name", &Parameter::name},
-      {"kind", "", "", [](const Parameter& p) { return p.is_point ? "point" : "parameter"; }},
-      {"now", "", "value", [](const Parameter& p) { return value_words(p.value, true); }},
-      {"value", "", "", [](const Parameter& p) { return value_text(p.value); }},
-      {"written", "", "written", [](const Parameter& p) { return value_text(p.written); }}};
-  static const Fields<Findings> kFields =
-      Fields<Findings>{}
-          .with(&Findings::moves, mobility_fields())
-          .with({{"formulation", "", "", &Findings::formulation},
-                 {"stages", "", "", &Findings::stages},
-                 {"violation", "m", "", &Findings::violation},
-                 {"violation_v", "m/s", "", &Findings::violation_v},
-                 {"frames_taken", "", "places assumed", &Findings::taken},
-                 {"tables", "", "tables", &Findings::tables},
-                 {"tree", "joint coordinates", [](const Findings& f) { return f.tree.branches; }, kBranch},
-                 {"closures", "", "", [](const Findings& f) { return f.tree.closures; }},
-                 {"columns", "", "", &Findings::columns},
-                 {"parameters", "parameters and points", &Findings::parameters, kParameter},
-                 {"proposals", "", "possible simplifications", &Findings::proposals}});
-  return kFields;
-}
+const Fields<Branch> kBranchFields{{"body", "", "body", &Branch::body},
+                                   {"parent", "", "on", &Branch::parent},
+                                   {"link", "", "by joint", &Branch::link},
+                                   {"coordinates", "", "coordinates", &Branch::coordinates},
+                                   {"held", "", "prescribed", [](const Branch& b) { return b.coordinates.empty(); }},
+                                   {"rows", "", "constraints left", &Branch::rows}};
+const Fields<SceneParameter> kSceneParameterFields{
+    {"name", "", "name", &SceneParameter::name},
+    {"kind", "", "", [](const SceneParameter& p) { return p.is_point ? "point" : "parameter"; }},
+    {"now", "", "value", [](const SceneParameter& p) { return value_words(p.value, true); }},
+    {"value", "", "", [](const SceneParameter& p) { return value_text(p.value); }},
+    {"written", "", "written", [](const SceneParameter& p) { return value_text(p.written); }}};
+const Fields<Findings> kCheckFields =
+    Fields<Findings>{}
+        .with(&Findings::moves, mobility_fields())
+        .with({{"formulation", "", "", &Findings::formulation},
+               {"stages", "", "", &Findings::stages},
+               {"violation", "m", "", &Findings::violation},
+               {"violation_v", "m/s", "", &Findings::violation_v},
+               {"frames_taken", "", "places assumed", &Findings::taken},
+               {"tables", "", "tables", &Findings::tables},
+               {"tree", "joint coordinates", [](const Findings& f) { return f.tree.branches; }, kBranchFields},
+               {"closures", "", "", [](const Findings& f) { return f.tree.closures; }},
+               {"columns", "", "", &Findings::columns},
+               {"parameters", "parameters and points", &Findings::parameters, kSceneParameterFields},
+               {"proposals", "", "possible simplifications", &Findings::proposals}});
 
 std::string counted(int n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
 
@@ -404,7 +397,7 @@ std::string channels_text(const std::vector<OwnedChannel>& all) {
     line.name.replace(line.name.size() - 1, 1, "{x,y,z}"), line.help.resize(line.help.size() - 3);
     k += 2;
   }
-  return text_of(channel_fields().schema(), channel_fields()(lines));
+  return text_of(kChannelsFields.schema(), kChannelsFields(lines));
 }
 
 // The exit code of a run of it, as far as its start: the findings precede the error of the start.
@@ -413,7 +406,7 @@ Result check_scene(const Arguments& args) {
   Mechanism m = build_observed(loaded.scene, loaded.registry);
   if (args.has("--channels")) {
     const std::vector<OwnedChannel> channels = channels_of(m.system, args["--of"]);
-    Result result(loaded, channel_fields(), channels);
+    Result result(loaded, kChannelsFields, channels);
     result.brief = channels_text(channels);
     return result;
   }
@@ -422,7 +415,7 @@ Result check_scene(const Arguments& args) {
     tell_error(found.moves.error);
   else if (!args.has("--verbose"))  // which lists them
     note_not_unique(found.moves.reactions);
-  Result result(loaded, check_fields(), found);
+  Result result(loaded, kCheckFields, found);
   result.brief = head_text(m.system, found) + brief_text(found, args.has("--verbose"));
   Json shown = result.data;
   if (!found.moves.error.empty())
@@ -471,9 +464,10 @@ Command check_command() {
                  .along("--channels"),
              Option{"more", "SCENE", "further scenes"}.repeated()}}),
       check,
-      "Constraints of a joint are named by what they hold: x y z translations, e1 e2 e3 rotations, in the axes of S.\n\n"
+      "Constraints of a joint are named by what they hold: x y z translations, e1 e2 e3 rotations, in the axes of "
+      "S.\n\n"
       "Example:\n  lockstep check samples/scenes/four_bar.json --json",
-      {&check_fields().schema(), &channel_fields().schema()}};
+      {&kCheckFields.schema(), &kChannelsFields.schema()}};
 }
 
 }  // namespace lockstep

@@ -29,25 +29,22 @@ std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
       d.violation);
 }
 
+}  // namespace
+
+void note_near(const std::vector<NearDependency>& near, NearlyRedundant choice) {
+  for (const NearDependency& d : near)
+    CommandFindings::add(
+        {&finding::nearly_redundant, by_joint(d.rows),
+         fmt::format(
+             "{} of the constraints {} {} nearly redundant (relative singular value {:.2g}, 0 is redundant). {}",
+             d.nearly, by_joint(d.rows), d.nearly == 1 ? "is" : "are", d.singular_value, decided_words(d, choice)),
+         d.advice, d.singular_value});
+}
+
 std::string decision(const NearDependency& d, NearlyRedundant choice) {
   if (choice == NearlyRedundant::reported) return "reported";
   if (!d.decided) return choice == NearlyRedundant::automatic && d.undecided.empty() ? "reported" : "undecided";
   return d.free ? "free" : "held";
-}
-
-}  // namespace
-
-void note_near(const std::vector<NearDependency>& near, NearlyRedundant choice) {
-  for (const NearDependency& d : near) {
-    Finding f{&finding::nearly_redundant, by_joint(d.rows)};
-    f.message =
-        fmt::format("{} of the constraints {} {} nearly redundant (relative singular value {:.2g}, 0 is redundant). ",
-                    d.nearly, by_joint(d.rows), d.nearly == 1 ? "is" : "are", d.singular_value) +
-        decided_words(d, choice);
-    f.advice = d.advice;
-    f.value = d.singular_value;
-    CommandFindings::add(f);
-  }
 }
 
 std::vector<DecidedNear> decided(const std::vector<NearDependency>& near, NearlyRedundant choice) {
@@ -56,29 +53,7 @@ std::vector<DecidedNear> decided(const std::vector<NearDependency>& near, Nearly
   return all;
 }
 
-const Fields<DecidedNear>& near_fields() {
-  using Near = DecidedNear;
-  static const Fields<Near> kFields{{"rows", "", "", [](const Near& n) { return n.first.rows; }},
-                                    {"nearly", "", "", [](const Near& n) { return n.first.nearly; }},
-                                    {"singular_value", "", "", [](const Near& n) { return n.first.singular_value; }},
-                                    {"in_passing", "", "", [](const Near& n) { return n.first.in_passing; }},
-                                    {"decided", "", "", [](const Near& n) { return decision(n.first, n.second); }},
-                                    {"undecided", "", "", [](const Near& n) { return n.first.undecided; }},
-                                    {"needed", "", "", [](const Near& n) { return n.first.needed; }},
-                                    {"violation", "m", "", [](const Near& n) { return n.first.violation; }},
-                                    {"left_out", "", "", [](const Near& n) { return n.first.left_out; }}};
-  return kFields;
-}
-
 std::string grouped_text(const Json& constraints) { return by_joint(constraints.get<std::vector<std::string>>()); }
-
-const Fields<Dependency>& dependency_fields() {
-  static const Fields<Dependency> kFields{{"rows", "", "constraints", &Dependency::rows, grouped_text},
-                                          {"too_many", "", "redundant", &Dependency::too_many},
-                                          {"nearly", "", "nearly redundant", &Dependency::nearly},
-                                          {"pivot", "", "", &Dependency::pivot}};
-  return kFields;
-}
 
 void note_not_unique(const UniquenessReport& reactions) {
   if (reactions.all_unique()) return;

@@ -3,14 +3,15 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
+#include <set>
 
 #include <lockstep/author/lock.h>
 #include <lockstep/finding.h>
 #include <lockstep/recorder.h>
 #include "framework/description/scene/describe.h"
 #include "framework/foundation/support/lines.h"
+#include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/tools.h"
 
@@ -68,10 +69,7 @@ class SceneAtHand {
     Words all;
     std::error_code error;  // reading a pipe would block
     if (!std::filesystem::is_regular_file(args_["scene"], error)) return all;
-    try {
-      collect(read_with_plugins(args_), all);
-    } catch (...) {  // an unfinished scene is no error while a line is typed
-    }
+    thrown_by([&] { collect(read_with_plugins(args_), all); });  // an unfinished scene is no error
     return all;
   }
   template <class Collect>
@@ -266,12 +264,10 @@ Command completion_command() {
 int print_completions(const Program& program, int argc, const char* const* argv) {
   const Line line = read_line(program, Words(argv, argv + argc));
   SceneAtHand scene(line.positionals.empty() ? "" : line.positionals.front(), line.plugins);
-  Completion found = all_of(line, scene);
-  std::erase_if(found.words, [&](const std::string& word) { return !word.starts_with(line.last); });
-  std::sort(found.words.begin(), found.words.end());
-  found.words.erase(std::unique(found.words.begin(), found.words.end()), found.words.end());
+  const Completion found = all_of(line, scene);
   if (found.files) fmt::print(":files\n");
-  for (const std::string& word : found.words) fmt::print("{}{}\n", line.before, word);
+  for (const std::string& word : std::set<std::string>(found.words.begin(), found.words.end()))
+    if (word.starts_with(line.last)) fmt::print("{}{}\n", line.before, word);
   return kExitOk;
 }
 

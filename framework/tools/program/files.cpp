@@ -172,6 +172,12 @@ void refuse_inputs(const std::vector<fs::path>& results, const Scene& scene) {
                    });
 }
 
+// The table of a run, the file that becomes it, and its picture.
+std::vector<fs::path> files_of(const fs::path& csv) {
+  return {csv, csv.string() + ".partial", fs::path(csv).replace_extension(".svg"),
+          fs::path(csv).replace_extension(".png")};
+}
+
 }  // namespace
 
 std::string picture_base(const std::string& csv, const PictureRequest& picture) {
@@ -182,19 +188,18 @@ std::string picture_base(const std::string& csv, const PictureRequest& picture) 
 }
 
 void check_overwrites(const std::string& csv, const Scene& scene, const std::vector<PictureRequest>& pictures) {
-  const std::string base = fs::path(csv).replace_extension().string();
-  std::vector<fs::path> results{csv, csv + ".partial", base + ".svg", base + ".png"};
+  std::vector<fs::path> results = files_of(csv);
   for (const PictureRequest& picture : pictures)
     for (const char* ending : {".svg", ".png"}) results.emplace_back(picture_base(csv, picture) + ending);
   refuse_inputs(results, scene);
 }
 
 void check_checkpoint(const std::string& checkpoint, const std::string& csv, const Scene& scene) {
-  const std::string base = fs::path(csv).replace_extension().string();
   const fs::path own = fs::path(checkpoint).lexically_normal(), partial = own.string() + ".partial";
-  for (const std::string& taken : {csv, csv + ".partial", base + ".svg", base + ".png"})
-    if (own == fs::path(taken).lexically_normal() || partial == fs::path(taken).lexically_normal())
-      throw UsageError("--checkpoint: the checkpoint would replace '" + taken + "', a result; name another file");
+  for (const fs::path& taken : files_of(csv))
+    if (own == taken.lexically_normal() || partial == taken.lexically_normal())
+      throw UsageError("--checkpoint: the checkpoint would replace '" + taken.string() +
+                       "', a result; name another file");
   refuse_inputs({own, partial}, scene);
   check_replaceable(checkpoint);
   check_writable(partial.string());
@@ -239,8 +244,7 @@ std::string report_path(const std::string& report, const std::string& csv, const
   if (report == "-") throw UsageError("--report: the report needs a file; name one, as in --report out.html");
   const fs::path file = fs::path(report).lexically_normal();
   make_folder(file.parent_path().string());
-  const fs::path base = fs::path(csv).replace_extension();
-  for (const fs::path& taken : {fs::path(csv), fs::path(base.string() + ".svg"), fs::path(base.string() + ".png")})
+  for (const fs::path& taken : files_of(csv))
     if (file == taken.lexically_normal())
       throw UsageError("the report would replace '" + taken.string() + "', another result; name it " +
                        fs::path(file).replace_extension(".html").string());

@@ -61,8 +61,8 @@ std::uint64_t hash_of_files(const Scene&);
 /// A hash of the files of the plugins that a scene, or the command line, requires.
 std::uint64_t hash_of_plugins(const Scene&, const std::vector<std::string>& plugins);
 
-/// The HTML file of a report: `report` if given, else that of the CSV with another ending. Makes its folder. Throws
-/// FileError, and UsageError if the name is that of another result, or of a file that the scene is read from.
+/// The HTML file of a report, whose folder it makes. Throws FileError, and UsageError if the name is that of another
+/// result, or of a file that the scene is read from.
 std::string report_path(const std::string& report, const std::string& csv, const Scene&);
 
 /// Shows a file in the browser, as far as this machine can (xdg-open). Returns why not, or "".

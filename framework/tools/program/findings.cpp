@@ -38,22 +38,6 @@ std::vector<Finding> CommandFindings::added() {
   return unlogged;
 }
 
-const Fields<Finding>& finding_fields() {
-  using Made = Field<Finding>;
-  static const Fields<Finding> kFields{
-      Made("severity", "", "", [](const Finding& f) { return to_string(f.severity()); }),
-      Made("code", "", "", &Finding::code),
-      Made("thing", "", "", &Finding::thing).optional(),
-      Made("message", "", "", &Finding::message).optional(),
-      Made("advice", "", "", &Finding::advice).optional(),
-      Made("value", "", "", &Finding::value).optional(),
-      Made("limit", "", "", &Finding::limit).optional(),
-      Made("unit", "", "", &Finding::unit).optional(),
-      Made("t", "s", "", &Finding::t).optional(),
-      Made("place", "", "", &Finding::place).optional()};
-  return kFields;
-}
-
 std::string text_of(const std::vector<Finding>& findings) {
   std::string text;
   for (const Finding& f : findings) {

@@ -11,7 +11,17 @@
 namespace lockstep {
 
 /// A finding as a result; fields that do not apply are absent.
-const Fields<Finding>& finding_fields();
+inline const Fields<Finding> kFindingFields{
+    {"severity", "", "", [](const Finding& f) { return to_string(f.severity()); }},
+    {"code", "", "", &Finding::code},
+    {"thing", "", "", &Finding::thing, kUnlessEmpty},
+    {"message", "", "", &Finding::message, kUnlessEmpty},
+    {"advice", "", "", &Finding::advice, kUnlessEmpty},
+    {"value", "", "", &Finding::value, kUnlessEmpty},
+    {"limit", "", "", &Finding::limit, kUnlessEmpty},
+    {"unit", "", "", &Finding::unit, kUnlessEmpty},
+    {"t", "s", "", &Finding::t, kUnlessEmpty},
+    {"place", "", "", &Finding::place, kUnlessEmpty}};
 
 /// The findings of the present command: those that are reported as long as it exists, and those that are added. Added
 /// ones are not logged, notes and doubts only as information.

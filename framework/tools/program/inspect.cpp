@@ -30,100 +30,79 @@ std::string shown_name(const Description& d) {
   return d.info.name + (is_default(d) ? " (default)" : "");
 }
 
-const Fields<Description>& description_fields() {
-  using Keyed = std::pair<Key, const Description*>;
-  static const Fields<Keyed> kKey{
-      {"name", "", "key", [](const Keyed& k) { return std::string(k.first.name); }},
-      {"form", "", "form", [](const Keyed& k) { return form_words(k.first, k.second->parts); }},
-      {"required", "", "required", [](const Keyed& k) { return k.first.required(); }},
-      {"help", "", "help", [](const Keyed& k) { return std::string(k.first.help); }},
-      Field<Keyed>("default", "", "default", [](const Keyed& k) {
-        const Value* v = k.first.default_value();
-        return v != nullptr ? Json::parse(write_json(*v)) : Json();
-      }).optional()};
-  static const Fields<Description> kFields{
-      {"shown", "", "name", shown_name},
-      {"name", "", "", [](const Description& d) { return d.info.name; }},
-      {"shelf", "", "", &Description::shelf},
-      {"help", "", "what it is", [](const Description& d) { return d.info.help; }},
-      {"origin", "", "", &Description::origin},
-      {"plugin", "", "of plugin", [](const Description& d) { return d.origin == "built in" ? "" : d.origin; }},
-      {"keys", "",
-       [](const Description& d) {
-         std::vector<Keyed> all;
-         for (const Key& key : d.info.keys) all.emplace_back(key, &d);
-         return all;
-       },
-       kKey},
-      Field<Description>("example", "", "", [](const Description& d) {
-        const std::string example = example_of(d);
-        return example.empty() ? Json() : Json::parse(example);
-      }).optional()};
-  return kFields;
-}
+Json parsed(const std::string& json) { return json.empty() ? Json() : Json::parse(json); }
 
-const Fields<const FindingKind*>& kind_fields() {
-  using Kind = const FindingKind*;
-  static const Fields<Kind> kFields{{"name", "", "code", [](const Kind& k) { return k->code; }},
-                                    {"shelf", "", "", [](const Kind&) { return "findings"; }},
-                                    {"severity", "", "severity", [](const Kind& k) { return to_string(k->severity); }},
-                                    {"cause", "", "cause", [](const Kind& k) { return k->cause; }},
-                                    {"cure", "", "", [](const Kind& k) { return k->cure; }}};
-  return kFields;
-}
+using KeyOf = std::pair<Key, const Description*>;
+const Fields<KeyOf> kKeyFields{
+    {"name", "", "key", [](const KeyOf& k) { return std::string(k.first.name); }},
+    {"form", "", "form", [](const KeyOf& k) { return form_words(k.first, k.second->parts); }},
+    {"required", "", "required", [](const KeyOf& k) { return k.first.required(); }},
+    {"help", "", "help", [](const KeyOf& k) { return std::string(k.first.help); }},
+    {"default", "", "default",
+     [](const KeyOf& k) {
+       return parsed(k.first.default_value() != nullptr ? write_json(*k.first.default_value()) : "");
+     },
+     kUnlessEmpty}};
+const Fields<Description> kDescriptionFields{
+    {"shown", "", "name", shown_name},
+    {"name", "", "", [](const Description& d) { return d.info.name; }},
+    {"shelf", "", "", &Description::shelf},
+    {"help", "", "what it is", [](const Description& d) { return d.info.help; }},
+    {"origin", "", "", &Description::origin},
+    {"plugin", "", "of plugin", [](const Description& d) { return d.origin == "built in" ? "" : d.origin; }},
+    {"keys", "",
+     [](const Description& d) {
+       std::vector<KeyOf> all;
+       for (const Key& key : d.info.keys) all.emplace_back(key, &d);
+       return all;
+     },
+     kKeyFields},
+    {"example", "", "", [](const Description& d) { return parsed(example_of(d)); }, kUnlessEmpty}};
 
 using Kinds = std::vector<const FindingKind*>;
-const Fields<Kinds>& kinds_fields() {
-  static const Fields<Kinds> kFields{Field<Kinds>("codes", "findings", std::identity(), kind_fields()).whole()};
-  return kFields;
-}
+const Fields<const FindingKind*> kKindFields{
+    {"name", "", "code", [](const auto& k) { return k->code; }},
+    {"shelf", "", "", [](const auto&) { return "findings"; }},
+    {"severity", "", "severity", [](const auto& k) { return to_string(k->severity); }},
+    {"cause", "", "cause", [](const auto& k) { return k->cause; }},
+    {"cure", "", "", [](const auto& k) { return k->cure; }}};
 
-// The shelves of `list`, each only if it is asked for.
+const Fields<Kinds> kKindsFields{{"codes", "findings", std::identity(), kKindFields, kWhole}};
+
+// The shelves of `list`, each empty unless it is asked for.
 using Shelves = std::map<std::string, std::vector<Description>>;
 constexpr const char* kShelves[] = {"links", "laws", "forces", "integrators", "solvers"};
-const Fields<Shelves>& shelf_fields() {
-  static const Fields<Shelves> kFields = [] {
-    Fields<Shelves> all{};
-    for (const char* name : kShelves)
-      all.add(Field<Shelves>(
-                  name, name == std::string_view("links") ? "joints" : name,
-                  [name](const Shelves& s) {
-                    const auto found = s.find(name);
-                    return found == s.end() ? std::vector<Description>() : found->second;
-                  },
-                  description_fields())
-                  .optional()
-                  .whole());
-    return all;
-  }();
-  return kFields;
-}
+const Fields<Shelves> kShelfFields = [] {
+  Fields<Shelves> all{};
+  for (const char* name : kShelves)
+    all.add({name, name == std::string_view("links") ? "joints" : name, [name](const Shelves& s) { return s.at(name); },
+             kDescriptionFields, kUnlessEmpty, kWhole});
+  return all;
+}();
 
 Result list_all(const Arguments& args) {
   const Registry registry = make_registry(args.all("--plugin"));
   if (args["kind"] == "findings") {
     const auto all = finding_kinds();
-    return {kinds_fields(), Kinds(all.begin(), all.end())};
+    return {kKindsFields, Kinds(all.begin(), all.end())};
   }
   Shelves shelves;
   for (const std::string name : kShelves)
-    if (!args.has("kind") || (args["kind"] == "joints" ? "links" : args["kind"]) == name)
-      shelves[name] = shelf_contents(registry, name);
-  return {shelf_fields(), shelves};
+    if (auto& shelf = shelves[name]; !args.has("kind") || (args["kind"] == "joints" ? "links" : args["kind"]) == name)
+      shelf = shelf_contents(registry, name);
+  return {kShelfFields, shelves};
 }
 
-const Fields<std::vector<ParameterFacts>>& parameter_fields() {
-  using Facts = ParameterFacts;
-  static const Fields<Facts> kFacts{{"name", "", "name", &Facts::name},
-                                    {"kind", "", "kind", &Facts::kind},
-                                    {"value", "", "value", &Facts::value},
-                                    {"written", "", "written", [](const Facts& f) { return Json::parse(f.written); }},
-                                    {"where", "", "place", &Facts::where},
-                                    {"read_by", "", "read in this file by", &Facts::read_by},
-                                    {"change", "", "to change it", ways_to_change}};
-  static const Fields<std::vector<Facts>> kFields{{"parameters", "parameters and points", std::identity(), kFacts}};
-  return kFields;
-}
+const Fields<ParameterFacts> kFactsFields{
+    {"name", "", "name", &ParameterFacts::name},
+    {"kind", "", "kind", &ParameterFacts::kind},
+    {"value", "", "value", &ParameterFacts::value},
+    {"written", "", "written", [](const ParameterFacts& f) { return Json::parse(f.written); }},
+    {"where", "", "place", &ParameterFacts::where},
+    {"read_by", "", "read in this file by", &ParameterFacts::read_by},
+    {"change", "", "to change it", ways_to_change}};
+const Fields<std::vector<ParameterFacts>> kParametersFields{
+    {"parameters", "parameters and points", std::identity(), kFactsFields}};
 
 // Parameters and points of a scene: one of them, or all.
 Result describe_in_scene(const Arguments& args) {
@@ -134,7 +113,7 @@ Result describe_in_scene(const Arguments& args) {
   for (const SceneParameter& p : loaded.scene.parameters)
     if (args["name"].empty()) all.push_back(parameter_facts(loaded.scene, p.name));
   if (!args["name"].empty()) all.push_back(parameter_facts(loaded.scene, args["name"]));
-  return {loaded, parameter_fields(), all};
+  return {loaded, kParametersFields, all};
 }
 
 /// The meaning of a name.
@@ -143,12 +122,9 @@ struct Described {
   std::string word;  ///< a word of scenes, "orientation", or an exit code; "" for none
   Kinds findings;
 };
-const Fields<Described>& described_fields() {
-  static const Fields<Described> kFields{{"types", "type", &Described::types, description_fields()},
+const Fields<Described> kDescribedFields{{"types", "type", &Described::types, kDescriptionFields},
                                          {"help", "", "", &Described::word},
-                                         {"codes", "finding", &Described::findings, kind_fields()}};
-  return kFields;
-}
+                                         {"codes", "finding", &Described::findings, kKindFields}};
 
 std::string exit_code_words(const std::string& code) {
   for (const std::string& line : lines_of(kExitCodes))
@@ -190,7 +166,7 @@ Result describe_name(const Arguments& args) {
     for (const FindingKind* kind : finding_kinds()) known.emplace_back(kind->code);
     throw UsageError("describe: unknown name \"" + args["name"] + "\"" + text::suggestion(args["name"], known));
   }
-  Result result(described_fields(), found);
+  Result result(kDescribedFields, found);
   if (args.has("--json")) return result;
   result.printed = true;
   for (const FindingKind* kind : found.findings) fmt::print("{}", text_of(*kind));
@@ -223,7 +199,7 @@ Command list_command() {
            kPlugin, kJson},
           list_all,
           "Example:\n  lockstep list joints",
-          {&shelf_fields().schema(), &kinds_fields().schema()}};
+          {&kShelfFields.schema(), &kKindsFields.schema()}};
 }
 Command describe_command() {
   return {
@@ -237,7 +213,7 @@ Command describe_command() {
        kJson},
       describe_name,
       "Example:\n  lockstep describe revolute\n  lockstep describe crank --scene samples/scenes/four_bar.json",
-      {&described_fields().schema(), &parameter_fields().schema()}};
+      {&kDescribedFields.schema(), &kParametersFields.schema()}};
 }
 Command schema_command() {
   return {"schema",

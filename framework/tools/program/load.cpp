@@ -24,15 +24,9 @@ void refuse_picture(const std::string& record) {
                    std::filesystem::path(record).replace_extension(".csv").string());
 }
 
-bool takes_fixed_steps(const RunSettings& run, const Registry& registry) {
-  RunSettings with_step = run;
-  with_step.step = 1;
-  return !make_integrator(with_step, registry)->info().adaptive;
-}
-
 void refuse_missing_step(const RunSettings& run, const Arguments& args, const Registry& registry) {
   if (args["--integrator"].empty() || run.step > 0) return;
-  if (takes_fixed_steps(run, registry))
+  if (!integrator_info(run, registry).adaptive)
     throw UsageError("--integrator: \"" + args["--integrator"] +
                      "\" has fixed steps and no step is given; add --step, as in --step 0.001");
 }
@@ -40,10 +34,10 @@ void refuse_missing_step(const RunSettings& run, const Arguments& args, const Re
 // The step of the scene's fixed-step method does not limit an adaptive one that the command line names.
 void put_integrator(RunSettings& run, const Arguments& args, const Registry& registry) {
   if (args["--integrator"].empty()) return;
-  const bool was_fixed =
-      run.step > 0 && registry.integrators.find(run.integrator.type) != nullptr && takes_fixed_steps(run, registry);
+  const bool was_fixed = run.step > 0 && registry.integrators.find(run.integrator.type) != nullptr &&
+                         !integrator_info(run, registry).adaptive;
   run.integrator = read_spec("--integrator", args["--integrator"], types_of(registry.integrators));
-  if (was_fixed && !takes_fixed_steps(run, registry)) run.step = 0;
+  if (was_fixed && integrator_info(run, registry).adaptive) run.step = 0;
 }
 
 // The values of --set, all together: one alone may not fit the others' old ones.

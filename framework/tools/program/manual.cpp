@@ -2,6 +2,8 @@
 // The manual page of the program, written from its commands and options.
 #include <spdlog/fmt/fmt.h>
 
+#include <boost/algorithm/string/replace.hpp>
+#include <regex>
 #include <sstream>
 
 #include <lockstep/version.h>
@@ -14,18 +16,9 @@ namespace {
 
 // Text of a page: nothing in it is a command of roff, and a hyphen stays one.
 std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '\\')
-      out += "\\e";
-    else if (c == '-')
-      out += "\\-";
-    else if ((c == '.' || c == '\'') && (out.empty() || out.back() == '\n'))
-      out += std::string("\\&") + c;
-    else
-      out += c;
-  }
-  return out;
+  std::string out = boost::replace_all_copy(std::string(text), "\\", "\\e");
+  boost::replace_all(out, "-", "\\-");
+  return std::regex_replace(out, std::regex("(^|\n)([.'])"), R"($1\&$2)");
 }
 
 // Lines as they are.

@@ -79,6 +79,11 @@ MethodSpec with_known_keys(const TypeInfo& type, const Value& keys) {
   return {type.name, Value(std::move(members)), {}};
 }
 
+IntegratorInfo integrator_info(RunSettings run, const Registry& registry) {
+  run.step = 1;
+  return make_integrator(run, registry)->info();
+}
+
 double positive_number(const std::string& option, const std::string& text, Unit unit, const char* example) {
   const double x = number_of(option, text, unit, example);
   if (!(x > 0) || x > 1e300)

@@ -26,6 +26,9 @@ std::vector<MethodSpec> all_specs(const MethodSpec& own, const std::vector<TypeI
 /// `type` with those of `keys` that it knows.
 MethodSpec with_known_keys(const TypeInfo& type, const Value& keys);
 
+/// What the integrator of these settings is. A step may be missing.
+IntegratorInfo integrator_info(RunSettings, const Registry&);
+
 /// A positive number of the command line, in SI or with a unit. Throws UsageError naming `option`.
 double positive_number(const std::string& option, const std::string& text, Unit unit, const char* example = nullptr);
 /// A time of a run, s: 0, its start, or later. Throws likewise.

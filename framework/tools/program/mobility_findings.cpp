@@ -133,7 +133,7 @@ const Fields<MobilityFindings>& mobility_fields() {
       {"drives", "", "  drives", &MobilityReport::drives},
       {"redundant", "", "redundant constraints", &MobilityReport::redundant},
       {"redundant_links", "", "", &MobilityReport::redundant_links},
-      {"dependencies", "dependent constraints", &MobilityReport::dependencies, dependency_fields()}};
+      {"dependencies", "dependent constraints", &MobilityReport::dependencies, kDependencyFields}};
   static const Fields<Found> kPosition{{"in", "", "", [](const Found& f) { return f.position.singular; }},
                                        {"near", "", "", [](const Found& f) { return is_near(f.position); }},
                                        {"what", "", "", &Found::position_words},
@@ -150,7 +150,7 @@ const Fields<MobilityFindings>& mobility_fields() {
           .with({{"free_motions", "", "free motions", [](const Found& f) { return f.moves.free; }},
                  {"moved_by_laws", "", "moved by laws of", &Found::laws},
                  {"singular_position", "singular configuration", position, kPosition, position_text},
-                 {"nearly_redundant", "", near, near_fields()},
+                 {"nearly_redundant", "", near, kNearFields},
                  {"reactions_unique", "", "reactions", all_unique, unique_text},
                  {"rows_not_unique", "", "reactions not unique", [](const Found& f) { return f.reactions.rows; },
                   grouped_text},

@@ -8,6 +8,7 @@
 #include <boost/algorithm/string/replace.hpp>
 #include <cctype>
 #include <filesystem>
+#include <regex>
 
 #include "framework/description/registry/shelves.h"
 #include "framework/foundation/support/lines.h"
@@ -23,14 +24,9 @@ std::string capitalised(std::string word) {
   return word;
 }
 
-bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 void check_letters(const std::string& name) {
-  const bool letters =
-      std::all_of(name.begin(), name.end(), [](char c) { return is_lower(c) || is_digit(c) || c == '_'; });
-  if (name.empty() || name.size() > 60 || !letters || !is_lower(name.front()) || name.back() == '_' ||
-      name.find("__") != std::string::npos)
+  static const std::regex kName("[a-z][a-z0-9]*(_[a-z0-9]+)*");
+  if (name.size() > 60 || !std::regex_match(name, kName))
     throw UsageError(
         fmt::format("new-plugin: \"{}\" cannot be a plugin's name; use small letters, digits and single _, "
                     "a letter first, at most 60, as in wavy_rail",

@@ -47,38 +47,35 @@ std::vector<std::string> missing_folders(const Survey& survey) {
 }
 
 // `why`: text has all of them.
-template <bool why>
-const Fields<PluginCandidate>& plugin_fields() {
+Fields<PluginCandidate> plugin_fields(bool why) {
   using Candidate = PluginCandidate;
-  constexpr auto only_why = [](const char* label) { return why ? label : ""; };
+  const auto only_why = [why](const char* label) { return why ? label : ""; };
   using Brought = std::pair<std::string, std::string>;
   static const Fields<Brought> kBrought{{"kind", "", "kind", &Brought::first}, {"name", "", "name", &Brought::second}};
-  static const Fields<Candidate> kFields{
-      {"name", "", "name", &Candidate::name},
-      {"state", "", "state", state_of},
-      {"brings_words", "", "adds", brought},
-      {"path", "", "", &Candidate::path},
-      {"file", "", only_why("file"), &Candidate::file},
-      {"folder", "", "", &Candidate::folder},
-      {"build", "", "", &Candidate::build},
-      {"brings", "", [](const Candidate& c) { return std::vector<Brought>(c.brings.begin(), c.brings.end()); },
-       kBrought},
-      {"size", "", only_why("bytes"), [](const Candidate& c) { return c.stamp.size; }},
-      {"checksum", "", only_why("checksum"),
-       [](const Candidate& c) { return c.stamp.checksum > 0 ? fmt::format("{:016x}", c.stamp.checksum) : ""; }},
-      {"why", "", "", &Candidate::why}};
-  return kFields;
+  return {{"name", "", "name", &Candidate::name},
+          {"state", "", "state", state_of},
+          {"brings_words", "", "adds", brought},
+          {"path", "", "", &Candidate::path},
+          {"file", "", only_why("file"), &Candidate::file},
+          {"folder", "", "", &Candidate::folder},
+          {"build", "", "", &Candidate::build},
+          {"brings", "", [](const Candidate& c) { return std::vector<Brought>(c.brings.begin(), c.brings.end()); },
+           kBrought},
+          {"size", "", only_why("bytes"), [](const Candidate& c) { return c.stamp.size; }},
+          {"checksum", "", only_why("checksum"),
+           [](const Candidate& c) { return c.stamp.checksum > 0 ? fmt::format("{:016x}", c.stamp.checksum) : ""; }},
+          {"why", "", "", &Candidate::why}};
 }
+const Fields<PluginCandidate> kPluginFields[] = {plugin_fields(false), plugin_fields(true)};
 
-template <bool why>
-const Fields<Survey>& survey_fields() {
-  static const Fields<Survey> kFields{{"host", "", why ? "this host" : "", &Survey::host},
-                                      // LOCKSTEP_PLUGIN_PATH, then the program's own
-                                      {"folders", "", why ? "searched folders" : "", &Survey::folders},
-                                      {"missing_folders", "", why ? "missing folders" : "", missing_folders},
-                                      {"plugins", "plugins", &Survey::plugins, plugin_fields<why>()}};
-  return kFields;
+Fields<Survey> survey_fields(bool why) {
+  return {{"host", "", why ? "this host" : "", &Survey::host},
+          // LOCKSTEP_PLUGIN_PATH, then the program's own
+          {"folders", "", why ? "searched folders" : "", &Survey::folders},
+          {"missing_folders", "", why ? "missing folders" : "", missing_folders},
+          {"plugins", "plugins", &Survey::plugins, kPluginFields[why]}};
 }
+const Fields<Survey> kSurveyFields[] = {survey_fields(false), survey_fields(true)};
 
 // Precedes the answer of a process; output of the plugin may precede it.
 constexpr std::string_view kAnswer = "\nlockstep plugin: ";
@@ -120,7 +117,7 @@ Result list_plugins(const Arguments& args) {
   }
   if (found.plugins.empty() && !args.has("--json"))
     fmt::print("no plugins in {} folders; --why lists them\n", found.folders.size());
-  Result result = args.has("--why") ? Result(survey_fields<true>(), found) : Result(survey_fields<false>(), found);
+  Result result(kSurveyFields[args.has("--why")], found);
   result.brief = text_of(*result.schema, result.data);
   for (const PluginCandidate& c : found.plugins)
     if (!c.why.empty())
@@ -136,7 +133,7 @@ int answer_for_plugin(const char* file) {
   PluginCandidate c;
   c.file = file;
   ask_plugin(c, builtin_registry());
-  const std::vector<std::uint8_t> answer = Json::to_msgpack(plugin_fields<false>()(c));
+  const std::vector<std::uint8_t> answer = Json::to_msgpack(kPluginFields[false](c));
   fmt::print("{}{}", kAnswer, std::string_view(reinterpret_cast<const char*>(answer.data()), answer.size()));
   return kExitOk;
 }
@@ -155,7 +152,7 @@ Command plugins_list_command() {
            kJson},
           list_plugins,
           "Example:\n  LOCKSTEP_PLUGIN_PATH=~/my/plugins lockstep plugins list --why",
-          {&survey_fields<false>().schema()}};
+          {&kSurveyFields[false].schema()}};
 }
 
 }  // namespace lockstep

@@ -53,12 +53,9 @@ bool Interrupt::asked() const { return signal_came != 0; }
 std::string progress_line(double t, double until, double seconds, std::size_t width, Counts counts) {
   const double share = until > 0 ? std::clamp(t / until, 0.0, 1.0) : 1.0;
   const bool runs = counts == Counts::runs;
-  std::string text;
-  if (counts == Counts::budget)
-    text = fmt::format("{:3.0f} %  {:.0f} s of {:.0f} s", 100 * share, t, until);
-  else
-    text = runs ? fmt::format("{:3.0f} %  {:.0f} of {:.0f} runs", 100 * share, std::floor(t), until)
-                : fmt::format("{:3.0f} %  t = {:.4g} s of {:.4g} s", 100 * share, t, until);
+  std::string text = counts == Counts::budget ? fmt::format("{:3.0f} %  {:.0f} s of {:.0f} s", 100 * share, t, until)
+                     : runs ? fmt::format("{:3.0f} %  {:.0f} of {:.0f} runs", 100 * share, std::floor(t), until)
+                            : fmt::format("{:3.0f} %  t = {:.4g} s of {:.4g} s", 100 * share, t, until);
   if (counts != Counts::budget && seconds > 0 && t > 0)
     text += fmt::format("  {:.3g} {}/s  {:.0f} s to go", t / seconds, runs ? "runs" : "s", (until - t) * seconds / t);
   constexpr std::size_t kLongest = 30, kShortest = 5, kFrame = 3;

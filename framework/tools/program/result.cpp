@@ -213,17 +213,10 @@ Json object_schema(const Schema& schema) {
 }
 
 // Common fields of all documents.
-struct Document {
-  const Result& result;
-  const std::vector<Finding>& findings;
-};
-const Fields<Document>& document_fields() {
-  static const Fields<Document> kFields{
-      Field<Document>("scene", "", "", [](const Document& d) { return d.result.scene; }).optional(),
-      Field<Document>("title", "", "", [](const Document& d) { return d.result.title; }).optional(),
-      Field<Document>("command", "", "", [](const Document& d) { return d.result.command; }).optional()};
-  return kFields;
-}
+const Fields<Result> kDocumentFields{{"scene", "", "", &Result::scene, kUnlessEmpty},
+                                     {"title", "", "", &Result::title, kUnlessEmpty},
+                                     {"command", "", "", &Result::command, kUnlessEmpty}};
+
 // "a/fb.csv, a/fb.png", and the folder of more than three only once: "a: fb.csv, fb.png, ...".
 std::string files_text(const Json& files) {
   std::vector<std::string> names = files;
@@ -234,15 +227,9 @@ std::string files_text(const Json& files) {
   return folder.substr(0, folder.size() - 1) + ": " + first_of(names);
 }
 
-const Fields<Document>& last_fields() {
-  static const Fields<Document> kFields{
-      Field<Document>(
-          "files", "", "written", [](const Document& d) { return d.result.files; }, files_text)
-          .optional(),
-      Field<Document>(
-          "findings", "", [](const Document& d) { return d.findings; }, finding_fields())};
-  return kFields;
-}
+const Fields<Result> kLastFields{
+    {"files", "", "written", &Result::files, files_text, kUnlessEmpty},
+    {"findings", "", [](const Result&) { return CommandFindings::all(); }, kFindingFields}};
 
 }  // namespace
 
@@ -280,14 +267,13 @@ std::string csv_of(const std::vector<std::vector<std::string>>& lines) {
 }
 
 Json document_of(const Result& result) {
-  const Document document{result, CommandFindings::all()};
-  Json all = document_fields()(document);
+  Json all = kDocumentFields(result);
   for (const Result& each : result.each) {
     all["scenes"].push_back({{"scene", each.scene}, {"title", each.title}});
     all["scenes"].back().update(each.data);
   }
   if (!result.data.is_null()) all.update(result.data);
-  all.update(last_fields()(document));
+  all.update(kLastFields(result));
   return all;
 }
 
@@ -305,11 +291,11 @@ std::string text_of(const Result& result) {
   const bool brief = !result.brief.empty();
   text += (brief ? result.brief : text_of(*result.schema, result.data)) + text_of(CommandFindings::added());
   if (brief && !result.files.empty()) return text + fmt::format("  {:<9}  {}\n", "written", first_of(result.files));
-  return text + text_of(last_fields().schema(), last_fields()({result, {}}));
+  return text + text_of(kLastFields.schema(), kLastFields(result));
 }
 
 Json schema_of(std::span<const Schema* const> results, bool several) {
-  const Schema &first = document_fields().schema(), &last = last_fields().schema();
+  const Schema &first = kDocumentFields.schema(), &last = kLastFields.schema();
   Json any = Json::array();
   const auto add = [&](const std::vector<FieldInfo>& fields) {
     Schema whole = first;

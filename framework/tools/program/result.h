@@ -37,7 +37,11 @@ struct FieldInfo {
   bool whole = false;                           ///< text has all of its entries, however many
   bool optional = false;                        ///< absent from JSON if it is empty
   std::string (*words)(const Json&) = nullptr;  ///< its text; null: the printer's own
+
+  void set(bool FieldInfo::*property) { this->*property = true; }
+  void set(std::string (*its)(const Json&)) { words = its; }
 };
+inline constexpr bool FieldInfo::*kUnlessEmpty = &FieldInfo::optional, FieldInfo::*kWhole = &FieldInfo::whole;
 
 /// The fields of an object, in their order.
 struct Schema {
@@ -47,9 +51,7 @@ struct Schema {
 namespace result_detail {
 
 template <class V>
-struct Listed : std::false_type {};
-template <class V>
-struct Listed<std::vector<V>> : std::true_type {};
+concept Listed = std::is_same_v<V, std::vector<typename V::value_type>>;
 /// Whether a V has objects of type U by their names.
 template <class V, class U>
 inline constexpr bool kNamed =
@@ -68,9 +70,9 @@ Json json_of(const V& value) {
     return {value.w, value.x, value.y, value.z};
   } else if constexpr (std::is_same_v<V, std::complex<double>>) {
     return {json_number(value.real()), json_number(value.imag())};
-  } else if constexpr (Vector<V>) {
+  } else if constexpr (Vector<V> || Listed<V>) {
     auto all = Json::array();
-    for (const auto& x : value) all.push_back(json_of<typename V::Scalar>(x));
+    for (const auto& each : value) all.push_back(json_of<typename V::value_type>(each));
     return all;
   } else if constexpr (Numbers<V>) {
     auto rows = Json::array();
@@ -79,10 +81,6 @@ Json json_of(const V& value) {
       for (Eigen::Index k = 0; k < value.cols(); ++k) row.push_back(json_of(value(i, k)));
     }
     return rows;
-  } else if constexpr (Listed<V>::value) {
-    auto all = Json::array();
-    for (const auto& each : value) all.push_back(json_of<typename V::value_type>(each));
-    return all;
   } else {
     return value;
   }
@@ -101,7 +99,7 @@ constexpr std::pair<std::string_view, int> type_of() {
     return {"number", 1};
   else if constexpr (Numbers<V>)
     return {"number", type_of<typename V::Scalar>().second + (Vector<V> ? 1 : 2)};
-  else if constexpr (Listed<V>::value)
+  else if constexpr (Listed<V>)
     return {type_of<typename V::value_type>().first, type_of<typename V::value_type>().second + 1};
   else if constexpr (std::is_same_v<V, Json>)
     return {"", 0};
@@ -123,29 +121,31 @@ struct Field {
   FieldInfo info;
   std::function<Json(const T&)> get;
 
-  template <class Get>
-  Field(std::string name, std::string unit, std::string label, Get read, std::string (*words)(const Json&) = nullptr)
+  Field(FieldInfo of, std::function<Json(const T&)> read) : info(std::move(of)), get(std::move(read)) {}
+  /// `more`: its words, kUnlessEmpty, kWhole.
+  template <class Get, class... More>
+  Field(std::string name, std::string unit, std::string label, Get read, More... more)
       : info{std::move(name), std::move(unit), std::move(label)},
         get([read](const T& t) { return result_detail::json_of(std::invoke(read, t)); }) {
     std::tie(info.type, info.depth) =
         result_detail::type_of<std::remove_cvref_t<std::invoke_result_t<Get, const T&>>>();
-    info.words = words;
+    (info.set(more), ...);
   }
   /// A field that is an object, a list of objects, or objects by their names. `of` must stay.
-  template <class Get, class U>
-  Field(std::string name, std::string label, Get read, const Fields<U>& of, std::string (*words)(const Json&) = nullptr)
+  template <class Get, class U, class... More>
+  Field(std::string name, std::string label, Get read, const Fields<U>& of, More... more)
       : info{std::move(name), "", std::move(label), "object", 0, &of.schema()} {
     using V = std::remove_cvref_t<std::invoke_result_t<Get, const T&>>;
     info.by_name = result_detail::kNamed<V, U>;
-    info.depth = result_detail::Listed<V>::value && !info.by_name ? 1 : 0;
-    info.words = words;
+    info.depth = result_detail::Listed<V> && !info.by_name ? 1 : 0;
+    (info.set(more), ...);
     get = [read, &of](const T& t) -> Json {
       const auto& value = std::invoke(read, t);
       if constexpr (result_detail::kNamed<V, U>) {
         Json all = Json::object();
         for (const auto& [key, each] : value) all[key] = of(each);
         return all;
-      } else if constexpr (result_detail::Listed<V>::value) {
+      } else if constexpr (result_detail::Listed<V>) {
         Json all = Json::array();
         for (const auto& each : value) all.push_back(of(each));
         return all;
@@ -155,18 +155,6 @@ struct Field {
         return of(value);
       }
     };
-  }
-
-  /// The same, absent if it is empty.
-  Field optional() const { return with(&FieldInfo::optional); }
-  /// The same, of which text has all entries.
-  Field whole() const { return with(&FieldInfo::whole); }
-
- private:
-  Field with(bool FieldInfo::*property) const {
-    Field same = *this;
-    same.info.*property = true;
-    return same;
   }
 };
 
@@ -193,11 +181,8 @@ class Fields {
   template <class Get, class U>
   Fields with(Get read, const Fields<U>& part) const {
     Fields all = *this;
-    for (const Field<U>& f : part.fields()) {
-      Field<T> of_part(f.info.name, "", "", [](const T&) { return 0; });
-      of_part.info = f.info, of_part.get = [read, get = f.get](const T& t) { return get(std::invoke(read, t)); };
-      all.add(of_part);
-    }
+    for (const Field<U>& f : part.fields())
+      all.add({f.info, [read, get = f.get](const T& t) { return get(std::invoke(read, t)); }});
     return all;
   }
   const std::vector<Field<T>>& fields() const { return fields_; }

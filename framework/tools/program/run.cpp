@@ -7,10 +7,8 @@
 #include <filesystem>
 
 #include <lockstep/assembly.h>
-#include <lockstep/author/check.h>
 #include <lockstep/log.h>
 #include <lockstep/step_loop.h>
-#include "framework/dynamics/solvers/graph.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/foundation/support/thrown.h"
@@ -38,8 +36,6 @@
 namespace lockstep {
 namespace {
 
-constexpr std::size_t kMostSuspects = 4;  // clauses
-
 /// A run that did not reach its end.
 struct FailedRun {
   std::string status = "failed";
@@ -47,13 +43,10 @@ struct FailedRun {
   std::string error;
   long rows;
 };
-const Fields<FailedRun>& failed_fields() {
-  static const Fields<FailedRun> kFields{{"status", "", "status", &FailedRun::status},
-                                         {"t", "s", "ended at t", &FailedRun::t},
-                                         {"error", "", "", &FailedRun::error},
-                                         {"rows", "", "rows", &FailedRun::rows}};
-  return kFields;
-}
+const Fields<FailedRun> kFailedFields{{"status", "", "status", &FailedRun::status},
+                                      {"t", "s", "ended at t", &FailedRun::t},
+                                      {"error", "", "", &FailedRun::error},
+                                      {"rows", "", "rows", &FailedRun::rows}};
 
 // The report of a run until it failed; the error itself matters more than one of this file.
 void write_unfinished(const RunReport& report, const StepLoop& sim, const std::exception_ptr& error) {
@@ -115,54 +108,6 @@ class FormulationSeen final : public Observer {
  private:
   long joint_ = 0, slots_ = 0;
 };
-
-// What a check finds wrong with the powers of a force; "" if nothing, or if it cannot be checked.
-std::string wrong_power(System& system, const Force& force) try {
-  const CheckReport report = check_force(system, force, {.states = 2});
-  for (const CheckFinding& f : report.findings())
-    if (f.what.starts_with("gives ") || f.what.starts_with("dissipation() is "))
-      return fmt::format("force '{}' ({}), which {}", force.name(), force.type(), f.what);
-  return {};
-} catch (const std::exception&) {
-  return {};
-}
-
-std::string passed_clause(const std::vector<PassedPosition>& passed, long n) {
-  const PassedPosition& first = passed.front();
-  return fmt::format("the singular configuration at t = {:.6g} s{}{}", first.t,
-                     first.links.empty() ? "" : fmt::format(" (joints {})", first_of(first.links)),
-                     n > 1 ? fmt::format(", the first of {}", n) : "");
-}
-
-// The likeliest first: forces whose potential, dissipation or supply do not fit their load (check_force() at a few
-// states near the start), singular configurations that the motion passed, constraint violation, unprojected stages in
-// loops with drives, long rotations in fixed steps. None if energy was conserved or cannot be judged, or if none of
-// them applies.
-std::vector<Finding> suspects_of(const EndedRun& run, System& system, long n_passed) {
-  constexpr double kLongTurn = 0.5, kOff = 1e-6;  // rad in a step; of the length
-  std::vector<std::string> clauses;
-  if (run.audit.energy != Audit::Energy::not_conserved) return {};
-  const SimulationReport& r = run.sim.report();
-  Dynamics& dynamics = run.sim.dynamics();
-  for (const auto& force : system.forces())
-    if (std::string words = wrong_power(system, *force); !words.empty()) clauses.push_back(std::move(words));
-  if (!run.passed.empty()) clauses.push_back(passed_clause(run.passed, n_passed));
-  const bool projects = dynamics.options().stabilization.kind == Stabilization::Kind::project;
-  if (!projects && run.audit.violation > kOff * system.length())
-    clauses.push_back(fmt::format("the constraint violation of {:.2g} m, which does work (use stabilization project)",
-                                  run.audit.violation));
-  if (run.formulation == "omega" && projects && run.audit.drives != 0 && has_loops(system, run.sim.state().modes))
-    clauses.push_back(
-        std::string("the work of the drives, which unprojected stages compute less accurately in loops (use ") +
-        (run.sim.integrator().info().joint ? "formulation joint, or " : "") + "a smaller step or tolerance)");
-  if (!run.sim.integrator().info().adaptive && r.largest_turn > kLongTurn)
-    clauses.push_back(
-        fmt::format("long steps: body '{}' rotates by up to {:.2g} rad in one of them", r.turned_most, r.largest_turn));
-  if (clauses.size() > kMostSuspects) clauses.resize(kMostSuspects);
-  std::vector<Finding> all;
-  for (const std::string& clause : clauses) all.push_back({&finding::energy_suspect, "", clause});
-  return all;
-}
 
 // One run of a scene, with all its observers and all its results.
 class ProgramRun {
@@ -331,7 +276,7 @@ class ProgramRun {
     if (explained == error) tell(saved);
     write_unfinished(report_, sim_, explained);
     CommandFindings::add(doubts_.findings(sim_.report().steps, sim_.state().t));
-    Result result(loaded_, failed_fields(), {.t = sim_.state().t, .error = thrown_words(explained), .rows = n});
+    Result result(loaded_, kFailedFields, {.t = sim_.state().t, .error = thrown_words(explained), .rows = n});
     if (n == 0)
       std::filesystem::remove(file_.partial(), code);
     else
@@ -468,7 +413,7 @@ Result run_scene(const Arguments& args) {
 }
 Result run_and_certify(const Arguments& args, Certify certify) { return ProgramRun(args, nullptr, certify).go(); }
 
-std::vector<const Schema*> run_results() { return {&run_fields().schema(), &failed_fields().schema()}; }
+std::vector<const Schema*> run_results() { return {&run_fields().schema(), &kFailedFields.schema()}; }
 
 Command run_command() {
   return {"run", run_options(), run_scene,

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include <lockstep/dynamics.h>
 #include <lockstep/text.h>
@@ -16,10 +15,9 @@ namespace lockstep {
 
 std::string contents_of(const std::string& file) {
   std::error_code none;
+  if (!std::filesystem::is_regular_file(file, none)) return "";
   std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (in && std::filesystem::is_regular_file(file, none)) text << in.rdbuf();
-  return text.str();
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 std::string unfinished_report(const std::string& report) {

@@ -2,13 +2,16 @@
 // RunRows: writes the rows of a run to its file as they come, and to an envelope in memory.
 #pragma once
 
+#include <string>
+
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/record/csv_lines.h"
 #include "framework/tools/record/row_envelope.h"
 
 namespace lockstep {
 
-/// Add it to the run after the recorder.
+/// Add it to the run after the recorder. It writes the file every second; what it appended last is left to write() or
+/// commit().
 class RunRows final : public Observer {
  public:
   /// `keeps`: the recorder keeps all its rows, for later readers; `units`: in the header.
@@ -24,16 +27,16 @@ class RunRows final : public Observer {
     rows_.clear();
     if (goes_on_) return;
     file_.clear();
-    std::string header;
-    append_csv_header(header, recorder_.table(), units_);
-    file_.append(header);
+    line_.clear();
+    append_csv_header(line_, recorder_.table(), units_);
+    file_.append(line_);
   }
   void output(const Sample&) override {
     const Table& table = recorder_.table();
     for (; n_taken_ < table.n_rows(); ++n_taken_) {
-      std::string line;
-      append_csv_row(line, table, n_taken_);
-      file_.append(line);
+      line_.clear();
+      append_csv_row(line_, table, n_taken_);
+      file_.append(line_);
       rows_.add(table, n_taken_);
     }
     file_.write_if_due();
@@ -60,6 +63,7 @@ class RunRows final : public Observer {
   std::size_t n_taken_ = 0;  // of the recorder's rows
   const bool keeps_, units_;
   bool goes_on_ = false;
+  std::string line_;  // scratch
 };
 
 }  // namespace lockstep

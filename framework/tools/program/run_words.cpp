@@ -10,7 +10,6 @@
 #include <map>
 
 #include <lockstep/recorder.h>
-#include <lockstep/sweep.h>
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/lines.h"
 #include "framework/tools/program/method_specs.h"
@@ -53,75 +52,62 @@ std::string words_of(const MissedEvent& e) {
   return words;
 }
 
-const Fields<EndedRun>& method_fields() {
-  using Run = EndedRun;
-  constexpr auto adaptive = [](const Run& r) { return r.sim.integrator().info().adaptive; };
-  static const Fields<Run> kFields{
-      {"integrator", "", "", [](const Run& r) { return to_word(r.settings.integrator); }},
-      Field<Run>("tolerance", "", "", [=](const Run& r) { return adaptive(r) ? r.settings.tolerance.relative : NAN; })
-          .optional(),
-      Field<Run>("step", "s", "", [=](const Run& r) { return adaptive(r) ? NAN : r.settings.step; }).optional(),
-      {"formulation", "", "", [](const Run& r) { return to_string(r.settings.formulation); }},
-      {"formulation_used", "", "", &Run::formulation},
-      {"solver", "", "", [](const Run& r) { return to_word(r.settings.solver); }}};
-  return kFields;
-}
+bool is_adaptive(const EndedRun& r) { return r.sim.integrator().info().adaptive; }
 
-const Fields<EndedRun>& energy_fields() {
-  using Run = EndedRun;
-  using Instant = Audit::Instant;
-  static const Fields<Instant> kInstant{{"cause", "", "cause", &Instant::cause},
-                                        {"count", "", "times", &Instant::count},
-                                        {"first", "s", "from", &Instant::first},
-                                        {"last", "s", "to", &Instant::last},
-                                        {"energy", "J", "unaccounted energy", &Instant::energy}};
-  static const Fields<Run> kFields{
-      {"verdict", "", "", [](const Run& r) { return r.audit.verdict(); }},
-      {"imbalance", "J", "largest error during the run", [](const Run& r) { return r.audit.imbalance; }},
-      {"exchanged", "J", "exchanged", [](const Run& r) { return r.audit.scale; }},
-      {"limit", "", "", [](const Run& r) { return r.audit.limits.energy; }},
-      {"change", "J", "change of total energy", [](const Run& r) { return r.audit.end - r.audit.start; }},
-      {"drives", "J", "work of drives", [](const Run& r) { return r.audit.drives; }},
-      {"supplied", "J", "work of motors and forces", [](const Run& r) { return r.audit.supplied; }},
-      {"dissipated", "J", "dissipated", [](const Run& r) { return r.audit.dissipated; }},
-      {"instants", "at single times", [](const Run& r) { return r.audit.instants; }, kInstant},
-      {"unbooked_forces", "", "", [](const Run& r) { return r.audit.unbooked_forces; }},
-      {"suspects", "", "", [](const Run& r) {
-         return texts_of_those(r.findings, [](const Finding& f) { return f.code() == finding::energy_suspect.code; });
-       }}};
-  return kFields;
-}
+const Fields<EndedRun> kMethodFields{
+    {"integrator", "", "", [](const EndedRun& r) { return to_word(r.settings.integrator); }},
+    {"tolerance", "", "", [](const EndedRun& r) { return is_adaptive(r) ? r.settings.tolerance.relative : NAN; },
+     kUnlessEmpty},
+    {"step", "s", "", [](const EndedRun& r) { return is_adaptive(r) ? NAN : r.settings.step; }, kUnlessEmpty},
+    {"formulation", "", "", [](const EndedRun& r) { return to_string(r.settings.formulation); }},
+    {"formulation_used", "", "", &EndedRun::formulation},
+    {"solver", "", "", [](const EndedRun& r) { return to_word(r.settings.solver); }}};
 
-const Fields<MissedEvent>& missed_fields() {
-  using Missed = MissedEvent;
-  constexpr auto of_channel = [](const Missed& e, double x) { return e.asked.channel.empty() ? NAN : x; };
-  static const Fields<Missed> kFields{
-      {"event", "", "", [](const Missed& e) { return e.course.name; }},
-      Field<Missed>("at", "s", "", [](const Missed& e) { return e.asked.channel.empty() ? e.asked.event.at : NAN; })
-          .optional(),
-      Field<Missed>("channel", "", "", [](const Missed& e) { return e.asked.channel; }).optional(),
-      Field<Missed>("unit", "", "", [](const Missed& e) { return e.asked.channel.empty() ? "" : e.unit; }).optional(),
-      Field<Missed>("crosses", "", "", [=](const Missed& e) { return of_channel(e, e.asked.crosses); }).optional(),
-      Field<Missed>("nearest", "", "",
-                    [=](const Missed& e) { return of_channel(e, e.asked.crosses + e.course.nearest); })
-          .optional(),
-      Field<Missed>("t", "s", "", [=](const Missed& e) { return of_channel(e, e.course.at); }).optional()};
-  return kFields;
+const Fields<Audit::Instant> kInstantFields{{"cause", "", "cause", &Audit::Instant::cause},
+                                            {"count", "", "times", &Audit::Instant::count},
+                                            {"first", "s", "from", &Audit::Instant::first},
+                                            {"last", "s", "to", &Audit::Instant::last},
+                                            {"energy", "J", "unaccounted energy", &Audit::Instant::energy}};
+const Fields<Audit> kAuditFields{
+    {"verdict", "", "", &Audit::verdict},
+    {"imbalance", "J", "largest error during the run", &Audit::imbalance},
+    {"exchanged", "J", "exchanged", &Audit::scale},
+    {"limit", "", "", [](const Audit& a) { return a.limits.energy; }},
+    {"change", "J", "change of total energy", [](const Audit& a) { return a.end - a.start; }},
+    {"drives", "J", "work of drives", &Audit::drives},
+    {"supplied", "J", "work of motors and forces", &Audit::supplied},
+    {"dissipated", "J", "dissipated", &Audit::dissipated},
+    {"instants", "at single times", &Audit::instants, kInstantFields},
+    {"unbooked_forces", "", "", &Audit::unbooked_forces}};
+std::vector<std::string> suspect_texts(const EndedRun& run) {
+  return texts_of_those(run.findings, [](const Finding& f) { return f.code() == finding::energy_suspect.code; });
 }
+const Fields<EndedRun> kEnergyFields =
+    Fields<EndedRun>{}.with(&EndedRun::audit, kAuditFields).with({{"suspects", "", "", suspect_texts}});
 
-const Fields<ColumnEnds>& column_fields() {
-  constexpr auto number = +[](const Json& x) { return number_text(x); };  // units differ by column
-  static const Fields<ColumnEnds> kFields{
-      {"name", "", "column", &ColumnEnds::name},
-      {"unit", "", "unit", &ColumnEnds::unit},
-      {"final", "", "", &ColumnEnds::last},
-      {"min", "", "least", &ColumnEnds::least, number},
-      {"t_min", "s", "at t", &ColumnEnds::t_least},
-      {"max", "", "greatest", &ColumnEnds::most, number},
-      {"t_max", "s", "at t", &ColumnEnds::t_most},
-      {"resolved", "", "resolved between steps", &ColumnEnds::resolved, only_if_false}};
-  return kFields;
-}
+double of_channel(const MissedEvent& e, double x) { return e.asked.channel.empty() ? NAN : x; }
+
+const Fields<MissedEvent> kMissedFields{
+    {"event", "", "", [](const auto& e) { return e.course.name; }},
+    {"at", "s", "", [](const auto& e) { return e.asked.channel.empty() ? e.asked.event.at : NAN; }, kUnlessEmpty},
+    {"channel", "", "", [](const auto& e) { return e.asked.channel; }, kUnlessEmpty},
+    {"unit", "", "", [](const auto& e) { return e.asked.channel.empty() ? "" : e.unit; }, kUnlessEmpty},
+    {"crosses", "", "", [](const auto& e) { return of_channel(e, e.asked.crosses); }, kUnlessEmpty},
+    {"nearest", "", "", [](const auto& e) { return of_channel(e, e.asked.crosses + e.course.nearest); }, kUnlessEmpty},
+    {"t", "s", "", [](const auto& e) { return of_channel(e, e.course.at); }, kUnlessEmpty}};
+
+std::string of_its_unit(const Json& x) { return number_text(x); }  // units differ by column
+
+const Fields<ColumnEnds> kColumnFields{
+    {"name", "", "column", &ColumnEnds::name},
+    {"unit", "", "unit", &ColumnEnds::unit},
+    {"final", "", "", &ColumnEnds::last},
+    {"min", "", "least", &ColumnEnds::least, of_its_unit},
+    {"t_min", "s", "at t", &ColumnEnds::t_least},
+    {"max", "", "greatest", &ColumnEnds::most, of_its_unit},
+    {"t_max", "s", "at t", &ColumnEnds::t_most},
+    {"resolved", "", "resolved between steps", &ColumnEnds::resolved, only_if_false}};
+
 std::vector<ColumnEnds> columns_of(const EndedRun& run) {
   std::vector<ColumnEnds> all;
   for (const ColumnRange& range : run.recorder.ranges()) {
@@ -158,10 +144,10 @@ std::string simulated(const EndedRun& run) {
   const double t = run.sim.state().t;
   const double mean = report.steps > 0 ? t / static_cast<double>(report.steps) : set.step;
   const bool cut = fmt::format("{:.2g}", mean) != fmt::format("{:.2g}", set.step);  // at outputs and events
-  const std::string method =
-      run.sim.integrator().info().adaptive ? fmt::format("tolerance {:g}", set.tolerance.relative)
-      : cut                                ? fmt::format("mean step {:.2g} s", mean)
-                                           : fmt::format("step {:g} s", set.step);
+  const std::string method = run.sim.integrator().info().adaptive
+                                 ? fmt::format("tolerance {:g}", set.tolerance.relative)
+                             : cut ? fmt::format("mean step {:.2g} s", mean)
+                                   : fmt::format("step {:g} s", set.step);
   std::string text = fmt::format("{:.6g} s{} in {} step{}, computed in {} ({}, {})", t,
                                  t < set.until ? fmt::format(" of {:.6g} s", set.until) : "", report.steps,
                                  report.steps == 1 ? "" : "s", time_text(run.seconds), to_word(set.integrator), method);
@@ -202,8 +188,7 @@ std::vector<ColumnEnds> rounded_columns(const EndedRun& run) {
 // A line for each column, with the times of its extremes.
 std::string summary_of(const EndedRun& run) {
   using Columns = std::vector<ColumnEnds>;
-  static const Fields<Columns> kTable{
-      Field<Columns>("columns", "extremes of the motion", std::identity(), column_fields()).whole()};
+  static const Fields<Columns> kTable{{"columns", "extremes of the motion", std::identity(), kColumnFields, kWhole}};
   Columns columns = rounded_columns(run);
   for (ColumnEnds& c : columns)
     if (c.most - c.least <= run.settings.tolerance.relative * std::abs(c.most)) c.t_least = c.t_most = NAN;
@@ -278,7 +263,7 @@ const Fields<EndedRun>& run_fields() {
       {"t", "s", "", [](const Run& r) { return r.sim.state().t; }},
       {"until", "s", "", [](const Run& r) { return r.settings.until; }},
       {"seconds", "s", "", &Run::seconds},
-      {"method", "method", std::identity(), method_fields(), method},
+      {"method", "method", std::identity(), kMethodFields, method},
       {"steps", "", "", [](const Run& r) { return r.sim.report().steps; }},
       {"rejected", "", "rejected steps", [](const Run& r) { return r.sim.report().rejected; }, unless_zero},
       {"manifold_steps", "", "steps with projected stages", [](const Run& r) { return r.sim.report().manifold_steps; },
@@ -288,8 +273,8 @@ const Fields<EndedRun>& run_fields() {
       {"impacts", "", "", [](const Run& r) { return r.sim.report().impacts; }},
       {"in_contact", "", "in contact", in_contact},
       {"stopped_by", "", "", [](const Run& r) { return r.interrupted ? "" : r.sim.report().stopped_by; }},
-      {"missed_events", "", &Run::missed, missed_fields()},
-      {"energy", "energy", std::identity(), energy_fields()},
+      {"missed_events", "", &Run::missed, kMissedFields},
+      {"energy", "energy", std::identity(), kEnergyFields},
       {"drift", "", std::identity(), kDrift},
       {"warnings", "", "", [](const Run& r) { return texts_of(r.sim.report().findings); }},
       {"doubts", "", "",
@@ -298,12 +283,12 @@ const Fields<EndedRun>& run_fields() {
        }},
       {"singular_positions", "", [](const Run& r) { return r.passed; }, kPassed},
       {"rows", "", "rows", [](const Run& r) { return r.rows.n_rows(); }},
-      {"columns", "", columns_of, column_fields()},
+      {"columns", "", columns_of, kColumnFields},
       {"frames_taken", "", "places assumed", &Run::frames_taken, first_places},
       {"notes", "", "", &Run::notes},
-      Field<Run>("certificate", "", "", &Run::certificate).optional(),
+      {"certificate", "", "", &Run::certificate, kUnlessEmpty},
       {"not_unique", "", "", &Run::not_unique},
-      {"nearly_redundant", "", &Run::near, near_fields()}};
+      {"nearly_redundant", "", &Run::near, kNearFields}};
   return kFields;
 }
 

@@ -63,6 +63,9 @@ std::string results_text(const std::vector<ColumnEnds>&, const std::string& all)
 
 /// That an event did not happen.
 Finding finding_of(const MissedEvent&);
+/// The likeliest causes of energy that was lost or gained; none if it was conserved or cannot be judged, or if none
+/// applies. `n_passed`: singular configurations that the motion passed.
+std::vector<Finding> suspects_of(const EndedRun&, System&, long n_passed);
 
 /// As a result: status, method, counts, energy, violation, and each recorded column's last, least and largest value.
 const Fields<EndedRun>& run_fields();

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <memory>
 
-#include <lockstep/error.h>
 #include <lockstep/sweep.h>
 #include "framework/dynamics/simulate/step_rules.h"
 #include "framework/foundation/support/thrown.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/sweep.h>
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 

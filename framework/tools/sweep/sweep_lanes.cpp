@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/sweep/sweep_lanes.h"
 
-#include <algorithm>
 #include <tuple>
 
 #include <lockstep/batch.h>
