@@ -75,8 +75,6 @@ std::unique_ptr<Force> CoordinateForce::make(const Attachment& attachment, const
     scope.check(e, dimension_of(torque ? Unit::torque : Unit::force));
     return std::make_unique<CoordinateForce>(attachment.name, p_of(attachment, k), s_of(attachment, k), q, std::move(f),
                                              std::move(reads));
-  } catch (const SceneError&) {
-    throw;
   } catch (const ModelError& error) {
     k.refuse(key, error.what());
   }
