@@ -6,6 +6,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@
 #include <lockstep/author/law.h>
 #include <lockstep/author/params.h>
 #include <lockstep/detail/export.h>
-#include "framework/mechanism/expression/expression.h"
+#include "framework/mechanism/expression/quantity.h"
 
 namespace lockstep::expression {
 
@@ -30,15 +31,33 @@ struct Term {
   LawPtr<MotionLaw> table{};  ///< of table(name, x)
 };
 
-/// What a name of a formula stands for: a number or a vector, of variables or constant, or a table.
+/// What a name of a formula stands for: an amount, of variables or constant, or a table.
 struct Meaning {
-  bool is_vector = false;
-  int variable = -1;              ///< the first of them; -1: constant
-  std::array<double, 3> value{};  ///< of a constant
-  LawPtr<MotionLaw> table{};      ///< of a table
+  Amount amount{};            ///< of variables its value means nothing
+  int variable = -1;          ///< the first of its variables; -1: constant
+  LawPtr<MotionLaw> table{};  ///< of a table
+  bool is_known = true;       ///< whether its dimension is known
+  bool clash = false;         ///< whether it is a variable and a constant
+
+  /// `with_unit`: whether its unit counts as one that is written in the formula.
+  static Meaning of_variable(int number, const std::optional<Dimension>& d, bool with_unit = false) {
+    Meaning m{.variable = number, .is_known = d.has_value()};
+    m.amount.dimension = exponents_of(d.value_or(Dimension{})), m.amount.measured = true;
+    m.amount.with_unit = with_unit;
+    return m;
+  }
 };
-/// The meaning of the name of a node; throws ModelError if there is none.
-using Meanings = std::function<Meaning(const Node&)>;
+/// The meaning of the name of a node; null, or ModelError, if there is none.
+using Meanings = std::function<const Meaning*(const Node&)>;
+
+/// The dimension of a formula of variables, whatever their values: of each choice both sides are looked at, nothing is
+/// out of range, and the radian is the number 1 in sums and comparisons, and before functions of pure numbers. What
+/// variables and plain numbers make without a unit is a number in SI; a plain number times what varies may be of any
+/// dimension, as 3 in sin(3 t). The values of the result mean nothing. `strict`: a plain
+/// number times what has a unit has that unit. Throws ModelError as evaluate(), with `hint` behind what is wrong.
+LOCKSTEP_API Amount dimension_of(const Expression&, int node, const Meanings&, const std::string& hint,
+                                 bool strict = false);
+
 /// The variable that holds the value of a call of the motion.
 using OfMotion = std::function<int(const Node&)>;
 
@@ -72,7 +91,6 @@ class LOCKSTEP_API FormulaFunction {
   void breakpoints(int time, double t0, double t1, std::vector<double>& out) const;
 
  private:
-  friend class FormulaCompiler;
   std::string text_;
   std::vector<Term> terms_;
   bool has_switches_ = false;

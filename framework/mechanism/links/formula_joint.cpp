@@ -115,14 +115,15 @@ std::unique_ptr<Lock> link_of(const Attachment& a, Mask mask, const std::vector<
 }
 
 // A coordinate of one of the pairs by the name of its joint.
-expression::Scope::Name coordinate_of(const Attachment& a, const std::string& name) {
+expression::Meaning coordinate_of(const Attachment& a, const std::string& name) {
   const std::shared_ptr<Coordinate> c = a.coordinate ? a.coordinate(name) : nullptr;
   for (std::size_t k = 0; c != nullptr && k < a.pairs.size(); ++k) {
     const bool of_pair = c->from().marker == a.pairs[k].first && c->to().marker == a.pairs[k].second;
     const Coordinate::Of of = c->of();
     const bool turn = of.kind == Coordinate::Kind::turn && of.axis == 2;
     if (!of_pair || of.rate || !(turn || of.kind == Coordinate::Kind::position)) continue;
-    return {{.variable = of_each(2) * static_cast<int>(k) + (turn ? kTurn : of.axis)}, c->dimension()};
+    return expression::Meaning::of_variable(of_each(2) * static_cast<int>(k) + (turn ? kTurn : of.axis),
+                                            c->dimension());
   }
   throw ModelError("\"" + name + "\" is no parameter, table or coordinate of one of its \"pairs\"; it can read x, y, " +
                    "z and rz of their joints (crank.rz), and t");

@@ -193,10 +193,10 @@ class Computed {
   }
 
   // A channel by its name.
-  Scope::Name channel(const std::string& name) {
+  expression::Meaning channel(const std::string& name) {
     const Channel c = make_channel(system_, name);
     const std::optional<Dimension> d = c.unit.empty() ? Dimension{} : dimension_of(c.unit);
-    return {{.variable = place_of(c)}, d, true};
+    return expression::Meaning::of_variable(place_of(c), d, true);
   }
 
   int place_of(const Channel& c) {
