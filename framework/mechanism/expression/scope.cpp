@@ -6,7 +6,6 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/mechanism/expression/quotes.h"
 
 namespace lockstep::expression {
 namespace {
