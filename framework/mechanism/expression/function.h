@@ -50,14 +50,6 @@ struct Meaning {
 /// The meaning of the name of a node; null, or ModelError, if there is none.
 using Meanings = std::function<const Meaning*(const Node&)>;
 
-/// The dimension of a formula of variables, whatever their values: of each choice both sides are looked at, nothing is
-/// out of range, and the radian is the number 1 in sums and comparisons, and before functions of pure numbers. What
-/// variables and plain numbers make without a unit is a number in SI; a plain number times what varies may be of any
-/// dimension, as 3 in sin(3 t). The values of the result mean nothing. `strict`: a plain
-/// number times what has a unit has that unit. Throws ModelError as evaluate(), with `hint` behind what is wrong.
-LOCKSTEP_API Amount dimension_of(const Expression&, int node, const Meanings&, const std::string& hint,
-                                 bool strict = false);
-
 /// The variable that holds the value of a call of the motion.
 using OfMotion = std::function<int(const Node&)>;
 

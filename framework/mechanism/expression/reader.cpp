@@ -8,6 +8,7 @@
 #include <lockstep/text.h>
 #include "framework/mechanism/expression/evaluate.h"
 #include "framework/mechanism/expression/meet.h"
+#include "framework/mechanism/expression/scope.h"
 
 namespace lockstep::expression {
 namespace {
@@ -149,11 +150,11 @@ class FormulaReader {
     if (b.is_zero) b.dimension = a.dimension, b.measured = a.measured;
     const Exponents other = settled(b.dimension);
     Exponents to = settled(a.dimension);
-    const bool differ = of_values() ? to != other : without_radian(to) != without_radian(other);
-    if (differ && what_ != Read::terms)
+    const bool differ = of_values() ? to != other : without_radian(to) != without_radian(other),
+               unlike = differ && what_ != Read::terms;
+    if (unlike || a.is_vector != b.is_vector)
       refuse(n, called(a) + " and " + called(b) + " are " + how +
-                    (a.measured != b.measured ? "; give the number a unit, as in \"0.1 m\"" : ""));
-    if (a.is_vector != b.is_vector) refuse(n, called(a) + " and " + called(b) + " are " + how);
+                    (unlike && a.measured != b.measured ? "; give the number a unit, as in \"0.1 m\"" : ""));
     if (to.rad == 0) to.rad = other.rad;
     a.dimension = b.dimension = to;
     a.measured = a.measured || b.measured, a.is_zero = a.is_zero && b.is_zero;
@@ -215,13 +216,9 @@ class FormulaReader {
     const bool fixed = std::isfinite(exponent);
     if (!fixed && !is_number(a))
       refuse(n, called(a) + " to a power that varies; a pure number is expected before the \"^\"");
-    if (varies(p)) {
-      a.term = {put(Operation::power, {a[0], p[0]})};
-    } else {
-      Term t{Operation::power, {}, exponent};
-      t.parts = {a[0]}, t.n_parts = 1;
-      a.term = {put(t)};
-    }
+    Term t{Operation::power, {}, varies(p) ? 0 : exponent};
+    t.parts = {a[0], p[0]}, t.n_parts = varies(p) ? 2 : 1;
+    a.term = {put(t)};
     a.dimension = fixed ? scaled(a.dimension, exponent) : Exponents{};
     a.measured = a.measured || p.measured, a.is_zero = false;
     return a;
@@ -473,9 +470,12 @@ Amount evaluate(const Expression& e, const Names& names, const Known& known) {
   return q;
 }
 
-Amount dimension_of(const Expression& e, int node, const Meanings& names, const std::string& hint, bool strict) {
+std::optional<Amount> Scope::dimension_of(const Expression& e, int node, const std::string& hint, bool strict) {
+  for (const std::string& name : names_in(e))
+    if (const Meaning* const known = find(name); known != nullptr && !known->is_known) return std::nullopt;
+  const Meanings meanings = [this](const Node& n) { return find(n.name); };
   std::vector<Term> terms;
-  Amount q = FormulaReader(Read::dimension, e, names, terms, {}, {}, hint, strict).of(node);
+  Amount q = FormulaReader(Read::dimension, e, meanings, terms, {}, {}, hint, strict).of(node);
   q.dimension = settled(q.dimension);
   return q;
 }

@@ -107,13 +107,6 @@ FormulaFunction Scope::compiled(const Expression& e, int node, const OfMotion& o
   return {e, node, [&](const Node& n) { return &of(e, n); }, of_motion};
 }
 
-std::optional<Amount> Scope::dimension_of(const Expression& e, int node, const std::string& hint, bool strict) {
-  for (const std::string& name : names_in(e))
-    if (const Meaning* const known = find(name); known != nullptr && !known->is_known) return std::nullopt;
-  return expression::dimension_of(
-      e, node, [this](const Node& n) { return find(n.name); }, hint, strict);
-}
-
 void Scope::check(const Expression& e, const std::optional<Dimension>& value) {
   const auto has_unit = [this](const Node& n) {
     if (n.operation == Operation::number) return n.measured && n.dimension != Dimension{};

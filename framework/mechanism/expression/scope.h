@@ -37,7 +37,11 @@ class LOCKSTEP_API Scope {
   std::vector<std::string> names() const;  ///< those that are known already, for messages
   /// The number that a node gives. Throws ModelError with formula, column and problem.
   FormulaFunction compiled(const Expression&, int node, const OfMotion& = {});
-  /// The dimension of a node of a formula that is compiled; nothing if it reads a name of unknown dimension.
+  /// The dimension of a node of a formula that is compiled; nothing if it reads a name of unknown dimension. Of each
+  /// choice both sides are looked at, nothing is out of range, and the radian is the number 1 in sums and comparisons, and
+  /// before functions of pure numbers. What variables and plain numbers make without a unit is a number in SI; a plain
+  /// number times what varies may be of any dimension, as 3 in sin(3 t). The values of the result mean nothing. `strict`: a
+  /// plain number times what has a unit has that unit. Throws ModelError as evaluate(), with `hint` behind what is wrong.
   std::optional<Amount> dimension_of(const Expression&, int node, const std::string& hint, bool strict);
   /// Checks a formula that is compiled, if it has a unit, or reads a constant that was given with one; all others are of
   /// numbers in SI. `value`: the dimension of what takes its value, if that is known. The radian counts as 1, a written
