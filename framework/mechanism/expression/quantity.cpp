@@ -6,6 +6,7 @@
 #include <lockstep/text.h>
 
 namespace lockstep::expression {
+
 Exponents settled(Exponents e) {
   if (e.m != 0 && e.rad > 0) e.rad = 0;
   return e;

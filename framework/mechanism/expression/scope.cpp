@@ -26,7 +26,7 @@ bool fits(Exponents is, Exponents wanted) {
 }  // namespace
 
 void Scope::add(const std::string& name, const Meaning& as) {
-  const auto known = std::ranges::find(entries_, name, &decltype(entries_)::value_type::first);
+  const auto known = std::ranges::find(entries_, name, &Entry::first);
   if (known != entries_.end())
     known->second.clash = true;
   else
@@ -48,7 +48,7 @@ void Scope::add(const std::vector<NamedNumbers>& constants) {
 }
 
 const Meaning* Scope::find(const std::string& name) {
-  const auto known = std::ranges::find(entries_, name, &decltype(entries_)::value_type::first);
+  const auto known = std::ranges::find(entries_, name, &Entry::first);
   if (known != entries_.end()) return &known->second;
   const std::size_t dot = name.rfind('.');
   if (dot == std::string::npos || dot + 2 != name.size()) return nullptr;

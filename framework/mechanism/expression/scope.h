@@ -51,11 +51,12 @@ class LOCKSTEP_API Scope {
   void check(const Expression&, const std::optional<Dimension>& value);
 
  private:
+  using Entry = std::pair<std::string, Meaning>;
   const Meaning& of(const Expression&, const Node&);
   void find_vector(const std::string& name);
 
   Others others_;
-  std::deque<std::pair<std::string, Meaning>> entries_;
+  std::deque<Entry> entries_;
 };
 
 }  // namespace lockstep::expression
