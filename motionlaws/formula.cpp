@@ -33,8 +33,6 @@ void add_formula(LawTypes& types) {
                    const std::vector<NamedNumbers> constants = expression::read_constants(p, "parameters");
                    try {
                      return std::make_shared<const FormulaLaw>(p.text("y"), constants);
-                   } catch (const SceneError&) {
-                     throw;
                    } catch (const ModelError& error) {
                      p.refuse("y", error.what());
                    }

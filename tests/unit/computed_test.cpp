@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Columns by formulas of channels: against closed forms, and against channels that say the same.
+#include <algorithm>
 #include <cmath>
 
 #include <lockstep/author/registry.h>
@@ -64,6 +65,27 @@ TEST_CASE("a column may be a formula of channels, vectors among them, with its u
   CHECK(t.column("power").unit == "W");
   CHECK(t.column("ratio").unit.empty());
   CHECK(t.column("Qz").unit == "m");
+}
+
+TEST_CASE("a column reads the columns above it by their names", "[unit][record]") {
+  const Table t = run_with(R"~({"F": "=norm(A.force_on_p_world)"}, {"own speed": "A.rz_d"}, "rod.y",
+      {"P": "=-F*r*'own speed'"}, {"left": "=max(F) - F"}, "=2*P", {"fallen": "=-rod.y"}, {"mean": "=mean(P)"})~");
+  double most = 0;
+  for (std::size_t i = 0; i < t.n_rows(); ++i) {
+    INFO("row " << i);
+    most = std::max(most, t["F"][i]);
+    CHECK(t["P"][i] == Approx(-0.2 * t["F"][i] * t["own speed"][i]).epsilon(1e-14));
+    CHECK(t["=2*P"][i] == Approx(2 * t["P"][i]).epsilon(1e-14));
+    CHECK(t["left"][i] >= most - t["F"][i] - 1e-12);
+    CHECK(t["fallen"][i] == -t["rod.y"][i]);
+  }
+  CHECK(t.column("P").unit == "W");
+  CHECK(t.column("left").unit == "N");
+  // 2.5 m g at the lowest point of a slender rod, which it passes
+  CHECK(t.last("left") + t.last("F") == Approx(2.5 * 9.81).epsilon(1e-4));
+  check_words(refusal(R"~({"b": "=2*a"}, {"a": "A.rz"})~"), {"run.record", "\"a\""});
+  check_words(refusal(R"~({"c": "=c + 1"})~"), {"run.record", "\"c\""});
+  check_words(refusal(R"~({"F": "=norm(A.force_on_p_world)"}, "=F + r")~"), {"run.record", "a force and a length"});
 }
 
 TEST_CASE("the rate of a recorded quantity is its derivative", "[unit][record]") {

@@ -291,11 +291,11 @@ TEST_CASE("a function of variables rejects a value that is no number by its caus
     const char* text;
     std::vector<std::string> words;
   };
-  for (const Bad& bad : {Bad{"=2*t.x", {"a number has no components", "remove the component"}},
-                         {"=pi.y", {"only a point has"}},
-                         {"=(1 + t).z", {"only a point has"}},
+  for (const Bad& bad : {Bad{"=2*t.x", {"only a point or a vector has components", "this is a number"}},
+                         {"=pi.y", {"only a point or a vector has components"}},
+                         {"=(1 + t).z", {"only a point or a vector has components"}},
                          {"=u.x", {"column 2", "unknown name \"u\""}},
-                         {"=norm(t)", {"column 2", "norm takes vectors", "this is a number"}},
+                         {"=norm(t)", {"column 2", "norm of a number", "a vector is expected"}},
                          {"=[t, 1, 2]", {"a number is expected", "this is a vector"}}}) {
     const std::string message = message_of<ModelError>([&] { FormulaFunction(bad.text, {"t"}); });
     for (const std::string& word : bad.words) {

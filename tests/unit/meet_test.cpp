@@ -2,6 +2,7 @@
 // meet(...) in formulas: the points that circles and lines have in common.
 #include <cmath>
 #include <random>
+#include <span>
 
 #include <lockstep/error.h>
 #include <lockstep/scene.h>
@@ -61,6 +62,12 @@ TEST_CASE("two circles meet to the left and to the right of the line of their ce
   is(met("meet(A, three, B, four, left)", {"three=400 mm"}), {0.25, std::sqrt(0.4 * 0.4 - 0.25 * 0.25), 0});
   // one within another
   is(met("meet(A, norm(meet(A, three, B, four, left) - A), B, four, right)"), {0.18, -0.24, 0});
+}
+
+TEST_CASE("a formula of variables reads a point where circles of constants meet", "[unit][scene]") {
+  const expression::FormulaFunction f("=t*meet([0, 0, 0], 0.3, [0.5, 0, 0], 0.4, left).y", {"t"});
+  const double t = 2;
+  CHECK(f(std::span<const double>(&t, 1)) == Approx(0.48).epsilon(1e-14));
 }
 
 TEST_CASE("circles that touch meet in one point", "[unit][scene]") {
@@ -133,8 +140,9 @@ TEST_CASE("a point that does not exist is an error with its name, the sizes and 
     INFO(bad.formula);
     check_words(refusal(bad.formula), bad.words);
   }
-  check_words(message_of<ModelError>([] { expression::FormulaFunction("=meet(A, t, A, t, left).x", {"t"}); }),
-              {"meet(...) is of points of the scene", "\"points\""});
+  check_words(
+      message_of<ModelError>([] { expression::FormulaFunction("=meet([0, 0, 0], t, [1, 0, 0], 1, left).x", {"t"}); }),
+      {"meet(...) is of points of the scene", "\"points\""});
 }
 
 }  // namespace meet_test

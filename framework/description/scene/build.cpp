@@ -262,14 +262,15 @@ void Builder::check_requirements() const {
     const expression::Expression e(r.channel, {}, expression::Naming::channels);
     const std::vector<std::string> names = expression::names_in(e);
     const auto is_number = [&](const std::string& n) {
-      return n == "pi" || (scope.find(n) != nullptr && !scope.find(n)->meaning.table);
+      return n == "pi" || (scope.find(n) != nullptr && !scope.find(n)->table);
     };
     if (!std::ranges::all_of(names, is_number)) continue;
     placed(r.where, "scene.require", [&] {
-      if (expression::evaluate(e, [&](const std::string& n) { return scope.amount(n); }).v[0] != 0) return;
+      const auto amount = [&](const std::string& n) { return n == "pi" ? nullptr : &scope.find(n)->amount; };
+      if (expression::evaluate(e, amount).v[0] != 0) return;
       std::string words;
       for (const std::string& n : names)
-        if (n != "pi") words += (words.empty() ? "; " : ", ") + n + " = " + expression::words_of(*scope.amount(n));
+        if (n != "pi") words += (words.empty() ? "; " : ", ") + n + " = " + expression::words_of(scope.find(n)->amount);
       throw ModelError("\"" + r.column() + "\" does not hold" + words + "; change them, or the condition");
     });
   }

@@ -52,15 +52,7 @@ std::vector<std::pair<std::string, SourceLocation>> texts_of(const Params& paren
 /// A number that must be greater than zero.
 double positive(const Params&, const std::string& key, const std::string& what);
 
-/// Runs f; a ModelError becomes a SceneError at `where`, with `context` before its message.
-template <class F>
-decltype(auto) placed(const SourceLocation& where, const std::string& context, F&& f) {
-  try {
-    return std::forward<F>(f)();
-  } catch (const ModelError& error) {
-    refuse(where, context, error.what(), static_cast<const ErrorData&>(error));
-  }
-}
+/// Runs f; a ModelError becomes a SceneError at `where`.
 template <class F>
 decltype(auto) placed(const SourceLocation& where, F&& f) {
   return placed(where, "", std::forward<F>(f));

@@ -45,6 +45,8 @@ LOCKSTEP_API void rename_joints(std::string& path);
 
 /// The settings of a scene, with defaults for what it leaves out (or null). Throws SceneError.
 LOCKSTEP_API RunSettings read_run(const Value&);
+/// A formula with channels, or their formulas, in place of the names of columns. Throws ModelError.
+LOCKSTEP_API std::string without_columns(std::string formula, const std::vector<ChannelRequest>& columns);
 /// The conditions "require" of a scene.
 std::vector<ChannelRequest> read_require(const Params& scene);
 /// By its name in scenes: project, baumgarte or none.

@@ -2,6 +2,7 @@
 #include "framework/description/scene/reading.h"
 
 #include <algorithm>
+#include <functional>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -56,13 +57,17 @@ std::vector<double> read_times(const Params& run) {
   return times;
 }
 
+// A formula reads the columns above it.
 void add_request(std::vector<ChannelRequest>& all, ChannelRequest request, const std::string& owner) {
-  const std::string& column = request.column();
+  const std::string column = request.column();
   if (column.empty() || request.channel.empty())
     refuse(request.where, owner, "the name of a channel is empty; give it one");
   if (std::any_of(column.begin(), column.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
     refuse(request.where, owner, "the name of a column contains a line end or another control character; remove it");
-  placed(request.where, owner, [&] { expression::channels_in(request.channel); });
+  if (request.channel.starts_with('=')) {
+    const std::string read = placed(request.where, owner, [&] { return without_columns(request.channel, all); });
+    if (read != request.channel) request.channel = read, request.name = column;
+  }
   if (std::ranges::find(all, column, &ChannelRequest::column) != all.end())
     refuse(request.where, owner, "column \"" + column + "\" is requested twice; rename one of them");
   all.push_back(std::move(request));
@@ -229,6 +234,22 @@ RunSettings read_run(const Value& v) {
   }
   wrong.raise();
   return run;
+}
+
+std::string without_columns(std::string formula, const std::vector<ChannelRequest>& columns) {
+  static const std::vector<std::string> kTime{"t"};
+  std::vector<expression::Node> names = expression::Expression(formula, kTime, expression::Naming::channels).nodes();
+  std::erase_if(names, [](const expression::Node& n) { return n.operation != expression::Operation::name; });
+  std::ranges::sort(names, std::greater(), &expression::Node::at);
+  for (const expression::Node& n : names) {
+    const std::string name = expression::without_quotes(n.name);
+    const auto column = std::ranges::find(columns, name, &ChannelRequest::column);
+    if (column == columns.end() || column->channel == name) continue;
+    const std::string& channel = column->channel;
+    formula.replace(n.at, n.name.size(),
+                    channel.starts_with('=') ? "(" + channel.substr(1) + ")" : "'" + channel + "'");
+  }
+  return formula;
 }
 
 std::vector<ChannelRequest> read_require(const Params& scene) {

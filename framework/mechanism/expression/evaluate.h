@@ -63,7 +63,8 @@ T whole_power(const T& a, int n) {
 template <class T>
 T power_of(const T& a, double p) {
   using std::pow;
-  if (p == std::round(p) && std::abs(p) <= 64) return whole_power(a, int(p));
+  if constexpr (!std::is_same_v<T, double>)
+    if (p == std::round(p) && std::abs(p) <= 64) return whole_power(a, int(p));
   return pow(a, p);
 }
 
@@ -100,6 +101,7 @@ T applied(Function f, const T& x, const T& y) {
   if (f == Function::sqrt) return sqrt(x);
   if (f == Function::exp) return exp(x);
   if (f == Function::log) return log(x);
+  if constexpr (std::is_same_v<T, double>) return std::hypot(x, y);
   return sqrt(square(x) + square(y));  // hypot
 }
 
@@ -198,6 +200,7 @@ class TermEvaluation {
       const Sign s = values_.sign(x, i);
       if (t.function == Function::sign) return s ? T(double(*s)) : values_.either(T(-1.0), T(1.0));
       if (s && *s >= 0) values_.stands(i, t.parts[0]);
+      if constexpr (std::is_same_v<T, double>) return abs(x);
       return !s ? T(abs(x)) : *s < 0 ? T(-x) : x;
     }
     const T y = of(t.parts[1]);

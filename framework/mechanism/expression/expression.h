@@ -144,6 +144,11 @@ LOCKSTEP_API std::vector<std::string> names_in(const Expression&);
 /// for three, with "_x", "_y", "_z". Throws ModelError as Expression.
 LOCKSTEP_API std::vector<std::string> channels_in(const std::string& column);
 
+/// A name without its quotes, which a formula of channels keeps: 'P.x' is a channel even if a point is called P.
+inline std::string without_quotes(const std::string& name) {
+  return name.starts_with('\'') ? name.substr(1, name.size() - 2) : name;
+}
+
 /// Why it may not name a parameter, which is a letter or '_', then letters, digits and '_', and no function or constant;
 /// "" if it may.
 LOCKSTEP_API std::string name_fault(std::string_view word);

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@
 #include <lockstep/author/law.h>
 #include <lockstep/author/params.h>
 #include <lockstep/detail/export.h>
-#include "framework/mechanism/expression/expression.h"
+#include "framework/mechanism/expression/quantity.h"
 
 namespace lockstep::expression {
 
@@ -30,15 +31,25 @@ struct Term {
   LawPtr<MotionLaw> table{};  ///< of table(name, x)
 };
 
-/// What a name of a formula stands for: a number or a vector, of variables or constant, or a table.
+/// What a name of a formula stands for: an amount, of variables or constant, or a table.
 struct Meaning {
-  bool is_vector = false;
-  int variable = -1;              ///< the first of them; -1: constant
-  std::array<double, 3> value{};  ///< of a constant
-  LawPtr<MotionLaw> table{};      ///< of a table
+  Amount amount{};            ///< of variables its value means nothing
+  int variable = -1;          ///< the first of its variables; -1: constant
+  LawPtr<MotionLaw> table{};  ///< of a table
+  bool is_known = true;       ///< whether its dimension is known
+  bool clash = false;         ///< whether it is a variable and a constant
+
+  /// `with_unit`: whether its unit counts as one that is written in the formula.
+  static Meaning of_variable(int number, const std::optional<Dimension>& d, bool with_unit = false) {
+    Meaning m{.variable = number, .is_known = d.has_value()};
+    m.amount.dimension = exponents_of(d.value_or(Dimension{})), m.amount.measured = true;
+    m.amount.with_unit = with_unit;
+    return m;
+  }
 };
-/// The meaning of the name of a node; throws ModelError if there is none.
-using Meanings = std::function<Meaning(const Node&)>;
+/// The meaning of the name of a node; null, or ModelError, if there is none.
+using Meanings = std::function<const Meaning*(const Node&)>;
+
 /// The variable that holds the value of a call of the motion.
 using OfMotion = std::function<int(const Node&)>;
 
@@ -72,7 +83,6 @@ class LOCKSTEP_API FormulaFunction {
   void breakpoints(int time, double t0, double t1, std::vector<double>& out) const;
 
  private:
-  friend class FormulaCompiler;
   std::string text_;
   std::vector<Term> terms_;
   bool has_switches_ = false;

@@ -9,7 +9,6 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/support/at_end.h"
-#include "framework/mechanism/expression/quotes.h"
 
 namespace lockstep::expression {
 namespace {

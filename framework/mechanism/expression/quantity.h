@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include <lockstep/author/params.h>
@@ -20,6 +21,11 @@ struct Exponents {
 
 /// The same as that of a unit.
 inline Exponents exponents_of(const Dimension& d) { return {double(d.m), double(d.kg), double(d.s), double(d.rad)}; }
+
+/// An angle times a length is an arc: without the radian.
+Exponents settled(Exponents);
+/// The dimension of these exponents; nothing if a unit has none of them, fractional or high ones.
+std::optional<Dimension> whole(const Exponents&);
 
 /// A number or a vector with its dimension.
 struct Amount {
@@ -48,17 +54,6 @@ using Known = std::function<std::vector<std::string>()>;
 /// and a length is an arc, a length. `known`: names for "did you mean". Throws ModelError with formula, column and what
 /// is wrong.
 LOCKSTEP_API Amount evaluate(const Expression&, const Names&, const Known& known = {});
-
-/// Whether a name stands for what varies, such as the time.
-using Varies = std::function<bool(const std::string&)>;
-
-/// The dimension of a formula of variables, whatever their values: of each choice both sides are looked at, nothing is
-/// out of range, and the radian is the number 1 in sums and comparisons, and before functions of pure numbers. What
-/// variables and plain numbers make without a unit is a number in SI; a plain number times what varies may be of any
-/// dimension, as 3 in sin(3 t). The values of the result mean nothing. `strict`: a plain
-/// number times what has a unit has that unit. Throws ModelError as evaluate(), with `hint` behind what is wrong.
-LOCKSTEP_API Amount dimension_of(const Expression&, int node, const Names&, const Varies&, const std::string& hint,
-                                 bool strict = false);
 
 /// As a scene holds it: a number where no unit took part, else a text such as "0.12 m", of a vector a list of three.
 /// Throws ModelError for a dimension that has no unit, and for what is not finite.

@@ -6,29 +6,14 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/mechanism/expression/quotes.h"
 
 namespace lockstep::expression {
 namespace {
 
-Amount amount_of(const Scope::Name& name) {
-  const Meaning& m = name.meaning;
-  Amount q;
-  q.is_vector = m.is_vector;
-  if (m.variable < 0)
-    std::copy(m.value.begin(), m.value.end(), q.v.data());
-  else
-    q.v.setOnes();
-  q.dimension = exponents_of(name.dimension.value_or(Dimension{}));
-  q.with_unit = name.with_unit, q.measured = m.variable >= 0 || name.with_unit;
-  return q;
-}
-
 // Component k of a vector.
-Scope::Name component(Scope::Name of, std::size_t k) {
-  of.meaning.is_vector = false;
-  if (of.meaning.variable >= 0) of.meaning.variable += static_cast<int>(k);
-  of.meaning.value = {of.meaning.value[k]};
+Meaning component(Meaning of, std::size_t k) {
+  if (of.variable >= 0) of.variable += static_cast<int>(k);
+  of.amount.is_vector = false, of.amount.v[0] = of.amount.v[static_cast<int>(k)];
   return of;
 }
 
@@ -40,47 +25,47 @@ bool fits(Exponents is, Exponents wanted) {
 
 }  // namespace
 
-void Scope::add(const std::string& name, const Name& as) {
-  const auto known = std::ranges::find(entries_, name, &Entry::called);
+void Scope::add(const std::string& name, const Meaning& as) {
+  const auto known = std::ranges::find(entries_, name, &Entry::first);
   if (known != entries_.end())
-    known->name.clash = true;
+    known->second.clash = true;
   else
-    entries_.push_back({name, as, amount_of(as)});
-}
-
-void Scope::add(const std::string& name, int variable, const std::optional<Dimension>& dimension) {
-  add(name, {.meaning = {.variable = variable}, .dimension = dimension});
+    entries_.emplace_back(name, as);
 }
 
 void Scope::add(const std::vector<NamedNumbers>& constants) {
   for (const NamedNumbers& c : constants) {
-    Name name;
-    name.meaning.is_vector = c.values.size() == 3, name.meaning.table = c.table;
-    std::ranges::copy(c.values, name.meaning.value.begin());
-    if (!c.unit.empty()) name.dimension = lockstep::dimension_of(c.unit), name.with_unit = true;
-    add(c.name, name);
+    Meaning m{.table = c.table};
+    m.amount.is_vector = c.values.size() == 3;
+    std::ranges::copy(c.values, m.amount.v.data());
+    if (!c.unit.empty()) {
+      const std::optional<Dimension> d = lockstep::dimension_of(c.unit);
+      m.is_known = d.has_value(), m.amount.dimension = exponents_of(d.value_or(Dimension{}));
+      m.amount.measured = m.amount.with_unit = true;
+    }
+    add(c.name, m);
   }
 }
 
-const Scope::Entry* Scope::entry(const std::string& name) {
-  const auto known = std::ranges::find(entries_, name, &Entry::called);
-  if (known != entries_.end()) return &*known;
+const Meaning* Scope::find(const std::string& name) {
+  const auto known = std::ranges::find(entries_, name, &Entry::first);
+  if (known != entries_.end()) return &known->second;
   const std::size_t dot = name.rfind('.');
   if (dot == std::string::npos || dot + 2 != name.size()) return nullptr;
   const std::size_t k = std::string_view("xyz").find(name[dot + 1]);
-  const Entry* const whole = entry(name.substr(0, dot));
-  if (k == std::string::npos || whole == nullptr || !whole->name.meaning.is_vector) return nullptr;
-  add(name, component(whole->name, k));
-  return &entries_.back();
+  const Meaning* const whole = find(name.substr(0, dot));
+  if (k == std::string::npos || whole == nullptr || !whole->amount.is_vector) return nullptr;
+  add(name, component(*whole, k));
+  return &entries_.back().second;
 }
 
 // Three numbers whose names begin with this one.
 void Scope::find_vector(const std::string& name) {
-  if (entry(name) != nullptr || name.find('@') != std::string::npos) return;
+  if (find(name) != nullptr || name.find('@') != std::string::npos) return;
   for (const char* between : {"_", ".", ""}) try {
-      Name whole = others_(name + between + "x");
+      Meaning whole = others_(name + between + "x");
       others_(name + between + "y"), others_(name + between + "z");
-      whole.meaning.is_vector = true;
+      whole.amount.is_vector = true;
       return add(name, whole);
     } catch (const ModelError&) {  // not these
     }
@@ -88,13 +73,13 @@ void Scope::find_vector(const std::string& name) {
 
 std::vector<std::string> Scope::names() const {
   std::vector<std::string> known;
-  for (const Entry& each : entries_) known.push_back(each.called);
+  for (const auto& [name, meaning] : entries_) known.push_back(name);
   known.emplace_back("pi");
   return known;
 }
 
-const Scope::Name& Scope::of(const Expression& e, const Node& n) {
-  const Name* name = find(n.name);
+const Meaning& Scope::of(const Expression& e, const Node& n) {
+  const Meaning* name = find(n.name);
   std::string problem;
   if (name == nullptr && others_) {
     const std::string called = without_quotes(n.name);
@@ -104,7 +89,8 @@ const Scope::Name& Scope::of(const Expression& e, const Node& n) {
       problem = error.what();
       find_vector(called);
       find_vector(called.substr(0, called.rfind('.')));
-      if (const Name* const of_vector = find(called); of_vector != nullptr && called != n.name) add(n.name, *of_vector);
+      if (const Meaning* const of_vector = find(called); of_vector != nullptr && called != n.name)
+        add(n.name, *of_vector);
     }
     name = find(n.name);
   } else if (name == nullptr) {
@@ -118,31 +104,20 @@ const Scope::Name& Scope::of(const Expression& e, const Node& n) {
 }
 
 FormulaFunction Scope::compiled(const Expression& e, int node, const OfMotion& of_motion) {
-  return {e, node, [&](const Node& n) { return of(e, n).meaning; }, of_motion};
-}
-
-std::optional<Amount> Scope::dimension_of(const Expression& e, int node, const std::string& hint, bool strict) {
-  for (const std::string& name : names_in(e))
-    if (const Name* const known = find(name); known != nullptr && !known->dimension) return std::nullopt;
-  const auto varies = [this](const std::string& name) {
-    const Name* const known = find(name);
-    return known != nullptr && known->meaning.variable >= 0;
-  };
-  return expression::dimension_of(
-      e, node, [this](const std::string& name) { return amount(name); }, varies, hint, strict);
+  return {e, node, [&](const Node& n) { return &of(e, n); }, of_motion};
 }
 
 void Scope::check(const Expression& e, const std::optional<Dimension>& value) {
   const auto has_unit = [this](const Node& n) {
     if (n.operation == Operation::number) return n.measured && n.dimension != Dimension{};
-    const Name* const name = n.operation == Operation::name ? find(n.name) : nullptr;
-    return name != nullptr && name->with_unit;
+    const Meaning* const name = n.operation == Operation::name ? find(n.name) : nullptr;
+    return name != nullptr && name->amount.with_unit;
   };
   if (std::ranges::none_of(e.nodes(), has_unit)) return;
   std::string hint = "; this formula has a unit, so all its quantities have units", before = ": ";
   for (const std::string& name : names_in(e))
-    if (const Name* const read = find(name); read != nullptr && read->meaning.variable >= 0 && read->dimension)
-      hint += before + name + " is " + article_name_of(*read->dimension), before = ", ";
+    if (const Meaning* const read = find(name); read != nullptr && read->variable >= 0 && read->is_known)
+      hint += before + name + " is " + article_name_of(read->amount), before = ", ";
   const std::optional<Amount> q = dimension_of(e, e.root(), hint, false);
   if (!q || !value || !q->measured || q->any || !q->with_unit || fits(q->dimension, exponents_of(*value))) return;
   e.refuse(e.node(e.root()),

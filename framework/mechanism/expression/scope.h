@@ -19,32 +19,29 @@ namespace lockstep::expression {
 /// has the components "A.x", "A.y" and "A.z".
 class LOCKSTEP_API Scope {
  public:
-  /// A meaning with its dimension; nothing: it is not known.
-  struct Name {
-    Meaning meaning{};
-    std::optional<Dimension> dimension = Dimension{};
-    bool with_unit = false;  ///< whether its unit counts as one that is written in the formula
-    bool clash = false;      ///< whether it is a variable and a constant
-  };
   /// Finds a number by its name. Three of one vector, with "_x", "_y" and "_z" behind it, have variables in a row.
   /// Throws ModelError if there is none.
-  using Others = std::function<Name(const std::string&)>;
+  using Others = std::function<Meaning(const std::string&)>;
 
   explicit Scope(Others others = {}) : others_(std::move(others)) {}
 
-  void add(const std::string& name, const Name&);
+  void add(const std::string& name, const Meaning&);
   /// A variable by its number.
-  void add(const std::string& name, int variable, const std::optional<Dimension>&);
+  void add(const std::string& name, int variable, const std::optional<Dimension>& dimension) {
+    add(name, Meaning::of_variable(variable, dimension));
+  }
   void add(const std::vector<NamedNumbers>&);
 
-  /// The name if it is known already; null: it is not.
-  const Name* find(const std::string& name) { return entry(name) != nullptr ? &entry(name)->name : nullptr; }
-  /// Its value and dimension; null: it is not known. Of a variable the value means nothing.
-  const Amount* amount(const std::string& name) { return entry(name) != nullptr ? &entry(name)->amount : nullptr; }
+  /// What a name means; null: it is not known already.
+  const Meaning* find(const std::string& name);
   std::vector<std::string> names() const;  ///< those that are known already, for messages
   /// The number that a node gives. Throws ModelError with formula, column and problem.
   FormulaFunction compiled(const Expression&, int node, const OfMotion& = {});
-  /// The dimension of a node of a formula that is compiled; nothing if it reads a name of unknown dimension.
+  /// The dimension of a node of a formula that is compiled; nothing if it reads a name of unknown dimension. Of each
+  /// choice both sides are looked at, nothing is out of range, and the radian is the number 1 in sums and comparisons, and
+  /// before functions of pure numbers. What variables and plain numbers make without a unit is a number in SI; a plain
+  /// number times what varies may be of any dimension, as 3 in sin(3 t). The values of the result mean nothing. `strict`: a
+  /// plain number times what has a unit has that unit. Throws ModelError as evaluate(), with `hint` behind what is wrong.
   std::optional<Amount> dimension_of(const Expression&, int node, const std::string& hint, bool strict);
   /// Checks a formula that is compiled, if it has a unit, or reads a constant that was given with one; all others are of
   /// numbers in SI. `value`: the dimension of what takes its value, if that is known. The radian counts as 1, a written
@@ -54,13 +51,8 @@ class LOCKSTEP_API Scope {
   void check(const Expression&, const std::optional<Dimension>& value);
 
  private:
-  struct Entry {
-    std::string called;
-    Name name;
-    Amount amount;
-  };
-  const Entry* entry(const std::string& name);
-  const Name& of(const Expression&, const Node&);
+  using Entry = std::pair<std::string, Meaning>;
+  const Meaning& of(const Expression&, const Node&);
   void find_vector(const std::string& name);
 
   Others others_;

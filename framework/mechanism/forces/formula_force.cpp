@@ -63,8 +63,8 @@ std::unique_ptr<Force> CoordinateForce::make(const Attachment& attachment, const
       reads.push_back(attachment.coordinate(name));
       if (own.size() + reads.size() > kMostVariables)
         throw ModelError("the formula reads more than " + std::to_string(kMostVariables) + " numbers; split the force");
-      return expression::Scope::Name{{.variable = static_cast<int>(own.size() + reads.size()) - 1},
-                                     reads.back()->dimension()};
+      return expression::Meaning::of_variable(static_cast<int>(own.size() + reads.size()) - 1,
+                                              reads.back()->dimension());
     });
     scope.add("q", 0, dimension_of(torque ? Unit::angle : Unit::length));
     scope.add("qd", 1, dimension_of(torque ? Unit::angular_speed : Unit::speed));
@@ -75,8 +75,6 @@ std::unique_ptr<Force> CoordinateForce::make(const Attachment& attachment, const
     scope.check(e, dimension_of(torque ? Unit::torque : Unit::force));
     return std::make_unique<CoordinateForce>(attachment.name, p_of(attachment, k), s_of(attachment, k), q, std::move(f),
                                              std::move(reads));
-  } catch (const SceneError&) {
-    throw;
   } catch (const ModelError& error) {
     k.refuse(key, error.what());
   }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <lockstep/author/params.h>
@@ -18,6 +19,16 @@ namespace lockstep {
 /// Throws SceneError "file:line:column: context: problem" (empty parts are left out), with that place in its data.
 [[noreturn]] LOCKSTEP_API void refuse(const SourceLocation&, const std::string& context, const std::string& problem,
                                       ErrorData about = {});
+
+/// Runs f; a ModelError becomes a SceneError at `where`, with `context` before its message.
+template <class F>
+decltype(auto) placed(const SourceLocation& where, const std::string& context, F&& f) {
+  try {
+    return std::forward<F>(f)();
+  } catch (const ModelError& error) {
+    refuse(where, context, error.what(), static_cast<const ErrorData&>(error));
+  }
+}
 
 /// A word of a command line as a value: true, false, a number, or a text.
 LOCKSTEP_API Value read_word(const std::string&);

@@ -10,10 +10,10 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/place.h"
+#include "framework/description/scene/reading.h"
 #include "framework/description/scene/system_of.h"
 #include "framework/description/scene/write.h"
 #include "framework/mechanism/expression/expression.h"
-#include "framework/mechanism/expression/quotes.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/program/files.h"
@@ -29,27 +29,6 @@ using expression::Expression;
 using expression::Naming;
 using expression::Node;
 using expression::Operation;
-
-Expression read_formula(const std::string& text) {
-  static const std::vector<std::string> kTime{"t"};
-  return Expression(text, kTime, Naming::channels);
-}
-
-// The formula with channels, or their formulas, in place of the names of columns.
-std::string without_columns(std::string formula, const std::vector<ChannelRequest>& columns) {
-  const Expression read = read_formula(formula);
-  std::vector<Node> names = read.nodes();
-  std::erase_if(names, [](const Node& n) { return n.operation != Operation::name; });
-  std::ranges::sort(names, std::greater(), &Node::at);
-  for (const Node& n : names) {
-    const auto column = std::ranges::find(columns, expression::without_quotes(n.name), &ChannelRequest::column);
-    if (column == columns.end()) continue;
-    const std::string& channel = column->channel;
-    formula.replace(n.at, n.name.size(),
-                    channel.starts_with('=') ? "(" + channel.substr(1) + ")" : "'" + channel + "'");
-  }
-  return formula;
-}
 
 }  // namespace
 
@@ -69,7 +48,8 @@ Sides sides_of(const std::string& option, const std::string& comparison) {
     for (std::size_t i = 1; i + 1 < text.size(); ++i)
       if (text[i] == '=' && text[i + 1] != '=' && std::string_view("<>!=").find(text[i - 1]) == std::string::npos)
         text.insert(i++, 1, '=');
-    const Expression read = read_formula(text);
+    static const std::vector<std::string> kTime{"t"};
+    const Expression read(text, kTime, Naming::channels);
     const Node& root = read.node(read.root());
     if (root.operation < Operation::less || root.operation > Operation::equal)
       throw ModelError("\"" + comparison + "\" compares nothing; write \"max(T) = 3 N m\" or \"max(T) < 3 N m\"");

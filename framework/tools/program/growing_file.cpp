@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -18,6 +19,15 @@
 #include "framework/foundation/support/hash.h"
 
 namespace lockstep {
+
+namespace {
+
+constexpr double kInterval = 1.0;              // s, wall-clock: at most so much is lost,
+constexpr std::size_t kMostWaiting = 1 << 20;  // or so many bytes
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+}  // namespace
 
 GrowingFile::GrowingFile(std::string name) : name_(std::move(name)) {
   namespace fs = std::filesystem;
@@ -111,7 +121,6 @@ void GrowingFile::go_on(long length, std::uint64_t hash) {
 }
 
 void GrowingFile::append(std::string_view text) {
-  constexpr std::size_t kMostWaiting = 1 << 20;  // bytes: at most so many are lost
   waiting_ += text;
   if (waiting_.size() > kMostWaiting) write();
 }

@@ -191,11 +191,12 @@ class Computed final : public Observer {
   }
 
   // A channel by its name.
-  Scope::Name channel(const std::string& name) {
+  expression::Meaning channel(const std::string& name) {
     const Channel& c = channels_.emplace_back(make_channel(system_, name));
     if (c.memory) memories_.push_back(c.memory.get());
     places_.push_back(new_place());
-    return {{.variable = places_.back()}, c.unit.empty() ? Dimension{} : dimension_of(c.unit), true};
+    const std::optional<Dimension> d = c.unit.empty() ? Dimension{} : dimension_of(c.unit);
+    return expression::Meaning::of_variable(places_.back(), d, true);
   }
 
   int new_place() {
