@@ -32,8 +32,6 @@ class LOCKSTEP_API BlockSolver final : public LinearSolver {
   std::string_view name() const override { return "block"; }
   /// compute() throws SolveError for a body without mass or inertia.
   std::unique_ptr<Factorization> analyse(const KktPattern&) const override;
-  /// Multiplications of one factorisation.
-  static long multiplications(const KktPattern&);
 };
 
 // "dense": rank-revealing QR; the reference for small systems.

@@ -15,7 +15,6 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/math/limits.h"
-#include "framework/foundation/support/at_end.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/rows_at_start.h"
@@ -289,12 +288,6 @@ Plane settle_in_plane(System& system, const std::function<bool(Plane)>& starts_i
   }
   system.set_planar({});
   return {};
-}
-
-Plane find_plane(System& system, const std::function<bool(Plane)>& starts_in) {
-  const AtEnd restore(
-      [&, plane = system.plane(), known = system.plane_is_known()] { system.set_planar(plane, known); });
-  return settle_in_plane(system, starts_in);
 }
 
 }  // namespace lockstep
