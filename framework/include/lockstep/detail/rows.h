@@ -272,19 +272,14 @@ class RowTable {
   long revision() const { return revision_; }
   /// Counts one revision; called before the rows are gathered.
   void renew() { ++revision_; }
-  /// Scratch for the rows in space of a single joint, apart from the blocks of the table. One at a time.
-  RowBlock spatial(const RowShape& shape) {
-    if (spatial_.size() < RowSpan::stride(shape)) spatial_.resize(RowSpan::stride(shape));
-    return {spatial_.data(), shape};
-  }
-  /// The same scratch as a group of one.
-  RowSpan spatial_span(const RowShape& shape) {
-    (void)spatial(shape);
-    return {spatial_.data(), shape};
+  /// Scratch for the rows of a single joint as a group of one, apart from the blocks of the table. One at a time.
+  RowSpan alone(const RowShape& shape) {
+    if (alone_.size() < RowSpan::stride(shape)) alone_.resize(RowSpan::stride(shape));
+    return {alone_.data(), shape};
   }
 
  private:
-  Aligned<double> data_, spatial_;
+  Aligned<double> data_, alone_;
   long revision_ = 0;
 };
 
