@@ -178,7 +178,6 @@ TEST_CASE("NewtonMatrix allocates nothing from the second step on", "[unit][dyna
   const VecXc fc = f.cast<NewtonMatrix::Complex>(), rc = r.cast<NewtonMatrix::Complex>();
   step(f, r, fc, rc);
   CHECK(allocations_of([&] { step(f, r, fc, rc); }) == 0);
-  CHECK(N.n_dense() == 0);
 }
 
 TEST_CASE("NewtonMatrix without mass is statics: pivots are looked for elsewhere", "[unit][dynamics]") {
@@ -192,7 +191,6 @@ TEST_CASE("NewtonMatrix without mass is statics: pivots are looked for elsewhere
   NewtonMatrix N;
   N.gather(values.evaluation, values.lambda);
   N.factor(0.0, 0.0, 1.0);
-  CHECK(N.n_dense() == 1);
   VecX f = VecX::Zero(6), x, l;
   f[0] = F;
   CHECK(N.solve(f, VecX::Zero(5), x, l).residual <= 1e-12);
@@ -202,7 +200,6 @@ TEST_CASE("NewtonMatrix without mass is statics: pivots are looked for elsewhere
   // A stiffness times a complex number takes the displacement by it, and holds the same load.
   const NewtonMatrix::Complex c(1, 0.3);
   N.factor(NewtonMatrix::Complex(0), NewtonMatrix::Complex(0), c);
-  CHECK(N.n_dense() == 2);
   VecXc xc, lc;
   CHECK(N.solve(f, VecXc::Zero(5), xc, lc).residual <= 1e-12);
   CHECK((c * xc - x).norm() <= 1e-12 * x.norm());
@@ -276,7 +273,6 @@ TEST_CASE("NewtonMatrix in a plane solves what it solves in space", "[unit][dyna
     const VecX r = rows_times(values.rows, some);
     const std::size_t i = planar ? 1 : 0;
     CHECK(N.solve(f, r, x[i], l[i]).residual <= 1e-12);
-    CHECK(N.n_dense() == 0);
     CHECK(r.size() == (planar ? 5 : 11));
   }
   CHECK((x[0] - x[1]).lpNorm<Eigen::Infinity>() <= 1e-12 * x[0].lpNorm<Eigen::Infinity>());

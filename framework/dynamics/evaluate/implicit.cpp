@@ -152,7 +152,6 @@ SolveReport NewtonMatrix::solve(const VecXc& f, const VecXc& r, VecXc& x, VecXc&
   work_->check_slots(f.size()), work_->check_rows(r.size());
   return work_->complex.solve(*work_, f, r, x, l);
 }
-long NewtonMatrix::n_dense() const { return work_->real.n_dense() + work_->complex.n_dense(); }
 
 void NewtonMatrix::add_M_times(const VecX& x, VecX& y) const {
   work_->check_slots(x.size()), work_->check_slots(y.size());

@@ -3,8 +3,6 @@
 #pragma once
 
 #include <cmath>
-#include <functional>
-#include <memory>
 #include <span>
 #include <string>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/mechanism/system/coordinate_names.h"
 
-#include <algorithm>
 #include <optional>
 #include <string_view>
 

@@ -47,10 +47,6 @@ class LOCKSTEP_API NewtonMatrix {
   /// digits of a correction. Default: 1e-12.
   void set_residual(double enough);
 
-  /// Number of factorisations in which the block of a body had no pivot, so that a dense one was made instead (which
-  /// allocates): statics and singular configurations.
-  long n_dense() const;
-
   // -- products with the matrices gathered last; x: 6 per slot
   void add_M_times(const VecX& x, VecX& y) const;  ///< y += M x
   void add_D_times(const VecX& x, VecX& y) const;  ///< y += D x

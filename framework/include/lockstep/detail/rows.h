@@ -324,7 +324,7 @@ class LOCKSTEP_API Auxiliary {
   virtual void rates(const Evaluated&, std::span<double> sd) const = 0;
   /// Adds to its states `s` what an impact changes. In `impulses`, lambda holds the impulses, N s or N m s, and `a` the
   /// changes of velocity; `in` is before the impact. Default: nothing.
-  virtual void impact(const Evaluated& impulses, std::span<double> s) const;
+  virtual void impact(const Evaluated& /*impulses*/, std::span<double> /*s*/) const {}
 
   int first() const { return first_; }       ///< index of its states in State::s
   void place(int first) { first_ = first; }  ///< called by System::setup
