@@ -115,7 +115,6 @@ TypeInfo BlockSolver::info() {
 }
 std::unique_ptr<LinearSolver> BlockSolver::make(const Params&) { return std::make_unique<BlockSolver>(); }
 
-
 std::unique_ptr<Factorization> BlockSolver::analyse(const KktPattern& pattern) const {
   return std::make_unique<BlockFactorization>(pattern);
 }

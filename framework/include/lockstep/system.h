@@ -99,8 +99,8 @@ LOCKSTEP_API Pose pose_at(const Vec3& x, const Vec3& z);
 /// that much. Small loops of a large mechanism are also below the limit, although their constraints are meant to hold.
 enum class NearlyRedundant {
   reported,  ///< report only: nothing is decided, and solvers may differ
-  free,  ///< redundant and nearly redundant constraints are left out
-  held,  ///< they hold; exactly redundant constraints are left out, so that nothing contradicts
+  free,      ///< redundant and nearly redundant constraints are left out
+  held,      ///< they hold; exactly redundant constraints are left out, so that nothing contradicts
   /// Free, unless joints would open or nothing more could move: those are held. Reported if the mechanism has more than
   /// 300 rows.
   automatic

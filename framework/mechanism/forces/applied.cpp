@@ -126,9 +126,8 @@ AppliedForce::AppliedForce(std::string name, Marker& p, Marker& s, Options optio
     : Applied(std::move(name), p, &s, Effort::force, vector_of(std::move(options))) {}
 
 TypeInfo AppliedForce::info() {
-  return {"applied_force",
-                             "force at the origin of p on p's body; with s, the opposite on s's body at the same point",
-                             keys(Effort::force)};
+  return {"applied_force", "force at the origin of p on p's body; with s, the opposite on s's body at the same point",
+          keys(Effort::force)};
 }
 
 std::unique_ptr<Force> AppliedForce::make(const Attachment& attachment, const Params& k) {
@@ -144,8 +143,7 @@ AppliedTorque::AppliedTorque(std::string name, Marker& p, Marker& s, Options opt
     : Applied(std::move(name), p, &s, Effort::torque, vector_of(std::move(options))) {}
 
 TypeInfo AppliedTorque::info() {
-  return {"applied_torque", "torque on p's body; with s, the opposite on s's body",
-                             keys(Effort::torque)};
+  return {"applied_torque", "torque on p's body; with s, the opposite on s's body", keys(Effort::torque)};
 }
 
 std::unique_ptr<Force> AppliedTorque::make(const Attachment& attachment, const Params& k) {

@@ -20,7 +20,8 @@ CoordinateForce::CoordinateForce(std::string name, Marker& p, Marker& s, Coordin
       reads_(std::move(reads)) {}
 
 TypeInfo CoordinateForce::info() {
-  return {"function_force",
+  return {
+      "function_force",
       "force or torque by a formula of a coordinate q of P relative to S, its rate qd, time t, and coordinates of "
       "others, such as crank.rz, crank.rz_d and P.x",
       {{"force", Form::text, Unit::none, kOptional,

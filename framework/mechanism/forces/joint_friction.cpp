@@ -74,7 +74,8 @@ void JointFriction::check_numbers() const {
 }
 
 TypeInfo JointFriction::info() {
-  return {"joint_friction",
+  return {
+      "joint_friction",
       "dry and viscous friction in a joint, from its reaction at the same time",
       {{"mu", Form::number, Unit::none, kRequired, "coefficient of sliding friction"},
        {"mu_static", Form::number, Unit::none, kOptional, "coefficient at rest (Stribeck); default: mu"},

@@ -48,8 +48,8 @@ ForceMotor::ForceMotor(std::string name, Marker& p, Marker& s, Options options)
 
 TypeInfo ForceMotor::info() {
   return {"force_motor",
-      "force by a law along z of S on P's body at P, the opposite on S's body at the same point",
-      {{"force", Form::law, Unit::force, kRequired, "force on p's body along z of s, a law of time"}}};
+          "force by a law along z of S on P's body at P, the opposite on S's body at the same point",
+          {{"force", Form::law, Unit::force, kRequired, "force on p's body along z of s, a law of time"}}};
 }
 
 std::unique_ptr<Force> ForceMotor::make(const Attachment& attachment, const Params& k) {
@@ -62,8 +62,8 @@ TorqueMotor::TorqueMotor(std::string name, Marker& p, Marker& s, Options options
 
 TypeInfo TorqueMotor::info() {
   return {"torque_motor",
-      "torque by a law about z of S on P's body, the opposite on S's body",
-      {{"torque", Form::law, Unit::torque, kRequired, "torque on p's body about z of s, a law of time"}}};
+          "torque by a law about z of S on P's body, the opposite on S's body",
+          {{"torque", Form::law, Unit::torque, kRequired, "torque on p's body about z of s, a law of time"}}};
 }
 
 std::unique_ptr<Force> TorqueMotor::make(const Attachment& attachment, const Params& k) {

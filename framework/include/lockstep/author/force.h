@@ -121,7 +121,8 @@ class LOCKSTEP_API Force {
   virtual void tangent(const Inputs&, TangentSum& out) const;
   /// Potential energy, J; asked only while energy is recorded; default 0.
   virtual double potential(const Inputs&) const { return 0; }
-  virtual double dissipation(const Inputs&) const { return 0; }  ///< power that dampers take out, W, not negative; default 0
+  /// Power that dampers take out, W, not negative; default 0.
+  virtual double dissipation(const Inputs&) const { return 0; }
   /// Power that laws and motors put in, W: what the force gives to the bodies beyond -dV/dt and the dampers. The energy
   /// balance relies on it. Default 0.
   virtual double supply(const Inputs&) const { return 0; }
