@@ -129,7 +129,7 @@ Line measure(const std::string& name, const std::function<System()>& make, bool 
     line.joint = time_of(s, true, std::make_unique<SchurSolver>(), nullptr, Formulation::joint);
   if (!planar) return line;
   System flat = make();
-  flat.set_planar(find_plane(flat));
+  flat.set_planar(settle_in_plane(flat));
   if (all) line.planar = time_of(flat, true, std::make_unique<SchurSolver>());
   line.planar_joint = time_of(flat, true, std::make_unique<SchurSolver>(), nullptr, Formulation::joint);
   return line;
@@ -152,7 +152,7 @@ double heap() {
 double memory(const std::function<System()>& make, bool planar, Formulation formulation) {
   const double before = heap();
   System s = make();
-  if (planar) s.set_planar(find_plane(s));
+  if (planar) s.set_planar(settle_in_plane(s));
   Dynamics dynamics(s, std::make_unique<SchurSolver>(), {formulation, {}});
   State state = s.start();
   StateRate rate;

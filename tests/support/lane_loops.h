@@ -64,7 +64,7 @@ RateDifferences differences(Family& family, double least, StateOf&& state_of, In
     State own = family.systems[k]->start();
     dynamics.to_formulation(own);
     own.t = states[k].t, own.q = states[k].q, own.v = states[k].v;
-    StateRate truth, found = sized_like(own), by_omega = found;
+    StateRate truth, found = sized_like(own);
     dynamics.rates(own, truth);
     State as_state = own;
     batch->get(static_cast<int>(k), rate.data(), as_state);
@@ -79,8 +79,8 @@ RateDifferences differences(Family& family, double least, StateOf&& state_of, In
     Dynamics omega(*family.systems[k], std::make_unique<SchurSolver>(), {Formulation::omega, {}});
     StateRate of_slots;
     omega.rates(slots, of_slots);
-    dynamics.read_rates(own, of_slots, by_omega);
-    keep_worst(worst.omega, largest(found.v - by_omega.v) / std::max(1.0, largest(by_omega.v)));
+    const VecX by_omega = loops::along_joints(*family.systems[k], own, of_slots.v);
+    keep_worst(worst.omega, largest(found.v - by_omega) / std::max(1.0, largest(by_omega)));
   }
   return worst;
 }

@@ -15,11 +15,24 @@
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
 #include <lockstep/solvers.h>
+#include "framework/dynamics/tree/tree_layout.h"
+#include "framework/dynamics/tree/tree_recursion.h"
 #include "tests/support/random_bodies.h"
 
 namespace lockstep::loops {
 
 using testing::Draw, testing::random_inertia, testing::random_pose;
+
+/// The accelerations of joint coordinates at a state, of those of its slots, 6 per slot: what joints do not allow is lost.
+inline VecX along_joints(const System& system, const State& state, const VecX& of_slots) {
+  TreeLayout layout = lay_out_tree(system, state.modes, Taken::all);
+  const auto recursion = TreeRecursion::of(layout.tree, system, std::move(layout.fronts));
+  std::vector<Motion> motions;
+  VecX along;
+  recursion->outward(state, motions);
+  recursion->read_off(motions, of_slots, along);
+  return along;
+}
 
 /// A pair of markers at one place of the world, on two bodies as they are drawn.
 inline std::pair<Marker*, Marker*> markers_at(System& system, const std::string& name, Body& a, Body& b,

@@ -243,7 +243,7 @@ struct Ralston final : Integrator {
   StepReport step(Dynamics& dynamics, State& state, double h) override {
     stages.evaluate(dynamics, state, h, 0, 2);
     stages.end(state, h, end);
-    project_end_or_throw(dynamics, end, "ralston", state.t, h);
+    if (!project_end(dynamics, end).converged) throw StepError("ralston: the end is not projected", state.t);
     take_motion(end, state);
     return {h};
   }

@@ -52,10 +52,10 @@ double difference(Dynamics& dynamics, const State& state, SolveReport& report) {
   if (!state.coordinates->followed().empty()) {
     State slots = state;
     dynamics.to_slots(slots);
-    StateRate of_slots, omega;
+    StateRate of_slots;
     dynamics.rates(slots, of_slots);
-    dynamics.read_rates(state, of_slots, omega);
-    return largest(rate.v - omega.v) / std::max(1.0, largest(omega.v));
+    const VecX omega = loops::along_joints(dynamics.system(), state, of_slots.v);
+    return largest(rate.v - omega) / std::max(1.0, largest(omega));
   }
   const VecX a = accelerations(dynamics, state, rate), omega = accelerations(dynamics, state);
   return largest(a - omega) / std::max(1.0, largest(omega));

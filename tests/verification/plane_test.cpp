@@ -99,7 +99,7 @@ TEST_CASE("mechanisms in space are not taken for planar ones", "[verification][p
   CAPTURE(name);
   const Registry registry = builtin_registry();
   Mechanism m = build_mechanism(read_scene(scene_path(name)), registry);
-  CHECK_FALSE(find_plane(system_of(m)));
+  CHECK_FALSE(settle_in_plane(system_of(m)));
 }
 
 TEST_CASE("in the plane all solvers agree, redundant or not", "[verification][plane]") {
@@ -140,7 +140,7 @@ TEST_CASE("every axis can be the normal", "[verification][plane]") {
     rod.start.w = 2.0 * axis;
     rod.start.v = cross(Vec3(2.0 * axis), Vec3(0.5 * along));
     system.add<Revolute>("hinge", rod, system.ground(), pose_at(Vec3(0, 0, 0), axis));
-    CHECK(find_plane(system) == Plane{n});
+    CHECK(settle_in_plane(system) == Plane{n});
     system.set_planar(Plane{n});
     Dynamics dynamics(system, std::make_unique<SchurSolver>());
     CHECK(system.n_velocities() == 3);
@@ -196,14 +196,14 @@ TEST_CASE("a law that leaves the plane later stops the run by name", "[verificat
   state.t = 6.0;
   const std::string text = message_of<ModelError>([&] { dynamics.evaluate(state); });
   CHECK(text.find("joint 'drive': its law leaves the plane at t = 6") != std::string::npos);
-  CHECK_FALSE(find_plane(r.system));  // a law that does not say that it stays
+  CHECK_FALSE(settle_in_plane(r.system));  // a law that does not say that it stays
 }
 
 TEST_CASE("a type that does not declare to stay in the plane keeps the mechanism in space", "[verification][plane]") {
   const auto found = [](auto&& add) {
     Rod r;
     add(r);
-    return bool(find_plane(r.system));
+    return bool(settle_in_plane(r.system));
   };
   const Vec3 tip(0.5, 0, 0);
   const auto late = laws::sequence({{5, laws::constant(0)}, {5, laws::constant(1)}});  // zero wherever it is evaluated
@@ -325,7 +325,7 @@ TEST_CASE("lever arms of small mechanisms are seen", "[verification][plane]") {
   system.set_planar(Plane{2});
   system.setup();
   CHECK(system.has_offsets());
-  CHECK_FALSE(find_plane(system));
+  CHECK_FALSE(settle_in_plane(system));
 }
 
 TEST_CASE("a start or a force that leaves the plane is rejected by name", "[verification][plane]") {

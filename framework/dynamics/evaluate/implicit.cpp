@@ -152,7 +152,6 @@ SolveReport NewtonMatrix::solve(const VecXc& f, const VecXc& r, VecXc& x, VecXc&
   work_->check_slots(f.size()), work_->check_rows(r.size());
   return work_->complex.solve(*work_, f, r, x, l);
 }
-long NewtonMatrix::n_dense() const { return work_->real.n_dense() + work_->complex.n_dense(); }
 
 void NewtonMatrix::add_M_times(const VecX& x, VecX& y) const {
   work_->check_slots(x.size()), work_->check_slots(y.size());
@@ -160,18 +159,6 @@ void NewtonMatrix::add_M_times(const VecX& x, VecX& y) const {
 }
 void NewtonMatrix::add_D_times(const VecX& x, VecX& y) const { work_->add_times(&TangentSum::D, x, y); }
 void NewtonMatrix::add_K_times(const VecX& x, VecX& y) const { work_->add_times(&TangentSum::K, x, y); }
-void NewtonMatrix::add_J_times(const VecX& x, VecX& y) const {
-  work_->check_slots(x.size()), work_->check_rows(y.size());
-  work_->for_each_row(work_->J, [&](int row, int slot, const double* r) {
-    y[row] += Eigen::Map<const Vec6>(r).dot(x.segment<6>(6 * slot));
-  });
-}
-void NewtonMatrix::add_Jt_times(const VecX& l, VecX& y) const {
-  work_->check_slots(y.size()), work_->check_rows(l.size());
-  work_->for_each_row(work_->J, [&](int row, int slot, const double* r) {
-    y.segment<6>(6 * slot) += l[row] * Eigen::Map<const Vec6>(r);
-  });
-}
 const TangentSum& NewtonMatrix::tangents() const { return work_->tangents; }
 
 }  // namespace lockstep

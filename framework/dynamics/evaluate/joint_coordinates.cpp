@@ -379,24 +379,4 @@ const Solution* Dynamics::joint_accelerations(Tree& t, const State& state, const
   return &omega;
 }
 
-void Dynamics::read_rates(const State& state, const StateRate& slots, StateRate& out) {
-  check_state(system_, state);
-  if (!state.coordinates) {
-    out = slots;
-    return;
-  }
-  Tree& t = tree(state.modes).of(state);
-  if (slots.v.size() != 6 * system_.n_slots() || slots.s.size() != state.s.size())
-    throw ModelError("Dynamics::read_rates: rates of " + std::to_string(slots.v.size()) + " velocities and " +
-                     std::to_string(slots.s.size()) + " integrated states, but " +
-                     std::to_string(6 * system_.n_slots()) + " and " + std::to_string(state.s.size()) +
-                     " are needed; take those of rate()");
-  t.outward(state, t.motions);
-  t.recursion->read_off(t.motions, slots.v, out.v);
-  t.coordinates->kinematic_rate(state, out.q);
-  out.s = slots.s;
-  write_followed(t.coordinates->followed(), t.motions, slots.v, out.followed);
-  out.largest_a = t.recursion->largest().a(), out.largest_alpha = t.recursion->largest().alpha();
-}
-
 }  // namespace lockstep

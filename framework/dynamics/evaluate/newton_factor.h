@@ -124,8 +124,6 @@ class NewtonFactor {
     return report;
   }
 
-  long n_dense() const { return n_dense_; }
-
  private:
   using Mat6T = Eigen::Matrix<T, 6, 6>;
   using Mat = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
@@ -187,7 +185,6 @@ class NewtonFactor {
     if (N.n + N.m > kLargest)
       throw SolveError("the matrix of the implicit step has a singular block of a body, and " +
                        std::to_string(N.n + N.m) + " unknowns are too many for a dense solution; reduce the step");
-    ++n_dense_;
     Mat A = Mat::Zero(N.n + N.m, N.n + N.m);
     for (std::size_t p = 0; p < A_.size(); ++p) {
       const std::size_t row = N.tangents.pairs()[p].row, column = N.tangents.pairs()[p].column;
@@ -274,7 +271,6 @@ class NewtonFactor {
   BlockFactor<T> blocks_;
   PivotedLu dense_;
   bool is_dense_ = false;
-  long n_dense_ = 0;
   Vec b_, x_, d_;
   VecX size_, size_x_;  // of the terms of each equation; of each unknown
 };

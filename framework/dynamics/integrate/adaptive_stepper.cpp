@@ -114,7 +114,7 @@ bool AdaptiveStepper::land(Dynamics& dynamics, double h, StepReport& report) {
   const ProjectReport landed = project_end(dynamics, landed_);
   report.violation = landed.before, report.violation_after = landed.after;
   const bool near = end_is_near(dynamics, landed, fixed());
-  if (!near && fixed()) throw end_not_projected_by(dynamics, landed_, landed, info().name, start_.t, h);
+  if (!near && fixed()) throw end_not_projected(dynamics, landed_, landed, info().name, start_.t, h);
   return near;
 }
 

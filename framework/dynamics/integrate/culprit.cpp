@@ -128,10 +128,15 @@ std::string most_violated(Dynamics& dynamics, const State& state) {
   return worst < 0 ? "" : fmt::format("{} by {:.2g} m", passes::row_name(e.system(), e.rows(), worst), most);
 }
 
-StepError end_not_projected_by(Dynamics& dynamics, const State& end, const ProjectReport& report,
-                               const std::string& method, double t, double h) {
+StepError end_not_projected(Dynamics& dynamics, const State& end, const ProjectReport& report,
+                            const std::string& method, double t, double h) {
   const std::string row = most_violated(dynamics, end);
-  return StepError(end_not_projected(report, method, t, h).what() + (row.empty() ? "" : "; worst: " + row), t);
+  return StepError(
+      fmt::format("{}: the step of {:.6g} s from t = {:.9g} s violates the constraints by {:.3g} m, and "
+                  "projection fails ({:.3g} m remain after {} iterations); take a smaller step (--step), "
+                  "or --integrator dopri5, or radau5 if dampers are stiff{}",
+                  method, h, t, report.before, report.after, report.rounds, row.empty() ? "" : "; worst: " + row),
+      t);
 }
 
 }  // namespace lockstep

@@ -17,8 +17,8 @@ LOCKSTEP_API std::string who_varies(Dynamics&, const State&, double after);
 /// The constraint that is violated most at this state, "constraint z of joint 'H' by 1e-05 m"; "" if there is none.
 LOCKSTEP_API std::string most_violated(Dynamics&, const State&);
 
-/// end_not_projected() with that constraint, at the end of the step.
-StepError end_not_projected_by(Dynamics&, const State& end, const ProjectReport&, const std::string& method, double t,
-                               double h);
+/// The error of a step of h, s, from t, s, whose end could not be projected; names that constraint.
+LOCKSTEP_API StepError end_not_projected(Dynamics&, const State& end, const ProjectReport&, const std::string& method,
+                                         double t, double h);
 
 }  // namespace lockstep

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/author/stepping.h>
 
-#include <spdlog/fmt/fmt.h>
-
 #include <cmath>
 
 #include <lockstep/error.h>
-#include "framework/dynamics/integrate/culprit.h"
 #include "framework/foundation/math/for_size.h"
 
 namespace lockstep {
@@ -116,20 +113,6 @@ ProjectReport project_end(Dynamics& dynamics, State& y, StagesOn on) {
   ProjectReport report;
   dynamics.normalize(y);
   report.before = report.after = dynamics.violation(y);
-  return report;
-}
-
-StepError end_not_projected(const ProjectReport& report, const std::string& method, double t, double h) {
-  return StepError(fmt::format("{}: the step of {:.6g} s from t = {:.9g} s violates the constraints by {:.3g} m, and "
-                               "projection fails ({:.3g} m remain after {} iterations); take a smaller step (--step), "
-                               "or --integrator dopri5, or radau5 if dampers are stiff",
-                               method, h, t, report.before, report.after, report.rounds),
-                   t);
-}
-
-ProjectReport project_end_or_throw(Dynamics& dynamics, State& y, const char* method, double t, double h, StagesOn on) {
-  const ProjectReport report = project_end(dynamics, y, on);
-  if (!report.converged) throw end_not_projected_by(dynamics, y, report, method, t, h);
   return report;
 }
 

@@ -27,17 +27,9 @@ void Contacts::lay_out(const System& system, const Stabilization& stabilization)
   }
 }
 
-// Gathers in space, even in a planar mechanism.
-RowView Contacts::gathered(const Lock& link, const Inputs& in) {
-  const RowShape shape = link.shape();
-  const Lock* const one = &link;
-  link.gather(Group(&one, 1), in, room_.spatial_span(shape));
-  return room_.spatial(shape);
-}
-
 Gap Contacts::gap(std::size_t i, const Inputs& in) {
   const Contact& contact = all_[i];
-  const RowView block = gathered(*contact.link, in);
+  const RowView block = gather_alone(*contact.link, in, room_);
   const SlotList slots = contact.link->slots();
   double cd = block.Ct(0);
   for (int k = 0; k < slots.n; ++k) {
@@ -56,7 +48,7 @@ Gap Contacts::gap(std::size_t i, const Inputs& in) {
 // C'' = Jh a - Qhat
 double Contacts::gap_dd(std::size_t i, const Evaluated& v) {
   const Contact& contact = all_[i];
-  const RowView block = gathered(*contact.link, v.in);
+  const RowView block = gather_alone(*contact.link, v.in, room_);
   const SlotList slots = contact.link->slots();
   double cdd = -block.Qhat(0);
   for (int k = 0; k < slots.n; ++k) {

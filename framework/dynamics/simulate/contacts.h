@@ -58,9 +58,8 @@ class LOCKSTEP_API Contacts {
   int row(std::size_t i, const RowTable&) const;
 
  private:
-  RowView gathered(const Lock&, const Inputs&);
   std::vector<Contact> all_;
-  RowTable room_;  // scratch, for one row
+  RowTable room_;  // scratch, for one row in space
 };
 
 }  // namespace lockstep

@@ -8,7 +8,6 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <lockstep/error.h>
 #include <lockstep/step_loop.h>

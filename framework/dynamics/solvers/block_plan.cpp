@@ -89,15 +89,8 @@ void BlockPlan::lay_out(const BlockGraph& graph, bool is_symmetric) {
   for (Node& pivot : nodes) {
     pivot.first_target = targets.size();
     const Later* s = later.data() + pivot.first_later;
-    const long w = pivot.width;
-    multiplications += symmetric ? w * (w + 1) * (w + 2) / 6 : w * w * w / 3 + w;
-    for (int b = 0; b < pivot.n_later; ++b) {
-      multiplications += (symmetric ? 1 : 2) * w * (w + 1) / 2 * s[b].width;
-      for (int a = 0; a <= b; ++a) {
-        targets.push_back(find(nodes[s[a].place].node, nodes[s[b].place].node).at);
-        multiplications += (symmetric || a == b ? 1 : 2) * w * s[a].width * s[b].width;
-      }
-    }
+    for (int b = 0; b < pivot.n_later; ++b)
+      for (int a = 0; a <= b; ++a) targets.push_back(find(nodes[s[a].place].node, nodes[s[b].place].node).at);
   }
 }
 

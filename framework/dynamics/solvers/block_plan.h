@@ -54,7 +54,6 @@ struct LOCKSTEP_API BlockPlan {
   std::size_t size = 0;              ///< total count of numbers
   bool symmetric = false;
   bool tree = false;  ///< no closed loop of links, the ground being one body: rows of different links are independent
-  long multiplications = 0;  ///< of one factorisation
 
   /// Orders by least fill. A link waits until one of its slots that has room for its rows is eliminated, or all of them
   /// are: before that its pivot is only the proximal term, and digits are lost.

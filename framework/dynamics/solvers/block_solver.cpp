@@ -115,12 +115,6 @@ TypeInfo BlockSolver::info() {
 }
 std::unique_ptr<LinearSolver> BlockSolver::make(const Params&) { return std::make_unique<BlockSolver>(); }
 
-long BlockSolver::multiplications(const KktPattern& pattern) {
-  BlockPlan plan;
-  plan.lay_out(graph_of(pattern), true);
-  return plan.multiplications;
-}
-
 std::unique_ptr<Factorization> BlockSolver::analyse(const KktPattern& pattern) const {
   return std::make_unique<BlockFactorization>(pattern);
 }

@@ -6,7 +6,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
-#include <cmath>
 
 #include <lockstep/author/params.h>
 #include <lockstep/error.h>

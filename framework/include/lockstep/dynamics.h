@@ -329,9 +329,6 @@ class LOCKSTEP_API Dynamics {
   void rates(const State&, StateRate& out);
   /// The same, with the whole report of the solution: residual, pivots, detector.
   SolveReport rates_with_report(const State&, StateRate& out);
-  /// Rates in the coordinates of `state` from those of the bodies, as rate() gives them; parts that the joints do not
-  /// allow are lost.
-  void read_rates(const State& state, const StateRate& slots, StateRate& out);
   /// Solves the equations of motion (2.1), (2.9) with the chosen stabilisation; `out`: d/dt of q, v and s, of a state in
   /// body coordinates. Throws NonFiniteError, SolveError.
   const Solution& rate(const State&, StateRate& out);

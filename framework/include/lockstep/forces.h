@@ -89,7 +89,7 @@ class LOCKSTEP_API AppliedForce final : public Applied {
   /// Acts between the bodies of P and S. Throws likewise.
   AppliedForce(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return "applied_force"; }
-  static const TypeInfo& info();                                         ///< name and keys of its type
+  static TypeInfo info();                                                ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
 
@@ -115,7 +115,7 @@ class LOCKSTEP_API AppliedTorque final : public Applied {
   /// Acts between the bodies of P and S. Throws likewise.
   AppliedTorque(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return "applied_torque"; }
-  static const TypeInfo& info();                                         ///< name and keys of its type
+  static TypeInfo info();                                                ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
 
@@ -159,7 +159,7 @@ class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
 
-  static const TypeInfo& info();                                         ///< name and keys of its type
+  static TypeInfo info();                                                ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
@@ -220,7 +220,7 @@ class LOCKSTEP_API JointFriction final : public Force, public Reacting {
   /// mu_s N along the sliding, and mu_s (r (N0 + |F radial|) + r_a |F axial|) about the axis.
   std::vector<Grip> grips(const Inputs&, const Reactions&) const override;
 
-  static const TypeInfo& info();                                         ///< name and keys of its type
+  static TypeInfo info();                                                ///< name and keys of its type
   static Options options(const Params&);                                 ///< from parameters checked against info()
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
@@ -286,7 +286,7 @@ class LOCKSTEP_API ForceMotor final : public Motor {
   /// Throws ParameterError without a law; ModelError as MarkerForce does.
   ForceMotor(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return "force_motor"; }
-  static const TypeInfo& info();                                         ///< name and keys of its type
+  static TypeInfo info();                                                ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
 
@@ -306,7 +306,7 @@ class LOCKSTEP_API TorqueMotor final : public Motor {
   /// Throws ParameterError without a law; ModelError as MarkerForce does.
   TorqueMotor(std::string name, Marker& p, Marker& s, Options options);
   std::string_view type() const override { return "torque_motor"; }
-  static const TypeInfo& info();                                         ///< name and keys of its type
+  static TypeInfo info();                                                ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
 
@@ -350,7 +350,7 @@ class LOCKSTEP_API SpringDamper final : public FormulaForce<SpringDamper> {
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
 
-  static const TypeInfo& info();                                         ///< name and keys of its type
+  static TypeInfo info();                                                ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
@@ -399,7 +399,7 @@ class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpring
 
   void count_angles(AngleCounter& counter) override;
 
-  static const TypeInfo& info();                                         ///< name and keys of its type
+  static TypeInfo info();                                                ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:

@@ -10,7 +10,6 @@
 namespace lockstep {
 
 class Dynamics;
-class MotionLaw;
 struct Solution;
 
 /// Whether the drives prescribe the motion of a mechanism, and what is missing.

@@ -15,9 +15,6 @@ namespace lockstep {
 //   | M   J^T |      E' = eps E:  lambda = 0;  repeat  (a, lambda) += K^-1 (f - M a - J^T lambda, c - J a)
 //   | J   -E' |
 
-class Params;
-struct TypeInfo;
-
 /// LDL^T in blocks over the graph of slots and joints. Work grows linearly with the number of bodies on every tree,
 /// even if one body has many joints; nothing is allocated after analyse(). The same elimination serves implicit
 /// methods, whose mass matrix couples bodies (NewtonMatrix).
@@ -32,8 +29,6 @@ class LOCKSTEP_API BlockSolver final : public LinearSolver {
   std::string_view name() const override { return "block"; }
   /// compute() throws SolveError for a body without mass or inertia.
   std::unique_ptr<Factorization> analyse(const KktPattern&) const override;
-  /// Multiplications of one factorisation.
-  static long multiplications(const KktPattern&);
 };
 
 // "dense": rank-revealing QR; the reference for small systems.
@@ -41,9 +36,6 @@ class LOCKSTEP_API BlockSolver final : public LinearSolver {
 //   M = L L^T,  B = E^-1/2 J L^-T (m x n):   a = M^-1 f + L^-T y,  y = B^+ E^-1/2 (c - J M^-1 f),
 //   lambda = E^-1/2 mu,  B^T mu = -y,  |mu| minimal: of all lambda the one with the smallest sum E_j lambda_j^2.
 // If the rows contradict one another, a minimises sum (c - J a)_j^2 / E_j, as the proximal iteration does.
-
-class Params;
-struct TypeInfo;
 
 /// Rank-revealing QR, the reference for small systems: its work grows with the cube of the number of rows.
 /// SolveReport::rank is the rank of J; smallest_pivot: of the rows in the order of the QR, the smallest part of a row's
@@ -79,9 +71,6 @@ class LOCKSTEP_API SchurSolver final : public LinearSolver {
 //
 //   K = | M   J^T |      E' = eps E:  lambda = 0;  repeat  (a, lambda) += K^-1 (f - M a - J^T lambda, c - J a)
 //       | J   -E' |
-
-class Params;
-struct TypeInfo;
 
 /// Eigen's sparse LDL^T, the fallback and the cross-check: any topology, redundant rows; the fill of the joints' graph
 /// determines its work.

@@ -99,9 +99,8 @@ LOCKSTEP_API Pose pose_at(const Vec3& x, const Vec3& z);
 /// that much. Small loops of a large mechanism are also below the limit, although their constraints are meant to hold.
 enum class NearlyRedundant {
   reported,  ///< report only: nothing is decided, and solvers may differ
-  told [[deprecated("NearlyRedundant::reported")]] = reported,
-  free,  ///< redundant and nearly redundant constraints are left out
-  held,  ///< they hold; exactly redundant constraints are left out, so that nothing contradicts
+  free,      ///< redundant and nearly redundant constraints are left out
+  held,      ///< they hold; exactly redundant constraints are left out, so that nothing contradicts
   /// Free, unless joints would open or nothing more could move: those are held. Reported if the mechanism has more than
   /// 300 rows.
   automatic
@@ -182,7 +181,7 @@ class LOCKSTEP_API System final : public AngleCounter {
   /// Motion in the plane whose normal is this axis of the world (Plane{}: in space): three velocities per body, and no
   /// constraints out of the plane. Exact if axes, forces and starts are in the plane; setup() names any part outside in
   /// an error. `known`: only while all joints and forces declare that they stay in it (stays_in_plane) and none
-  /// has a lever arm along the normal, as find_plane() requires. A part added later that does not brings the mechanism
+  /// has a lever arm along the normal, as settle_in_plane() requires. A part added later that does not brings the mechanism
   /// back into space.
   void set_planar(Plane plane, bool known = false) {
     plane_ = plane, plane_is_known_ = known, ready_ = has_left_plane_ = false;
@@ -364,10 +363,10 @@ class LOCKSTEP_API System final : public AngleCounter {
   long revision_ = 0;
 };
 
-/// The plane in which the system moves exactly as in space, reactions included: axes, forces, starts and centres of
-/// mass are in it, and all joints and forces declare that they keep it there (stays_in_plane). `starts_in`: whether
-/// other data of the start are in a plane. No plane if there is none. The plane that was set stays; the next setup() is
-/// repeated.
-LOCKSTEP_API Plane find_plane(System&, const std::function<bool(Plane)>& starts_in = {});
+/// Finds the plane in which the system moves exactly as in space, reactions included, and sets the system up in it:
+/// axes, forces, starts and centres of mass are in it, and all joints and forces declare that they keep it there
+/// (stays_in_plane). `starts_in`: whether other data of the start are in a plane. Without a plane the system is in
+/// space, to be set up, and the result is none.
+LOCKSTEP_API Plane settle_in_plane(System&, const std::function<bool(Plane)>& starts_in = {});
 
 }  // namespace lockstep

@@ -125,11 +125,9 @@ AppliedForce::AppliedForce(std::string name, Marker& p, Options options)
 AppliedForce::AppliedForce(std::string name, Marker& p, Marker& s, Options options)
     : Applied(std::move(name), p, &s, Effort::force, vector_of(std::move(options))) {}
 
-const TypeInfo& AppliedForce::info() {
-  static const TypeInfo info{"applied_force",
-                             "force at the origin of p on p's body; with s, the opposite on s's body at the same point",
-                             keys(Effort::force)};
-  return info;
+TypeInfo AppliedForce::info() {
+  return {"applied_force", "force at the origin of p on p's body; with s, the opposite on s's body at the same point",
+          keys(Effort::force)};
 }
 
 std::unique_ptr<Force> AppliedForce::make(const Attachment& attachment, const Params& k) {
@@ -144,10 +142,8 @@ AppliedTorque::AppliedTorque(std::string name, Marker& p, Options options)
 AppliedTorque::AppliedTorque(std::string name, Marker& p, Marker& s, Options options)
     : Applied(std::move(name), p, &s, Effort::torque, vector_of(std::move(options))) {}
 
-const TypeInfo& AppliedTorque::info() {
-  static const TypeInfo info{"applied_torque", "torque on p's body; with s, the opposite on s's body",
-                             keys(Effort::torque)};
-  return info;
+TypeInfo AppliedTorque::info() {
+  return {"applied_torque", "torque on p's body; with s, the opposite on s's body", keys(Effort::torque)};
 }
 
 std::unique_ptr<Force> AppliedTorque::make(const Attachment& attachment, const Params& k) {

@@ -18,16 +18,14 @@ Bushing::Bushing(std::string name, Marker& p, Marker& s, Options options)
   }
 }
 
-const TypeInfo& Bushing::info() {
-  static const TypeInfo info{
-      "bushing",
-      "springs and dampers along and about the axes of S, for small rotations: a compliant joint",
-      {{"stiffness", Form::vector3, Unit::stiffness, Value::List{0, 0, 0}, "along the axes of S"},
-       {"damping", Form::vector3, Unit::damping, Value::List{0, 0, 0}, "along the axes of S, not negative"},
-       {"torsion_stiffness", Form::vector3, Unit::torsion_stiffness, Value::List{0, 0, 0}, "about the axes of S"},
-       {"torsion_damping", Form::vector3, Unit::torsion_damping, Value::List{0, 0, 0},
-        "about the axes of S, not negative"}}};
-  return info;
+TypeInfo Bushing::info() {
+  return {"bushing",
+          "springs and dampers along and about the axes of S, for small rotations: a compliant joint",
+          {{"stiffness", Form::vector3, Unit::stiffness, Value::List{0, 0, 0}, "along the axes of S"},
+           {"damping", Form::vector3, Unit::damping, Value::List{0, 0, 0}, "along the axes of S, not negative"},
+           {"torsion_stiffness", Form::vector3, Unit::torsion_stiffness, Value::List{0, 0, 0}, "about the axes of S"},
+           {"torsion_damping", Form::vector3, Unit::torsion_damping, Value::List{0, 0, 0},
+            "about the axes of S, not negative"}}};
 }
 
 std::unique_ptr<Force> Bushing::make(const Attachment& attachment, const Params& k) {

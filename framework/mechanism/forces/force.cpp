@@ -13,9 +13,6 @@ namespace lockstep {
 Force::Force(std::string name) : name_(std::move(name)) {}
 Force::~Force() = default;
 
-void Force::breakpoints(double, double, std::vector<double>&) const {}
-std::string Force::diagnose(double) const { return {}; }
-
 void Force::tangent(const Inputs& in, TangentSum& out) const {
   add_differences(slots_, true, in, out, [this](const Inputs& at, VecX& f) {
     WrenchSum sum(at.motions, f);
@@ -28,10 +25,6 @@ void Reacting::react_tangent(const Inputs& in, const Reactions& reactions, Tange
     react(at, reactions, sum);
   });
 }
-
-double Force::potential(const Inputs&) const { return 0; }
-double Force::dissipation(const Inputs&) const { return 0; }
-double Force::supply(const Inputs&) const { return 0; }
 
 void Force::place(int first_memory) {
   first_memory_ = first_memory;

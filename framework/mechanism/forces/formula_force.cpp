@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -20,8 +19,8 @@ CoordinateForce::CoordinateForce(std::string name, Marker& p, Marker& s, Coordin
       f_(std::move(f)),
       reads_(std::move(reads)) {}
 
-const TypeInfo& CoordinateForce::info() {
-  static const TypeInfo info{
+TypeInfo CoordinateForce::info() {
+  return {
       "function_force",
       "force or torque by a formula of a coordinate q of P relative to S, its rate qd, time t, and coordinates of "
       "others, such as crank.rz, crank.rz_d and P.x",
@@ -37,7 +36,6 @@ const TypeInfo& CoordinateForce::info() {
         "coordinate q of P relative to S; default: z for a force, rz for a torque",
         {"x", "y", "z", "distance", "rx", "ry", "rz"}},
        expression::constants_key()}};
-  return info;
 }
 
 std::unique_ptr<Force> CoordinateForce::make(const Attachment& attachment, const Params& k) {

@@ -41,7 +41,7 @@ class LOCKSTEP_API CoordinateForce final : public FormulaForce<CoordinateForce> 
   /// Those of a torque and of what it reads.
   void count_angles(AngleCounter&) override;
 
-  static const TypeInfo& info();                                         ///< name and keys of its type
+  static TypeInfo info();                                                ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:

@@ -73,8 +73,8 @@ void JointFriction::check_numbers() const {
   must(o.load_smoothing >= 0, "load_smoothing", o.load_smoothing, "0 or more");
 }
 
-const TypeInfo& JointFriction::info() {
-  static const TypeInfo info{
+TypeInfo JointFriction::info() {
+  return {
       "joint_friction",
       "dry and viscous friction in a joint, from its reaction at the same time",
       {{"mu", Form::number, Unit::none, kRequired, "coefficient of sliding friction"},
@@ -90,7 +90,6 @@ const TypeInfo& JointFriction::info() {
        {"viscous", Form::number, Unit::damping, 0, "viscous friction of sliding"},
        {"viscous_turn", Form::number, Unit::torsion_damping, 0, "viscous friction of rotation"},
        {"load_smoothing", Form::number, Unit::force, 1e-6, "load below which its magnitude is smoothed"}}};
-  return info;
 }
 
 JointFriction::Options JointFriction::options(const Params& k) {

@@ -46,12 +46,10 @@ void Motor::act(const Ends<T>& at, Load& load) const {
 ForceMotor::ForceMotor(std::string name, Marker& p, Marker& s, Options options)
     : Motor(std::move(name), p, s, Effort::force, std::move(options.force)) {}
 
-const TypeInfo& ForceMotor::info() {
-  static const TypeInfo info{
-      "force_motor",
-      "force by a law along z of S on P's body at P, the opposite on S's body at the same point",
-      {{"force", Form::law, Unit::force, kRequired, "force on p's body along z of s, a law of time"}}};
-  return info;
+TypeInfo ForceMotor::info() {
+  return {"force_motor",
+          "force by a law along z of S on P's body at P, the opposite on S's body at the same point",
+          {{"force", Form::law, Unit::force, kRequired, "force on p's body along z of s, a law of time"}}};
 }
 
 std::unique_ptr<Force> ForceMotor::make(const Attachment& attachment, const Params& k) {
@@ -62,12 +60,10 @@ std::unique_ptr<Force> ForceMotor::make(const Attachment& attachment, const Para
 TorqueMotor::TorqueMotor(std::string name, Marker& p, Marker& s, Options options)
     : Motor(std::move(name), p, s, Effort::torque, std::move(options.torque)) {}
 
-const TypeInfo& TorqueMotor::info() {
-  static const TypeInfo info{
-      "torque_motor",
-      "torque by a law about z of S on P's body, the opposite on S's body",
-      {{"torque", Form::law, Unit::torque, kRequired, "torque on p's body about z of s, a law of time"}}};
-  return info;
+TypeInfo TorqueMotor::info() {
+  return {"torque_motor",
+          "torque by a law about z of S on P's body, the opposite on S's body",
+          {{"torque", Form::law, Unit::torque, kRequired, "torque on p's body about z of s, a law of time"}}};
 }
 
 std::unique_ptr<Force> TorqueMotor::make(const Attachment& attachment, const Params& k) {

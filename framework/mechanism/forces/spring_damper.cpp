@@ -16,16 +16,14 @@ SpringDamper::SpringDamper(std::string name, Marker& p, Marker& s, Options optio
   add_law(options_.force, "force", "N");
 }
 
-const TypeInfo& SpringDamper::info() {
-  static const TypeInfo info{
-      "spring_damper",
-      "spring, damper and linear actuator on the line between the origins of P and S",
-      {{"stiffness", Form::number, Unit::stiffness, 0, "force per length"},
-       {"damping", Form::number, Unit::damping, 0, "force per rate of extension, not negative"},
-       {"free_length", Form::number, Unit::length, 0, "length at which only the preload acts"},
-       {"preload", Form::number, Unit::force, 0, "force at the free length, positive pulls P and S together"},
-       {"force", Form::law, Unit::force, kOptional, "law added to the force, positive pulls P and S together"}}};
-  return info;
+TypeInfo SpringDamper::info() {
+  return {"spring_damper",
+          "spring, damper and linear actuator on the line between the origins of P and S",
+          {{"stiffness", Form::number, Unit::stiffness, 0, "force per length"},
+           {"damping", Form::number, Unit::damping, 0, "force per rate of extension, not negative"},
+           {"free_length", Form::number, Unit::length, 0, "length at which only the preload acts"},
+           {"preload", Form::number, Unit::force, 0, "force at the free length, positive pulls P and S together"},
+           {"force", Form::law, Unit::force, kOptional, "law added to the force, positive pulls P and S together"}}};
 }
 
 std::unique_ptr<Force> SpringDamper::make(const Attachment& attachment, const Params& k) {

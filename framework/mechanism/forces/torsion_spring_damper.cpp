@@ -18,16 +18,14 @@ TorsionSpringDamper::TorsionSpringDamper(std::string name, Marker& p, Marker& s,
   add_law(options_.torque, "torque", "N m");
 }
 
-const TypeInfo& TorsionSpringDamper::info() {
-  static const TypeInfo info{
-      "torsion_spring_damper",
-      "spring, damper and rotary actuator about the common z axis of P and S, revolutions counted",
-      {{"stiffness", Form::number, Unit::torsion_stiffness, 0, "torque per angle"},
-       {"damping", Form::number, Unit::torsion_damping, 0, "torque per angular speed, not negative"},
-       {"free_angle", Form::number, Unit::angle, 0, "angle of P relative to S at which only the preload acts"},
-       {"preload", Form::number, Unit::torque, 0, "torque at the free angle, positive rotates P back about z"},
-       {"torque", Form::law, Unit::torque, kOptional, "law added to the torque, positive rotates P back about z"}}};
-  return info;
+TypeInfo TorsionSpringDamper::info() {
+  return {"torsion_spring_damper",
+          "spring, damper and rotary actuator about the common z axis of P and S, revolutions counted",
+          {{"stiffness", Form::number, Unit::torsion_stiffness, 0, "torque per angle"},
+           {"damping", Form::number, Unit::torsion_damping, 0, "torque per angular speed, not negative"},
+           {"free_angle", Form::number, Unit::angle, 0, "angle of P relative to S at which only the preload acts"},
+           {"preload", Form::number, Unit::torque, 0, "torque at the free angle, positive rotates P back about z"},
+           {"torque", Form::law, Unit::torque, kOptional, "law added to the torque, positive rotates P back about z"}}};
 }
 
 std::unique_ptr<Force> TorsionSpringDamper::make(const Attachment& attachment, const Params& k) {

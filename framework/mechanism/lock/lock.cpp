@@ -75,15 +75,12 @@ void add_tangent(const Lock& link, const Inputs& in, std::span<const double> lam
 
 void difference_tangent(const Lock& link, const Inputs& in, std::span<const double> lambda, TangentSum& out) {
   RowTable& scratch = out.differences(in).rows;
-  const RowShape shape = link.shape();
   const SlotList& on = link.slots();
-  const Lock* const one = &link;
   const std::span<const int> slots(on.slot.data(), static_cast<std::size_t>(on.n));
   add_differences(slots, false, in, out, [&](const Inputs& at, VecX& f) {  // -Jh^T lambda
-    link.gather(Group(&one, 1), at, scratch.spatial_span(shape));
-    const RowBlock block = scratch.spatial(shape);
+    const RowBlock block = gather_alone(link, at, scratch);
     for (int i = 0; i < on.n; ++i)
-      for (int k = 0; k < shape.m; ++k) {
+      for (int k = 0; k < block.rows(); ++k) {
         const auto r = block.J(i, k);
         for (int j = 0; j < 6; ++j) f[6 * on[i] + j] -= lambda[k] * r[j];
       }

@@ -13,11 +13,6 @@
 namespace lockstep {
 
 PhiHooks::~PhiHooks() = default;
-void PhiHooks::initialise(const std::string&, PhiCoords) {}
-void PhiHooks::reset(std::span<double>, PhiCoords) const {}
-void PhiHooks::accept_step(std::span<double>, PhiCoords) const {}
-void PhiHooks::breakpoints(double, double, std::vector<double>&) const {}
-std::string PhiHooks::diagnose(double) const { return {}; }
 
 PhiRows::PhiRows(const PhiSpec& spec) : spec_(spec) {}
 PhiRows::~PhiRows() = default;

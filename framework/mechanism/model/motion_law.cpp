@@ -31,13 +31,6 @@ MotionLaw::~MotionLaw() = default;
 TranslationLaw::~TranslationLaw() = default;
 RotationLaw::~RotationLaw() = default;
 
-void MotionLaw::breakpoints(double, double, std::vector<double>&) const {}
-void TranslationLaw::breakpoints(double, double, std::vector<double>&) const {}
-void RotationLaw::breakpoints(double, double, std::vector<double>&) const {}
-
-bool TranslationLaw::stays_in_plane(const Vec3&) const { return false; }
-bool RotationLaw::turns_about(const Vec3&) const { return false; }
-
 LawPtr<MotionLaw> labelled(const LawPtr<MotionLaw>& law, LawLabel label) { return keep(law, std::move(label)); }
 LawPtr<TranslationLaw> labelled(const LawPtr<TranslationLaw>& law, LawLabel label) {
   return keep(law, std::move(label));

@@ -8,7 +8,6 @@ namespace lockstep {
 Auxiliary::~Auxiliary() = default;
 
 void Auxiliary::start(std::span<double> s) const { std::fill(s.begin(), s.end(), 0.0); }
-void Auxiliary::impact(const Evaluated&, std::span<double>) const {}
 
 double power_of_laws(const RowTable& rows, const VecX& lambda) {
   if (lambda.size() != rows.n_rows) return NAN;  // they are not solved for

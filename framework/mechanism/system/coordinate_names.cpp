@@ -2,6 +2,7 @@
 #include "framework/mechanism/system/coordinate_names.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include <lockstep/author/lock.h>
 #include <lockstep/error.h>

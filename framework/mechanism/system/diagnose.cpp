@@ -171,16 +171,16 @@ void rethrow_from_group(const System& system, const Inputs& in, const RowTable& 
   const auto entry = [&](int k) -> const RowEntry& { return table.entries[run.first_entry + k]; };
   const auto link_of = [&](const RowEntry& e) { return system.links()[e.link].get(); };
   if (run.n == 1 && (run.in_plane || !entry(0).plane)) rethrow_in(context_of(*link_of(entry(0)), in.t));
-  RowTable alone;
+  RowTable scratch;
   for (int k = 0; k < run.n; ++k) {
     const RowEntry& e = entry(k);
     const Lock* link = link_of(e);
     const RowShape shape = run.in_plane || !e.plane ? e.shape() : link->shape();
     named(*link, in.t, [&] {
       if (run.in_plane)
-        link->planar()->gather_plane(Group(&link, 1), in, alone.spatial_span(shape));
+        link->planar()->gather_plane(Group(&link, 1), in, scratch.alone(shape));
       else
-        link->gather(Group(&link, 1), in, alone.spatial_span(shape));
+        link->gather(Group(&link, 1), in, scratch.alone(shape));
     });
   }
   // No single joint throws on its own: an Error is passed on as it is, anything else names the group.

@@ -71,15 +71,13 @@ void check_absent_row(const System& system, const Inputs& in, const Lock& link, 
 
 // For a joint without planar rows, or some of whose rows are left out: gathers in space and copies what holds.
 void gather_from_space(const System& system, const Inputs& in, RowTable& table, const RowEntry& e) {
-  const Lock* link = system.links()[e.link].get();
-  const RowShape shape = link->shape();
-  link->gather(Group(&link, 1), in, table.spatial_span(shape));
-  const RowBlock all = table.spatial(shape), block = table.block(e);
+  const Lock& link = *system.links()[e.link];
+  const RowBlock all = gather_alone(link, in, table), block = table.block(e);
   for (int k = 0, next = 0; k < all.rows(); ++k)
     if (next < e.m && e.own[next] == k)
       ++next;
     else
-      check_absent_row(system, in, *link, k, all);
+      check_absent_row(system, in, link, k, all);
   for (int k = 0; k < e.m; ++k) {
     const int own = e.own[k];
     block.C(k) = all.C(own), block.Ct(k) = all.Ct(own), block.Qhat(k) = all.Qhat(own);

@@ -15,7 +15,6 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/math/limits.h"
-#include "framework/foundation/support/at_end.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/rows_at_start.h"
@@ -32,15 +31,12 @@ RowsAtStart::RowsAtStart(const System& system, Plane plane, State start)
 }
 
 std::span<const RowAtStart> RowsAtStart::of(const Lock& link) {
-  const Lock* const one = &link;
-  const RowShape shape = link.shape();
-  named(link, in_.t, [&] { link.gather(Group(&one, 1), in_, table_.spatial_span(shape)); });
-  const RowBlock block = table_.spatial(shape);
-  rows_.assign(shape.m, {});
-  for (int row = 0; row < shape.m; ++row) {
+  const RowBlock block = named(link, in_.t, [&] { return gather_alone(link, in_, table_); });
+  rows_.assign(block.rows(), {});
+  for (int row = 0; row < block.rows(); ++row) {
     RowAtStart& r = rows_[row];
     r.demand = std::max({std::abs(block.C(row)), std::abs(block.Ct(row)), std::abs(block.Qhat(row))});
-    for (int i = 0; i < shape.n; ++i) {
+    for (int i = 0; i < block.slots(); ++i) {
       const std::array<double, 6> J = block.J(i, row);
       const Vec3 f(J[0], J[1], J[2]), m = in_.slot(link.slots()[i]).A * Vec3(J[3], J[4], J[5]) / system_.length();
       r.normal[i] = {f[plane_.n], m[plane_.i()], m[plane_.j()]};
@@ -289,12 +285,6 @@ Plane settle_in_plane(System& system, const std::function<bool(Plane)>& starts_i
   }
   system.set_planar({});
   return {};
-}
-
-Plane find_plane(System& system, const std::function<bool(Plane)>& starts_in) {
-  const AtEnd restore(
-      [&, plane = system.plane(), known = system.plane_is_known()] { system.set_planar(plane, known); });
-  return settle_in_plane(system, starts_in);
 }
 
 }  // namespace lockstep

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -64,7 +63,5 @@ class LOCKSTEP_API RowsAtStart {
 
 /// Of System::setup() in a plane: which rows lie in it. Returns the error for what leaves it.
 std::optional<ModelError> setup_plane(const System&, System::Found&);
-/// find_plane(), and sets the system up in the plane that it finds; without one the system is in space, to be set up.
-LOCKSTEP_API Plane settle_in_plane(System&, const std::function<bool(Plane)>& starts_in);
 
 }  // namespace lockstep

@@ -165,10 +165,7 @@ LinkEquations equations_of(Dynamics& dynamics, const State& state, const Lock& l
                      "(System::set_merge)");
   const Inputs& in = dynamics.inputs(state);
   RowTable room;
-  const Lock* const one = &link;
-  const RowSpan span = room.spatial_span(link.shape());
-  in_context([&] { return context_of(link, in.t); }, [&] { link.gather(Group(&one, 1), in, span); });
-  const RowBlock rows = span.lane(0);
+  const RowBlock rows = named(link, in.t, [&] { return gather_alone(link, in, room); });
   const Eigen::Index m = link.row_count(), n = link.slots().n;
   LinkEquations out;
   out.C.resize(m), out.Ct.resize(m), out.Qc.resize(m), out.J.resize(m, 6 * n), out.Cq.resize(m, 7 * n);

@@ -93,10 +93,7 @@ void TreeClosures::fill(const System& system, int lane, const Inputs& in) {
   for (const Link& link : data_.loops.masks)
     if (link.has_laws()) put_laws(lock_in(system, link), lane, link, in, data_.c.rows.law);
   for (const OwnRows& rows : data_.loops.own) {
-    const Lock* const link = system.links()[rows.link].get();
-    const RowShape shape = link->shape();
-    link->gather(Group(&link, 1), in, scratch_.spatial_span(shape));
-    const RowBlock block = scratch_.spatial(shape);
+    const RowBlock block = gather_alone(*system.links()[rows.link], in, scratch_);
     for (std::size_t k = 0; k < rows.m; ++k) {
       const int own = rows.own[k];
       put_number(data_.c.rows.C, rows.first_row + k, lane, block.C(own));

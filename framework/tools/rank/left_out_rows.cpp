@@ -24,11 +24,9 @@ struct OneRow {
 
 OneRow one_row(const NamedRow& row, const Inputs& in, const Unknowns& at) {
   RowTable room;
-  const Lock* const link = row.link;
-  link->gather(Group(&link, 1), in, room.spatial_span(link->shape()));
-  const RowBlock block = room.spatial(link->shape());
+  const RowBlock block = gather_alone(*row.link, in, room);
   OneRow out{block.C(row.own), VecX::Zero(at.n())};
-  const SlotList& on = link->slots();
+  const SlotList& on = row.link->slots();
   for (int i = 0; i < on.n; ++i)
     for (int j = 0; j < 6; ++j)
       if (const int u = at.column(on[i], j); u >= 0) out.J[u] += block.J(i, row.own)[j];

@@ -24,14 +24,6 @@ bool is_own_name(const Lock& link, const NamedCoordinate& c) {
   return c.name.starts_with('r') == only;
 }
 
-// C of row k, whether or not the link is active.
-double row_value(const Lock& link, int k, const Inputs& in, RowTable& room) {
-  const RowShape shape = link.shape();
-  const Lock* const one = &link;
-  link.gather(Group(&one, 1), in, room.spatial_span(shape));
-  return room.spatial(shape).C(k);
-}
-
 void add_rows(const Lock& link, Entries& out) {
   constexpr const char* kUnits[] = {"N", "N m", ""};  // of multipliers, by RowKind
   const Lock* const l = &link;
@@ -42,7 +34,7 @@ void add_rows(const Lock& link, Entries& out) {
     add(out, "C_" + row, kind == RowKind::translation ? "m" : "",
         "violation of constraint " + row + "; 0 while the joint is inactive", [l, k, room](const Sample& s) {
           const bool holds = s.state.modes[l->number()] && !s.dynamics().system().merged(*l);
-          return holds ? row_value(*l, k, s.dynamics().inputs(s.state), *room) : 0.0;
+          return holds ? gather_alone(*l, s.dynamics().inputs(s.state), *room).C(k) : 0.0;
         });
     add(out, "lambda_" + row, kUnits[static_cast<std::size_t>(kind)],
         "multiplier of constraint " + row + "; 0 while the joint is inactive", [l, k](const Sample& s) {
@@ -61,7 +53,7 @@ void add_contact(const Lock& link, Entries& out) {
   const bool slides = link.row_kind(0) == RowKind::translation || (link.type() == "stop" && !turns);
   add(out, "gap", std::string(slides ? "m" : "") + (turns ? "rad" : ""),
       "gap of the one-sided joint; negative is penetration", [l, room](const Sample& s) {
-        return l->unilateral()->sign() * row_value(*l, 0, s.dynamics().inputs(s.state), *room);
+        return l->unilateral()->sign() * gather_alone(*l, s.dynamics().inputs(s.state), *room).C(0);
       });
   add(out, "in_contact", "", "1 in contact, 0 otherwise",
       [l](const Sample& s) { return s.state.modes[l->number()] ? 1.0 : 0.0; });
@@ -83,7 +75,7 @@ double left_out_violation(const Lock& link, const Sample& s, RowTable& room) {
   for (int k = 0; k < link.row_count() && rows != 0; ++k)
     if ((rows >> k & 1U) != 0)
       most = std::max(most, length_per_unit(link.row_kind(k), system.length()) *
-                                std::abs(row_value(link, k, s.dynamics().inputs(s.state), room)));
+                                std::abs(gather_alone(link, s.dynamics().inputs(s.state), room).C(k)));
   return most;
 }
 

@@ -94,10 +94,10 @@ class LOCKSTEP_API Force {
   /// The markers at which it acts; for slots, messages and checks.
   virtual std::vector<const Marker*> markers() const = 0;
   /// Appends the times in (t0, t1), s, when one of its laws jumps. Default: none.
-  virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  virtual void breakpoints(double /*t0*/, double /*t1*/, std::vector<double>& /*out*/) const {}
   /// Which of its laws throws or is not finite at time t, s, in words; "" when none is. Default: "". As
   /// Driven::diagnose.
-  virtual std::string diagnose(double t) const;
+  virtual std::string diagnose(double /*t*/) const { return {}; }
 
   /// The laws that it reads, for accounts. Default: none.
   virtual std::vector<ForceLaw> laws() const { return {}; }
@@ -120,11 +120,12 @@ class LOCKSTEP_API Force {
   /// Default: central differences of apply() over the slots of the markers.
   virtual void tangent(const Inputs&, TangentSum& out) const;
   /// Potential energy, J; asked only while energy is recorded; default 0.
-  virtual double potential(const Inputs&) const;
-  virtual double dissipation(const Inputs&) const;  ///< power that dampers take out, W, not negative; default 0
+  virtual double potential(const Inputs&) const { return 0; }
+  /// Power that dampers take out, W, not negative; default 0.
+  virtual double dissipation(const Inputs&) const { return 0; }
   /// Power that laws and motors put in, W: what the force gives to the bodies beyond -dV/dt and the dampers. The energy
   /// balance relies on it. Default 0.
-  virtual double supply(const Inputs&) const;
+  virtual double supply(const Inputs&) const { return 0; }
 
   // -- facets: null without it; a class with the facet derives from it and returns `this`
   virtual const Observable* observable() const { return nullptr; }    ///< recorder channels of the force

@@ -7,6 +7,7 @@
 #include <concepts>
 #include <cstddef>
 #include <iosfwd>
+#include <type_traits>
 
 #include <Eigen/Core>
 
@@ -216,6 +217,9 @@ inline constexpr bool is_pair<A, Jet<N, T, D>> = true;
 /// Two jets, or a jet and a number.
 template <class A, class B>
 concept Pair = is_pair<A, B>;
+/// The type of a jet of both.
+template <class A, class B>
+using JetOf = std::conditional_t<is_pair<A, A>, A, B>;
 }  // namespace jet_detail
 
 /// Compares the values only, as all comparisons of jets do: with jets and with numbers.
@@ -297,36 +301,14 @@ template <int N, class T, class D>
 inline Jet<N, T, D> abs(const Jet<N, T, D>& a) {
   return a.v < 0 ? -a : a;
 }
-/// The greater one, with its derivatives; a if both are equal.
-template <int N, class T, class D>
-inline Jet<N, T, D> max(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
-  return a < b ? b : a;
-}
-/// max of a jet and a number
-template <int N, class T, class D>
-inline Jet<N, T, D> max(const Jet<N, T, D>& a, const jet_detail::Number auto& b) {
-  return max(a, Jet<N, T, D>(b));
-}
-/// max of a number and a jet
-template <int N, class T, class D>
-inline Jet<N, T, D> max(const jet_detail::Number auto& a, const Jet<N, T, D>& b) {
-  return max(Jet<N, T, D>(a), b);
-}
-/// The smaller one, with its derivatives; a if both are equal.
-template <int N, class T, class D>
-inline Jet<N, T, D> min(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
-  return b < a ? b : a;
-}
-/// min of a jet and a number
-template <int N, class T, class D>
-inline Jet<N, T, D> min(const Jet<N, T, D>& a, const jet_detail::Number auto& b) {
-  return min(a, Jet<N, T, D>(b));
-}
-/// min of a number and a jet
-template <int N, class T, class D>
-inline Jet<N, T, D> min(const jet_detail::Number auto& a, const Jet<N, T, D>& b) {
-  return min(Jet<N, T, D>(a), b);
-}
+/// The greater of two jets, or of a jet and a number, with its derivatives; a if both are equal.
+template <class A, class B>
+requires jet_detail::Pair<A, B>
+inline jet_detail::JetOf<A, B> max(const A& a, const B& b) { return a < b ? b : a; }
+/// The smaller of two jets, or of a jet and a number, with its derivatives; a if both are equal.
+template <class A, class B>
+requires jet_detail::Pair<A, B>
+inline jet_detail::JetOf<A, B> min(const A& a, const B& b) { return b < a ? b : a; }
 /// Arc tangent, rad.
 template <int N, class T, class D>
 inline Jet<N, T, D> atan(const Jet<N, T, D>& a) {

@@ -26,7 +26,7 @@ class LOCKSTEP_API MotionLaw {
   virtual LawValue at(double t) const = 0;
   /// Appends the times in (t0, t1), s, at which y, yd or ydd jumps, and at which a motion or a pulse begins and ends;
   /// integrators end a step there. Default: none.
-  virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  virtual void breakpoints(double /*t0*/, double /*t1*/, std::vector<double>& /*out*/) const {}
   /// Whether y is known to have one value at all times. Default: false.
   virtual bool is_constant() const { return false; }
 };
@@ -45,10 +45,10 @@ class LOCKSTEP_API TranslationLaw {
   /// Translation, velocity and acceleration at time t, s. At a breakpoint, those that hold afterwards.
   virtual TranslationValue at(double t) const = 0;
   /// Appends the times in (t0, t1), s, at which x, v or a jumps, or a motion begins or ends. Default: none.
-  virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  virtual void breakpoints(double /*t0*/, double /*t1*/, std::vector<double>& /*out*/) const {}
   /// Whether its component along this unit vector is known to be constant at all times: a mechanism that moves in the
   /// plane with this normal stays there. Default: false, which keeps the mechanism in space.
-  virtual bool stays_in_plane(const Vec3& normal) const;
+  virtual bool stays_in_plane(const Vec3& /*normal*/) const { return false; }
 };
 
 /// Value of a law of a rotation. Angular velocity and acceleration are in the axes of the moved frame, so that q stays
@@ -66,10 +66,10 @@ class LOCKSTEP_API RotationLaw {
   /// Quaternion, angular velocity and acceleration at time t, s. At a breakpoint, those that hold afterwards.
   virtual RotationValue at(double t) const = 0;
   /// Appends the times in (t0, t1), s, at which q, w or a jumps, or a motion begins or ends. Default: none.
-  virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  virtual void breakpoints(double /*t0*/, double /*t1*/, std::vector<double>& /*out*/) const {}
   /// Whether it is known to rotate about this unit vector alone at all times, as in a mechanism that moves in a plane.
   /// Default: false, which keeps the mechanism in space.
-  virtual bool turns_about(const Vec3& axis) const;
+  virtual bool turns_about(const Vec3& /*axis*/) const { return false; }
 };
 
 /// A shared law L: MotionLaw, TranslationLaw or RotationLaw. Laws are immutable, so copies may be used everywhere.

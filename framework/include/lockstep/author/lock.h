@@ -163,6 +163,14 @@ class LOCKSTEP_API Lock {
   int number_ = -1, first_state_ = 0, first_memory_ = 0;
 };
 
+/// The rows of one joint in space, gathered by themselves in RowTable::alone() of `scratch`.
+inline RowBlock gather_alone(const Lock& link, const Inputs& in, RowTable& scratch) {
+  const Lock* const one = &link;
+  const RowSpan rows = scratch.alone(link.shape());
+  link.gather(Group(&one, 1), in, rows);
+  return rows.lane(0);
+}
+
 /// Adds the geometric stiffness of a joint, by its formula or, if it has none, by differences.
 LOCKSTEP_API void add_tangent(const Lock&, const Inputs&, std::span<const double> lambda, TangentSum& out);
 /// Adds the geometric stiffness of a joint by central differences of its gather(), to some 1e-9 of K: moves of 6e-6 of

@@ -134,15 +134,15 @@ struct LOCKSTEP_API PhiHooks {
   PhiHooks& operator=(const PhiHooks&) = default;  ///< has no data
   virtual ~PhiHooks();
   /// Called by setup() with the coordinates of the start: phase angles, errors that name the joint.
-  virtual void initialise(const std::string& link, PhiCoords y);
+  virtual void initialise(const std::string& /*link*/, PhiCoords /*y*/) {}
   /// Writes its memory at the start.
-  virtual void reset(std::span<double> z, PhiCoords y) const;
+  virtual void reset(std::span<double> /*z*/, PhiCoords /*y*/) const {}
   /// Updates its memory after an accepted step.
-  virtual void accept_step(std::span<double> z, PhiCoords y) const;
+  virtual void accept_step(std::span<double> /*z*/, PhiCoords /*y*/) const {}
   /// As Driven::breakpoints, for laws in the function.
-  virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  virtual void breakpoints(double /*t0*/, double /*t1*/, std::vector<double>& /*out*/) const {}
   /// As Driven::diagnose.
-  virtual std::string diagnose(double t) const;
+  virtual std::string diagnose(double /*t*/) const { return {}; }
 };
 
 }  // namespace lockstep

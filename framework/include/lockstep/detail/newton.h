@@ -47,17 +47,11 @@ class LOCKSTEP_API NewtonMatrix {
   /// digits of a correction. Default: 1e-12.
   void set_residual(double enough);
 
-  /// Number of factorisations in which the block of a body had no pivot, so that a dense one was made instead (which
-  /// allocates): statics and singular configurations.
-  long n_dense() const;
-
-  // -- products with the matrices gathered last; x: 6 per slot, l: 1 per row
-  void add_M_times(const VecX& x, VecX& y) const;   ///< y += M x
-  void add_D_times(const VecX& x, VecX& y) const;   ///< y += D x
-  void add_K_times(const VecX& x, VecX& y) const;   ///< y += K x
-  void add_J_times(const VecX& x, VecX& y) const;   ///< y += J x, 1 per row
-  void add_Jt_times(const VecX& l, VecX& y) const;  ///< y += J^T l, 6 per slot
-  const TangentSum& tangents() const;               ///< K and D by pairs of slots
+  // -- products with the matrices gathered last; x: 6 per slot
+  void add_M_times(const VecX& x, VecX& y) const;  ///< y += M x
+  void add_D_times(const VecX& x, VecX& y) const;  ///< y += D x
+  void add_K_times(const VecX& x, VecX& y) const;  ///< y += K x
+  const TangentSum& tangents() const;              ///< K and D by pairs of slots
 
  private:
   struct Work;

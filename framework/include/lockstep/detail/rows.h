@@ -272,19 +272,14 @@ class RowTable {
   long revision() const { return revision_; }
   /// Counts one revision; called before the rows are gathered.
   void renew() { ++revision_; }
-  /// Scratch for the rows in space of a single joint, apart from the blocks of the table. One at a time.
-  RowBlock spatial(const RowShape& shape) {
-    if (spatial_.size() < RowSpan::stride(shape)) spatial_.resize(RowSpan::stride(shape));
-    return {spatial_.data(), shape};
-  }
-  /// The same scratch as a group of one.
-  RowSpan spatial_span(const RowShape& shape) {
-    (void)spatial(shape);
-    return {spatial_.data(), shape};
+  /// Scratch for the rows of a single joint as a group of one, apart from the blocks of the table. One at a time.
+  RowSpan alone(const RowShape& shape) {
+    if (alone_.size() < RowSpan::stride(shape)) alone_.resize(RowSpan::stride(shape));
+    return {alone_.data(), shape};
   }
 
  private:
-  Aligned<double> data_, spatial_;
+  Aligned<double> data_, alone_;
   long revision_ = 0;
 };
 
@@ -329,7 +324,7 @@ class LOCKSTEP_API Auxiliary {
   virtual void rates(const Evaluated&, std::span<double> sd) const = 0;
   /// Adds to its states `s` what an impact changes. In `impulses`, lambda holds the impulses, N s or N m s, and `a` the
   /// changes of velocity; `in` is before the impact. Default: nothing.
-  virtual void impact(const Evaluated& impulses, std::span<double> s) const;
+  virtual void impact(const Evaluated& /*impulses*/, std::span<double> /*s*/) const {}
 
   int first() const { return first_; }       ///< index of its states in State::s
   void place(int first) { first_ = first; }  ///< called by System::setup
