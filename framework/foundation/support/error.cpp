@@ -94,6 +94,12 @@ FileError::~FileError() = default;
 UserCodeError::~UserCodeError() = default;
 InterruptedError::~InterruptedError() = default;
 
+const char* to_string(Error::Kind kind) {
+  constexpr const char* kWords[] = {"other",  "model", "assembly", "solve",     "step",  "not finite",
+                                    "plugin", "scene", "file",     "user code", "usage", "interrupted"};
+  return kWords[static_cast<std::size_t>(kind)];
+}
+
 std::string at_time(double t) { return std::isnan(t) ? "" : fmt::format("t = {:.9g} s: ", t); }
 
 std::string of_plugin(const std::string& origin) {

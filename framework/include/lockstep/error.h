@@ -179,6 +179,9 @@ class LOCKSTEP_API InterruptedError : public Error {
   Kind kind() const noexcept override { return Kind::interrupted; }
 };
 
+/// "model", "user code", ...
+LOCKSTEP_API const char* to_string(Error::Kind);
+
 /// "t = 0.5 s: ", the start of a message about a time, t in s; "" for NaN.
 LOCKSTEP_API std::string at_time(double t);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <lockstep/author/params.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/body.h>
 #include <lockstep/text.h>
 #include "framework/foundation/math/limits.h"
