@@ -66,8 +66,8 @@ TEST_CASE("two circles meet to the left and to the right of the line of their ce
 
 TEST_CASE("a formula of variables reads a point where circles of constants meet", "[unit][scene]") {
   const expression::FormulaFunction f("=t*meet([0, 0, 0], 0.3, [0.5, 0, 0], 0.4, left).y", {"t"});
-  const double t = 2;
-  CHECK(f(std::span<const double>(&t, 1)) == Approx(0.48).epsilon(1e-14));
+  const Time t(2);
+  CHECK(f(std::span<const Time>(&t, 1)).v == Approx(0.48).epsilon(1e-14));
 }
 
 TEST_CASE("circles that touch meet in one point", "[unit][scene]") {

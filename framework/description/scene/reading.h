@@ -47,6 +47,8 @@ LOCKSTEP_API void rename_joints(std::string& path);
 LOCKSTEP_API RunSettings read_run(const Value&);
 /// A formula with channels, or their formulas, in place of the names of columns. Throws ModelError.
 LOCKSTEP_API std::string without_columns(std::string formula, const std::vector<ChannelRequest>& columns);
+/// Lets each formula of "record" read the columns above it by their names, except for names that the scene defines.
+void read_columns_above(Scene&);
 /// The conditions "require" of a scene.
 std::vector<ChannelRequest> read_require(const Params& scene);
 /// By its name in scenes: project, baumgarte or none.

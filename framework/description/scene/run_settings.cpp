@@ -57,17 +57,12 @@ std::vector<double> read_times(const Params& run) {
   return times;
 }
 
-// A formula reads the columns above it.
 void add_request(std::vector<ChannelRequest>& all, ChannelRequest request, const std::string& owner) {
   const std::string column = request.column();
   if (column.empty() || request.channel.empty())
     refuse(request.where, owner, "the name of a channel is empty; give it one");
   if (std::any_of(column.begin(), column.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
     refuse(request.where, owner, "the name of a column contains a line end or another control character; remove it");
-  if (request.channel.starts_with('=')) {
-    const std::string read = placed(request.where, owner, [&] { return without_columns(request.channel, all); });
-    if (read != request.channel) request.channel = read, request.name = column;
-  }
   if (std::ranges::find(all, column, &ChannelRequest::column) != all.end())
     refuse(request.where, owner, "column \"" + column + "\" is requested twice; rename one of them");
   all.push_back(std::move(request));
@@ -250,6 +245,19 @@ std::string without_columns(std::string formula, const std::vector<ChannelReques
                     channel.starts_with('=') ? "(" + channel.substr(1) + ")" : "'" + channel + "'");
   }
   return formula;
+}
+
+void read_columns_above(Scene& scene) {
+  std::vector<ChannelRequest> above;
+  for (ChannelRequest& r : scene.run.record) {
+    const std::string column = r.column();
+    if (r.channel.starts_with('=')) {
+      const std::string read = placed(r.where, "run.record", [&] { return without_columns(r.channel, above); });
+      if (read != r.channel) r.channel = read, r.name = column;
+    }
+    if (column != "pi" && std::ranges::find(scene.parameters, column, &SceneParameter::name) == scene.parameters.end())
+      above.push_back(r);
+  }
 }
 
 std::vector<ChannelRequest> read_require(const Params& scene) {

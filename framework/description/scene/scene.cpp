@@ -52,6 +52,7 @@ void read_root(Scene& scene) {
   });
   const Value* run = scene.root.find("run");
   wrong.attempt([&] { scene.run = with_formulas(scene, [&] { return read_run(run != nullptr ? *run : Value()); }); });
+  wrong.attempt([&] { read_columns_above(scene); });
   wrong.raise();
   scene.run.require = std::move(require);
 }

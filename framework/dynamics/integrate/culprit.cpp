@@ -139,4 +139,10 @@ StepError end_not_projected(Dynamics& dynamics, const State& end, const ProjectR
       t);
 }
 
+ProjectReport project_end_or_throw(Dynamics& dynamics, State& y, const char* method, double t, double h, StagesOn on) {
+  const ProjectReport report = project_end(dynamics, y, on);
+  if (!report.converged) throw end_not_projected(dynamics, y, report, method, t, h);
+  return report;
+}
+
 }  // namespace lockstep

@@ -63,7 +63,8 @@ struct MapGridSpec {
   int width = 1300, map_height = 360;  ///< pixels
 };
 
-/// Writes `<base>.svg` and `<base>.png` as write_chart does. There is at least one map.
+/// Writes `<base>.svg` and `<base>.png` as write_chart does. There is at least one map; x and y have two or more
+/// rising centres, and each pair has a finite kind.
 LOCKSTEP_API void write_map_grid(const std::string& path, const MapGridSpec&);
 
 }  // namespace lockstep

@@ -75,7 +75,7 @@ class Optimization {
 
   Optimized result(const std::string& ended) const {
     const auto outcome = [&](std::size_t k) { return runs_.outcome("", points_[k], done_[k]); };
-    Optimized o{outcome(0), outcome(best()), {}, ended, n_runs_, std::ranges::count(done_, true, &SweepRun::failed)};
+    Optimized o{outcome(0), outcome(best()), {}, ended, n_runs_, n_failed_};
     for (std::size_t k = 0; k < conditions_.size(); ++k)
       o.conditions.push_back(conditions_[k] + ": " +
                              with_unit(done_[best()].columns[1 + 2 * k].last, runs_.unit(1 + 2 * k)));
@@ -115,7 +115,7 @@ class Optimization {
   const std::vector<double>& scaled(const double* u) {
     Point x;
     for (std::size_t k = 0; k < runs_.n(); ++k) x.push_back(std::lerp(runs_.low(k), runs_.high(k), u[k]));
-    if (!points_.empty() && points_.back() == x) return scaled_;
+    if (!points_.empty() && (points_.back() == x || !may_run(1))) return scaled_;
     steps_.is_known = false;
     done_.push_back(run(x)), points_.push_back(x);
     if (ranks_.emplace_back(kFailed, 0); done_.back().failed) return scaled_ = worst_;
@@ -131,28 +131,37 @@ class Optimization {
 
   SweepRun run(const Point& x) {
     progress_.at(static_cast<double>(++n_runs_));
-    return runs_.at(x, &steps_);
+    SweepRun done = runs_.at(x, &steps_);
+    n_failed_ += done.failed;
+    return done;
+  }
+  bool may_run(std::size_t n) {
+    return !(ended_ = ended_ || interrupt_.asked() || n_runs_ + static_cast<long>(n) > most_);
   }
 
-  // Their derivatives at the last point, one row for each; 0 if a run failed.
+  // Their derivatives at the last point, one row for each, by central differences on the steps of its run. At an end of a
+  // range, and where a run fails, the point itself stands for it.
   void derive(std::span<double> gradient, std::size_t first) {
     const std::size_t n = runs_.n();
     if (gradients_.empty() || derived_ != points_.back()) {
-      derived_ = points_.back(), gradients_.assign(scaled_.size() * n, 0), steps_.is_known = true;
-      const auto results = [&](const Point& x) {
-        std::vector<double> all;
-        for (const ColumnRange& c : run(x).columns) all.push_back(c.last);
-        all.resize(2 * scaled_.size() - 1, NAN);
-        return all;
-      };
-      for (std::size_t k = 0; k < n; ++k) {
+      gradients_.assign(scaled_.size() * n, 0), derived_ = points_.back();
+      has_slopes_ = !done_.back().failed && may_run(2 * n), steps_.is_known = true;
+      for (std::size_t k = 0; has_slopes_ && k < n; ++k) {
         const double range = runs_.high(k) - runs_.low(k), h = kStep * range;
-        Point x = derived_;
-        x[k] = std::clamp(x[k], runs_.low(k) + h, runs_.high(k) - h);
-        const std::vector<Derivative> d = derivatives(results, x, k, h, 1);
-        for (std::size_t f = 0; f < scaled_.size(); ++f)
-          if (const double slope = (f == 0 ? sign_ : 1) * d[2 * f].value * range / scale(2 * f); std::isfinite(slope))
-            gradients_[f * n + k] = slope;
+        double at[] = {std::max(derived_[k] - h, runs_.low(k)), std::min(derived_[k] + h, runs_.high(k))};
+        SweepRun sides[] = {done_.back(), done_.back()};
+        for (const int i : {0, 1}) {
+          Point x = derived_;
+          x[k] = at[i];
+          if (SweepRun side = x == derived_ ? sides[i] : run(x); !side.failed)
+            sides[i] = std::move(side);
+          else
+            at[i] = derived_[k];
+        }
+        has_slopes_ = at[0] < at[1];
+        for (std::size_t f = 0; has_slopes_ && f < scaled_.size(); ++f)
+          gradients_[f * n + k] = (f == 0 ? sign_ : 1) * range / scale(2 * f) *
+                                  (sides[1].columns[2 * f].last - sides[0].columns[2 * f].last) / (at[1] - at[0]);
       }
     }
     std::copy_n(gradients_.begin() + static_cast<std::ptrdiff_t>(first * n), gradient.size(), gradient.begin());
@@ -173,7 +182,8 @@ class Optimization {
   std::vector<double> scaled_, worst_, gradients_;
   StepSequence steps_;  // of the last point
   Point derived_;       // of the gradients
-  long n_runs_ = 0;
+  bool has_slopes_ = true, ended_ = false;
+  long n_runs_ = 0, n_failed_ = 0;
 };
 
 #if LOCKSTEP_NLOPT
@@ -185,9 +195,9 @@ std::string Optimization::search(const std::string& method) {
   };
   const auto objective = [](unsigned n, const double* u, double* gradient, void* of) {
     Call& call = *static_cast<Call*>(of);
-    if (call.all.interrupt_.asked() || call.all.n_runs_ >= call.all.most_) nlopt_force_stop(call.nlopt);
     const double value = call.all.scaled(u)[0];
     if (gradient != nullptr) call.all.derive({gradient, n}, 0);
+    if (call.all.ended_) nlopt_force_stop(call.nlopt);
     return value;
   };
   const auto excesses = [](unsigned m, double* c, unsigned n, const double* u, double* gradient, void* of) {
@@ -221,6 +231,7 @@ std::string Optimization::search(const std::string& method) {
   const nlopt_result why = nlopt_optimize(nlopt.get(), start.data(), &least);
   progress_.finish();
   if (why == NLOPT_FORCED_STOP) return interrupt_.asked() ? "interrupted" : "the number of runs was reached (--runs)";
+  if (!has_slopes_) return "at a point beside which runs fail, so that it has no derivatives; try --method neldermead";
   return why > 0 || why == NLOPT_ROUNDOFF_LIMITED ? "converged" : "the method failed";
 }
 

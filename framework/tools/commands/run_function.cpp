@@ -104,8 +104,7 @@ SweepRun RunFunction::at(const Point& x, StepSequence* steps) const {
   try {
     Scene s = scene(x);
     s.run.record = formulas_;
-    const auto goes_on = [&](const State&) { return !interrupt_.asked(); };
-    run = watched_run(s, varied_.loaded.registry, like_, goes_on, nullptr, {.steps = steps});
+    run = watched_run(s, varied_.loaded.registry, like_, goes_on(), nullptr, {.steps = steps});
   } catch (const std::exception& error) {
     run.failed = true, run.status = error.what();
   }
@@ -172,38 +171,12 @@ void RunFunction::conclude(Result& result, const std::vector<Point>& points, con
     const Scene s = scene(points[i]);
     const std::unique_ptr<report::Frames> seen = kept.watcher();
     Table history;
-    watched_run(s, varied_.loaded.registry, recorded_columns(s, varied_.loaded.registry), {}, &history,
+    watched_run(s, varied_.loaded.registry, recorded_columns(s, varied_.loaded.registry), goes_on(), &history,
                 {seen.get(), [&](const Mechanism& m, const Table& table) { kept.add(number, table, *seen, m); }});
   }
   write_runs_report(page, text_of(varied_.arguments, varied_.loaded), rows, "run",
                     column_title({like_.columns()[1].name + " final", unit(0), {}}), false, &kept, best + 1);
   result.files.push_back(page);
-}
-
-// Central differences d(h), with h halved, extrapolated to h = 0 (Richardson): d[j] = d[j-1] + (d[j-1] - d[j-1](2h))/(4^j - 1).
-// That one is taken which differs least from both that it is made of (Ridders 1982).
-std::vector<Derivative> derivatives(const std::function<std::vector<double>(const Point&)>& f, const Point& x,
-                                    std::size_t k, double h, int n) {
-  std::vector<Derivative> best;
-  std::vector<std::vector<double>> before;
-  for (; n > 0; --n, h /= 2) {
-    Point above = x, below = x;
-    above[k] += h, below[k] -= h;
-    const std::vector<double> plus = f(above), minus = f(below);
-    best.resize(plus.size()), before.resize(plus.size());
-    for (std::size_t i = 0; i < plus.size(); ++i) {
-      std::vector<double> d{(plus[i] - minus[i]) / (above[k] - below[k])};
-      if (before[i].empty()) best[i].value = d[0];
-      for (std::size_t j = 1; j <= before[i].size(); ++j) {
-        const double fine = d.back(), coarse = before[i][j - 1];
-        d.push_back(fine + (fine - coarse) / (std::ldexp(1, 2 * static_cast<int>(j)) - 1));
-        const double error = std::max(std::abs(d.back() - fine), std::abs(d.back() - coarse));
-        if (error < best[i].error) best[i] = {d.back(), error};
-      }
-      before[i] = std::move(d);
-    }
-  }
-  return best;
 }
 
 std::string with_unit(double value, const std::string& unit) {

@@ -2,7 +2,6 @@
 // RunFunction: formulas at the end of a run, as functions of numbers of its scene.
 #pragma once
 
-#include <cmath>
 #include <functional>
 #include <optional>
 #include <string>
@@ -70,6 +69,10 @@ class RunFunction {
  private:
   std::vector<Variable> shown(const Point&) const;  // with one value each, in the unit of --vary
 
+  std::function<bool(const State&)> goes_on() const {
+    return [this](const State&) { return !interrupt_.asked(); };
+  }
+
   VariedScene varied_;
   const Interrupt& interrupt_;
   Mechanism built_;  // of the scene as it is, for units
@@ -80,15 +83,6 @@ class RunFunction {
 inline constexpr Option kWrite{"--write", "FILE.json",
                                "write the scene with these values, next to the files that it reads"};
 inline constexpr Option kBeforeAfter{"--report", "FILE.html", "one HTML file that shows the run before and after"};
-
-/// The derivative of a result by a number, and its estimated error.
-struct Derivative {
-  double value = NAN, error = HUGE_VAL;
-};
-/// Of results f by the number k at x: by central differences with the step h, and with half of it `n` - 1 times,
-/// extrapolated to h = 0. The results must be smooth: of runs on the same steps.
-std::vector<Derivative> derivatives(const std::function<std::vector<double>(const Point&)>& f, const Point& x,
-                                    std::size_t k, double h, int n);
 
 /// The text of a result with its unit: "3 N m".
 std::string with_unit(double value, const std::string& unit);

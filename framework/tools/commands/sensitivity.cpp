@@ -45,6 +45,37 @@ std::string unit_of_slope(const std::string& of, const std::string& to) {
   return (of.empty() ? "1" : of) + "/" + (to.find_first_of(" /") == std::string::npos ? to : "(" + to + ")");
 }
 
+/// A derivative and its estimated error.
+struct Derivative {
+  double value = NAN, error = HUGE_VAL;
+};
+
+// Central differences d(h), with h halved, extrapolated to h = 0 (Richardson): d[j] = d[j-1] + (d[j-1] - d[j-1](2h))/(4^j - 1).
+// That one is taken which differs least from both that it is made of (Ridders 1982).
+template <class F>
+std::vector<Derivative> derivatives(const F& f, const Point& x, std::size_t k, double h, int n) {
+  std::vector<Derivative> best;
+  std::vector<std::vector<double>> before;
+  for (; n > 0; --n, h /= 2) {
+    Point above = x, below = x;
+    above[k] += h, below[k] -= h;
+    const std::vector<double> plus = f(above), minus = f(below);
+    best.resize(plus.size()), before.resize(plus.size());
+    for (std::size_t i = 0; i < plus.size(); ++i) {
+      std::vector<double> d{(plus[i] - minus[i]) / (above[k] - below[k])};
+      if (before[i].empty()) best[i].value = d[0];
+      for (std::size_t j = 1; j <= before[i].size(); ++j) {
+        const double fine = d.back(), coarse = before[i][j - 1];
+        d.push_back(fine + (fine - coarse) / (std::ldexp(1, 2 * static_cast<int>(j)) - 1));
+        const double error = std::max(std::abs(d.back() - fine), std::abs(d.back() - coarse));
+        if (error < best[i].error) best[i] = {d.back(), error};
+      }
+      before[i] = std::move(d);
+    }
+  }
+  return best;
+}
+
 /// Results at a point: formulas at the end of a run, and natural frequencies.
 class Sensitivity {
  public:

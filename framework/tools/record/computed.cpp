@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <functional>
 #include <memory>
 #include <optional>
 
@@ -34,13 +33,21 @@ class OfMotion {
   void begin(double t, double v) { pieces_.clear(), begin_ = t, last_ = at_ = v, total_ = is_sum() ? 0 : v; }
   void jump(double v) { last_ = v; }
   double last() const { return last_; }  ///< at the end of the last step
-  /// The step of these values, and the value at an instant inside it.
-  void add(Piece p, const std::function<double(double t)>& at) {
-    p.v[0] = last_, last_ = p.v.back();
+  struct Seen : Piece {
+    double whole = 0;  // part() of all of it
+  };
+  /// A step of these values; `at`: the value at an instant inside it.
+  template <class V>
+  Seen seen(Piece p, const V& at) const {
+    p.v[0] = last_;
+    return {p, part(p, p.t0, p.t1, at)};
+  }
+  void add(const Seen& p) {
+    last_ = p.v.back();
     if (p.t0 <= instant_ && instant_ <= p.t1) at_ = p.at(instant_);
     if (window_ == kWhole && !pieces_.empty())
       total_ = with(pieces_.front(), begin_, HUGE_VAL, total_), pieces_.clear();
-    pieces_.push_back({p, part(p, p.t0, p.t1, at)});
+    pieces_.push_back(p);
     while (pieces_.front().t1 < p.t0 - window_) pieces_.pop_front();  // windows begin inside the step too
   }
   double value(double t, double present) const {
@@ -75,9 +82,6 @@ class OfMotion {
   static constexpr double kWhole = HUGE_VAL;
 
  private:
-  struct Seen : Piece {
-    double whole = 0;  // part() of all of it
-  };
   bool is_sum() const { return f_ != Function::min && f_ != Function::max; }
   double sign() const { return f_ == Function::min ? -1 : 1; }
   // The integral or the extreme, with that of a piece between two times.
@@ -156,17 +160,19 @@ class Computed final : public Observer {
     };
     take(Piece::kNodes - 1, step.end());
     for (int k = 1; k + 1 < Piece::kNodes && step.has_states(); ++k) take(k, step.at(pieces[0].t(k)));
+    seen_.clear();
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       Piece& p = pieces[i];
-      const double from = motions_[i].second->last();
+      const OfMotion& x = *motions_[i].second;
       for (int k = 1; k + 1 < Piece::kNodes && !step.has_states(); ++k)
-        p.v[k] = from + (p.v.back() - from) * k / (Piece::kNodes - 1);
-      motions_[i].second->add(p, [&](double t) {
+        p.v[k] = x.last() + (p.v.back() - x.last()) * k / (Piece::kNodes - 1);
+      seen_.push_back(x.seen(p, [&](double t) {
         if (!step.has_states()) return p.at(t);
         read(step.at(t));
-        return motions_[i].second->now(span());
-      });
+        return x.now(span());
+      }));
     }
+    for (std::size_t i = 0; i < pieces.size(); ++i) motions_[i].second->add(seen_[i]);  // once nothing can fail
   }
   void save(Snapshot& out) const override {
     for (const auto& [k, x] : motions_) x->save(out);
@@ -268,6 +274,7 @@ class Computed final : public Observer {
   std::vector<Observer*> memories_;  // of the channels
   std::vector<int> places_;  // of the channels among the values
   std::vector<std::pair<int, std::shared_ptr<OfMotion>>> motions_;
+  std::vector<OfMotion::Seen> seen_;  // scratch
   std::vector<std::pair<int, FormulaFunction>> rates_;
   Scope scope_;
 };

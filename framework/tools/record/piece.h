@@ -44,14 +44,14 @@ struct Piece {
     constexpr int kParts = 8, kDigits = std::numeric_limits<double>::digits / 2;
     const double h = (b - a) / kParts;
     const auto on_grid = [&](int k) { return sign * at(a + k * h); };
-    double best = std::max(on_grid(0), on_grid(kParts));
+    double best = -HUGE_VAL;
     for (int k = 0; k <= kParts; ++k) {
       const double here = on_grid(k), left = here - on_grid(k - 1), right = here - on_grid(k + 1);
+      best = std::max(best, here);
       if (left < 0 || right < 0 || left + right <= kRoundOff * std::abs(here) || here + left + right < best) continue;
       const double from = std::max(a, a + (k - 1) * h), to = std::min(b, a + (k + 1) * h);
-      best = std::max(
-          best,
-          -boost::math::tools::brent_find_minima([&](double t) { return -sign * v_at(t); }, from, to, kDigits).second);
+      const auto below = [&](double part) { return -sign * v_at(std::lerp(from, to, part)); };
+      best = std::max(best, -boost::math::tools::brent_find_minima(below, 0.0, 1.0, kDigits).second);
     }
     return sign * best;
   }

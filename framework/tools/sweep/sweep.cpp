@@ -30,7 +30,8 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   Dynamics dynamics = make_dynamics(m, registry);
   State start = assembled_start(dynamics, m);
   std::unique_ptr<Integrator> method = make_integrator(m.run, registry);
-  if (watch.steps != nullptr) method = std::make_unique<SameSteps>(std::move(method), *watch.steps);
+  if (watch.steps != nullptr && method->info().adaptive && method->saves_all())
+    method = std::make_unique<SameSteps>(std::move(method), *watch.steps);
   StepLoop sim(dynamics, std::move(method), loop_options(m.run));
   sim.add_observer(recorder);
   if (at_jumps != nullptr) sim.add_observer(*at_jumps);

@@ -17,7 +17,7 @@ struct RunWatch {
   Observer* observer = nullptr;
   /// Called at the end, also of a run that failed, with the mechanism and the recorded columns.
   std::function<void(const Mechanism&, const Table&)> ended{};
-  StepSequence* steps = nullptr;  ///< that it writes or repeats (SameSteps)
+  StepSequence* steps = nullptr;  ///< that an adaptive method writes or repeats (SameSteps), if it saves all its data
 };
 
 /// Writes the results of an audit to the result of a run.

@@ -301,11 +301,21 @@ template <int N, class T, class D>
 inline Jet<N, T, D> abs(const Jet<N, T, D>& a) {
   return a.v < 0 ? -a : a;
 }
-/// The greater of two jets, or of a jet and a number, with its derivatives; a if both are equal.
+/// The greater of two jets, with its derivatives; a if both are equal.
+template <int N, class T, class D>
+inline Jet<N, T, D> max(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
+  return a < b ? b : a;
+}
+/// The same of a jet and a number.
 template <class A, class B>
 requires jet_detail::Pair<A, B>
 inline jet_detail::JetOf<A, B> max(const A& a, const B& b) { return a < b ? b : a; }
-/// The smaller of two jets, or of a jet and a number, with its derivatives; a if both are equal.
+/// The smaller of two jets, with its derivatives; a if both are equal.
+template <int N, class T, class D>
+inline Jet<N, T, D> min(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
+  return b < a ? b : a;
+}
+/// The same of a jet and a number.
 template <class A, class B>
 requires jet_detail::Pair<A, B>
 inline jet_detail::JetOf<A, B> min(const A& a, const B& b) { return b < a ? b : a; }

@@ -115,6 +115,10 @@ class LOCKSTEP_API Stages {
 /// Puts the end of a step on the constraints: unit quaternions, then the projection if the dynamics projects, to
 /// round-off if the stages are projected too. Without projection the report has |C| alone.
 LOCKSTEP_API ProjectReport project_end(Dynamics&, State&, StagesOn on = StagesOn::plain);
+/// The same for a method that cannot reject a step: throws StepError if the projection does not converge. `t`, `h`:
+/// beginning and length of the step, s.
+LOCKSTEP_API ProjectReport project_end_or_throw(Dynamics&, State&, const char* method, double t, double h,
+                                                StagesOn on = StagesOn::plain);
 /// One error from the estimates of two orders: e5^2 / sqrt(e5^2 + 0.01 e3^2), Hairer, Norsett & Wanner 1993, II.10.
 /// Infinite if one is not finite.
 LOCKSTEP_API double combined_error(double e5, double e3);
