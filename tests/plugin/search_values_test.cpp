@@ -313,7 +313,7 @@ TEST_CASE("optimize: without a point that meets all conditions, the least broken
     INFO(objective);
     const Called none =
         call("optimize " + rotor() + " --vary speed=5:20 " + objective + " \"max(F)\"" +
-             " --subject-to \"max(F) > 200 N\" --subject-to \"max(F) < 100 N\" --write least_broken.json");
+             " --subject-to \"max(F) > 200 N\" --subject-to \"max(F) < 100 N\" --method cobyla --write least_broken.json");
     INFO(none.text);
     CHECK(none.exit == 1);
     CHECK(contains(none.text, "they held together in no run"));
@@ -355,6 +355,31 @@ TEST_CASE("sensitivity: last values, a mean and an extreme of an oscillator agai
   for (const char* method : {"dop853", "dopri5", "radau5"}) {
     INFO(method);
     check_slopes(slopes(words + " --integrator " + method), exact, 1e-10);
+  }
+}
+
+TEST_CASE("optimize: no more runs than asked for, and a minimum next to runs that fail", "[plugin][runner]") {
+  if (is_left_out()) return;
+  const std::string words = "optimize " + engine() + " --vary rod=\"150 mm:400 mm\" --vary counterweight=1:9" +
+                            " --minimize \"rms(shaking)\" --json --runs ";
+  for (const long most : {1L, 4L, 6L, 11L}) CHECK(json_of(words + std::to_string(most))["runs"].get<long>() <= most);
+  // The mass is at sqrt(1 - q) r from the pin, so that no run has q > 1; the minimum is at sqrt(1 - q) = 0.5.
+  const std::string edge = scene_file("edge", R"--(
+  "parameters": {"q": 0.99995, "x": "=sqrt(1 - q)*1 m"}, "gravity": [0, 0, 0],
+  "bodies": [{"name": "mass", "mass": 1, "inertia": [1, 1, 1], "position": ["=x", 0, 0]}],
+  "joints": [{"name": "A", "type": "fixed", "p": "mass", "s": "ground", "at": [0, 0, 0]}],
+  "run": {"until": 0.1, "output": 0.1, "record": [{"x": "mass.x"}]})--");
+  const Json j = json_of("optimize " + edge + " --vary q=0:2 --minimize \"(x - 0.5 m)^2\" --json");
+  INFO(j.dump());
+  CHECK(std::abs(j["best"]["values"]["q"].get<double>() - 0.75) <= 1e-3);
+  CHECK(j["failed"].get<long>() > 0);
+}
+
+TEST_CASE("sensitivity: joints that laws alone move, in joint coordinates", "[plugin][runner]") {
+  // F = m r w^2 + m g at the bottom.
+  for (const char* of : {"auto", "joint", "omega"}) {
+    INFO(of);
+    check_slopes(slopes(rotor() + " --of \"max(F)\" --to speed --to r --formulation " + of), {{12}, {200}}, 1e-9);
   }
 }
 

@@ -185,16 +185,6 @@ TEST_CASE("impossible charts are rejected in words", "[unit][record]") {
   check_words(refusal([&] { write_chart("x", spec); }), {"force [N]", "nothing to draw", "above zero"});
   spec.panels.clear();
   check_words(refusal([&] { write_chart("x", spec); }), {"no panels"});
-  MapSpec map = small_map();
-  map.cells[0] = 3;
-  check_words(refusal([&] { write_map("x", {map}); }), {"kind 3", "0 to 2"});
-  map.cells.pop_back();
-  check_words(refusal([&] { write_map("x", {map}); }), {"5 cells", "3 x 2"});
-  check_words(refusal([&] { write_map("x", {small_map(), map}); }), {"5 cells", "3 x 2"});
-  check_words(refusal([] { write_map("x", {}); }), {"both", "no maps"});
-  map = small_map();
-  map.x[1] = map.x[0];
-  check_words(refusal([&] { write_map("x", {map}); }), {"along x", "rise"});
   if (drawn) {
     const Folder folder;
     spec = two_curves();

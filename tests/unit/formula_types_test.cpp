@@ -193,7 +193,7 @@ TEST_CASE("formulas of types are rejected in words", "[unit][scene]") {
                    keys + "}]");
   };
   check_words(link(R"("phi": "=z - x^")"), {"s.json:1:", "joint 'A', phi", "column 8"});
-  check_words(link(R"("phi": "=z - www")"), {"unknown name \"www\"", "known: x, y, z, t"});
+  check_words(link(R"("phi": "=z - www")"), {"unknown name \"www\"", "known: x, y, z, rz, e0"});
   check_words(link(R"("phi": "=t")"), {"uses no coordinate"});
   check_words(link(R"("phi": 3)"), {"joint 'A', phi", "expected a text"});
   check_words(link(R"("phi": [])"), {"0 formulas", "give 1, 2 or 3"});

@@ -46,9 +46,8 @@ void check_formula(const Value& formula, const Value* constants, const LawDimens
   if (formula.text() == nullptr || law.unit == Unit::any) return;
   Dimension value = dimension_of(law.unit);
   value.s -= law.per_second;
-  const auto t = law.of_time ? std::optional(dimension_of(Unit::time)) : std::nullopt;
   expression::Scope scope;
-  scope.add("t", 0, t);
+  scope.add("t", 0, law.of_time ? std::optional(dimension_of(Unit::time)) : std::nullopt);
   if (constants != nullptr) scope.add(expression::read_constants(*constants, part_of(owner, "parameters")));
   try {
     scope.check(expression::Expression(*formula.text(), std::vector<std::string>{"t"}), value);
