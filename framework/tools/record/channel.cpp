@@ -81,7 +81,7 @@ namespace {
 template <class Visit>
 void each_object(const System& system, Visit&& visit) {
   for (const Body& b : system.bodies()) visit("body", b.name, [&](Entries& out) { of_body(b, out); });
-  for (const Marker& m : system.markers()) visit("marker", m.name, [&](Entries& out) { of_frame({m.body, &m}, out); });
+  for (const Marker& m : system.markers()) visit("marker", m.name, [&](Entries& out) { of_frame({{m.body, &m}}, out); });
   for (const auto& l : system.links())
     visit("joint", l->name(), [&](Entries& out) { of_link(system, *l, out), of_reactions(*l, out); });
   for (const auto& f : system.forces()) visit("force", f->name(), [&](Entries& out) { of_force(*f, out); });

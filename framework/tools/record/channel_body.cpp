@@ -85,7 +85,7 @@ void of_frame(const Frame& f, Entries& out) {
 }
 
 void of_body(const Body& body, Entries& out) {
-  of_frame({&body, nullptr}, out);
+  of_frame({{&body, nullptr}}, out);
   if (body.fixed) return;
   const Body* const b = &body;  // the centre of mass is the slot's origin
   add_vector(out, "center_", "m", "position of the centre of mass, world",

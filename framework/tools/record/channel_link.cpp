@@ -91,7 +91,7 @@ void of_link(const System& system, const Lock& link, Entries& out) {
   if (const auto pairs = link.pairs(); !pairs.empty()) {
     const auto [p, s] = pairs.front();
     for (const NamedCoordinate& c : coordinates_of(CoordinateOwner::joint))
-      if (is_own_name(link, c)) add_coordinate(out, c, {p->body, p}, {s->body, s});
+      if (is_own_name(link, c)) add_coordinate(out, c, {{p->body, p}}, {{s->body, s}});
   }
   if (system.ready()) add_rows(link, out);
   const auto scratch = std::make_shared<VecX>();
