@@ -29,7 +29,7 @@ class LOCKSTEP_API CoordinateForce final : public FormulaForce<CoordinateForce> 
   /// The formula's variables are q, qd, t and `reads`. A turn is a torque. Throws ModelError as MarkerForce does.
   CoordinateForce(std::string name, Marker& p, Marker& s, Coordinate::Of q, expression::FormulaFunction f,
                   Readings reads = {});
-  std::string_view type() const override { return info().name; }
+  std::string_view type() const override { return "function_force"; }
   std::vector<Quantity> quantities() const override;  ///< coordinate, rate, force (torque), power
   void setup() override;
   bool stays_in_plane(Plane) const override;
