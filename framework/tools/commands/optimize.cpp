@@ -145,8 +145,9 @@ class Optimization {
     const std::size_t n = runs_.n();
     if (gradients_.empty() || derived_ != points_.back()) {
       gradients_.assign(scaled_.size() * n, 0), derived_ = points_.back();
-      has_slopes_ = !done_.back().failed && may_run(2 * n), steps_.is_known = true;
-      for (std::size_t k = 0; has_slopes_ && k < n; ++k) {
+      const bool derives = !done_.back().failed && may_run(2 * n);
+      has_slopes_ = has_slopes_ || derives, steps_.is_known = true;
+      for (std::size_t k = 0; derives && has_slopes_ && k < n; ++k) {
         const double range = runs_.high(k) - runs_.low(k), h = kStep * range;
         double at[] = {std::max(derived_[k] - h, runs_.low(k)), std::min(derived_[k] + h, runs_.high(k))};
         SweepRun sides[] = {done_.back(), done_.back()};
@@ -231,7 +232,7 @@ std::string Optimization::search(const std::string& method) {
   const nlopt_result why = nlopt_optimize(nlopt.get(), start.data(), &least);
   progress_.finish();
   if (why == NLOPT_FORCED_STOP) return interrupt_.asked() ? "interrupted" : "the number of runs was reached (--runs)";
-  if (!has_slopes_) return "at a point beside which runs fail, so that it has no derivatives; try --method neldermead";
+  if (!has_slopes_) return "runs next to the last point fail; try --method neldermead or cobyla";
   return why > 0 || why == NLOPT_ROUNDOFF_LIMITED ? "converged" : "the method failed";
 }
 

@@ -14,7 +14,6 @@
 #include "framework/description/scene/system_of.h"
 #include "framework/description/scene/write.h"
 #include "framework/mechanism/expression/expression.h"
-#include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
