@@ -393,9 +393,13 @@ void record_places(Mechanism& m) {
       for (const char* axis : {".x", ".y", ".z"}) m.run.record.push_back({body.name + axis, "", {}});
 }
 
-Mechanism read_mechanism(const std::string& file, const Registry& given,
+Mechanism read_mechanism(const std::string& file, const Registry& registry,
                          const std::vector<std::pair<std::string, std::string>>& set) {
-  Scene scene = read_scene(file);
+  return read_mechanism(read_scene(file), registry, set);
+}
+
+Mechanism read_mechanism(Scene scene, const Registry& given,
+                         const std::vector<std::pair<std::string, std::string>>& set) {
   Registry registry = given;
   for (const std::string& plugin : scene.plugins)
     if (things_of(registry, plugin_name(plugin)).empty()) load_plugin(registry, plugin);

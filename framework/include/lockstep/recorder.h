@@ -97,6 +97,9 @@ class LOCKSTEP_API Recorder : public Observer {
   bool saves_all() const override;
   /// Removes the rows recorded so far, for a caller that has taken them; columns stay.
   void drop_rows() { table_.clear_rows(); }
+  /// Exchanges the table with one of the same columns, for a caller that keeps rows without a copy. Throws ModelError for
+  /// other columns.
+  void exchange(Table&);
 
  private:
   static constexpr double kNone = std::numeric_limits<double>::infinity();

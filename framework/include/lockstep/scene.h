@@ -151,6 +151,9 @@ LOCKSTEP_API void record_places(Mechanism&);
 /// build_mechanism() do.
 LOCKSTEP_API Mechanism read_mechanism(const std::string& file, const Registry&,
                                       const std::vector<std::pair<std::string, std::string>>& set = {});
+/// The same of a scene that was read before, or made in C++.
+LOCKSTEP_API Mechanism read_mechanism(Scene, const Registry&,
+                                      const std::vector<std::pair<std::string, std::string>>& set = {});
 /// The same by the built-in registry.
 LOCKSTEP_API Mechanism read_mechanism(const std::string& file,
                                       const std::vector<std::pair<std::string, std::string>>& set = {});

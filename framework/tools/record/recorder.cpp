@@ -95,6 +95,12 @@ std::span<const ColumnRange> Recorder::ranges() const {
   return extremes_ ? extremes_->ranges() : std::span<const ColumnRange>();
 }
 
+void Recorder::exchange(Table& other) {
+  if (other.names() != table_.names())
+    throw ModelError("recorder: exchange() takes a table with the same columns; make it as a copy of table()");
+  std::swap(table_, other);
+}
+
 void Recorder::read(const Sample& sample, std::span<double> values) {
   for (std::size_t k = 0; k < channels_.size(); ++k) values[k] = value_of(channels_[k], sample);
 }
