@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""lockstep: mechanisms of rigid bodies.
+
+    import lockstep as ls
+    run = ls.Simulation("four_bar.json", crank="120 mm")
+    table = run.until("0.7 s")
+    table["drive_torque"].max_of_motion
+
+All numbers are SI. Texts may have units, as in scenes: "120 mm", "30 deg".
+"""
+
+from lockstep._core import Jet, TimeJet, Types, version as __version__
+from lockstep.builder import Mechanism
+from lockstep.errors import (
+    AssemblyError, DoubtfulResult, Error, FileError, Finding, FindingWarning, InterruptedRun, ModelError, ModelWarning,
+    NonFiniteError, PluginError, SceneError, SolveError, StepError, UserCodeError, WrongResult)
+from lockstep.jets import arccos, arcsin, arctan, arctan2, cos, cosh, exp, log, norm, sin, sinh, sqrt, tan, tanh
+from lockstep.simulation import Simulation
+from lockstep.table import Column, Range, Table
+from lockstep.types import force, integrator, joint, law
+
+__all__ = [name for name in dir() if not name.startswith("_")]

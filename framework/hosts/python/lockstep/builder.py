@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Scenes by calls: the keys are those of scenes; a trailing underscore is dropped, as in from_ and is_."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable
+from functools import cache, partial
+
+from lockstep._core import Types
+from lockstep.simulation import Simulation
+
+_SHAPES = ("rod", "box", "cylinder", "sphere", "compound")
+
+
+@cache
+def _names() -> dict[str, list[str]]:
+    return Types().names()
+
+
+class Named:
+    """A body, marker, joint or force of a Mechanism. str() is its name; part["angle_z"] names a channel of it."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __getitem__(self, quantity: str) -> str:
+        return f"{self.name}.{quantity}"
+
+    def __repr__(self) -> str:
+        return f"<{self.name}>"
+
+
+def _plain(value):
+    """A value of a scene, with names in place of what it names."""
+    if isinstance(value, Named):
+        return value.name
+    if isinstance(value, dict):
+        return {_key(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(v) for v in value]
+    return value
+
+
+def _key(name: str) -> str:
+    return name.removesuffix("_")
+
+
+class Mechanism:
+    """A scene that is made by calls.
+
+        m = ls.Mechanism("a pendulum", gravity=(0, -9.81, 0))
+        rod = m.rod("rod", mass=1, from_=(0, 0, 0), to=(1, 0, 0))
+        pin = m.revolute("pin", rod, at=(0, 0, 0))
+        run = m.simulation(until="2 s", record=[pin["rz"]])
+
+    Joints and forces of all types are methods: m.revolute(name, p, s, **keys), m.spring_damper(...); without s the
+    second end is the ground. Errors are those of scenes.
+    """
+
+    ground = Named("ground")
+
+    def __init__(self, title: str = "", *, gravity=(0.0, 0.0, 0.0), **keys) -> None:
+        self._scene = {"lockstep": 1, "title": title, "gravity": list(gravity),
+                       **{_key(k): _plain(v) for k, v in keys.items()}}
+
+    def _add(self, group: str, name: str, **keys) -> Named:
+        entry = {"name": name, **{_key(k): _plain(v) for k, v in keys.items()}}
+        self._scene.setdefault(group, []).append(entry)
+        return Named(name)
+
+    def body(self, name: str, **keys) -> Named:
+        """A body by the keys of scenes: mass, center, inertia, position, orientation, velocity, ..."""
+        return self._add("bodies", name, **keys)
+
+    def _shape(self, shape: str, name: str, *, position=None, orientation=None, velocity=None, visual=None,
+               omega_world=None, omega_body=None, **keys) -> Named:
+        places = {"position": position, "orientation": orientation, "velocity": velocity, "visual": visual,
+                  "omega_world": omega_world, "omega_body": omega_body}
+        return self.body(name, **{shape: keys}, **{k: v for k, v in places.items() if v is not None})
+
+    def particle(self, name: str, mass, position, **keys) -> Named:
+        """A particle: mass, kg, and position, m."""
+        return self.body(name, particle=True, mass=mass, position=position, **keys)
+
+    def fixed(self, name: str, **keys) -> Named:
+        """A body that never moves."""
+        return self.body(name, fixed=True, **keys)
+
+    def marker(self, name: str, body, **keys) -> Named:
+        """A frame on a body: at and orientation in its axes, or world_at and world_orientation."""
+        return self._add("markers", name, body=body, **keys)
+
+    def joint(self, type, name: str, p=None, s=None, **keys) -> Named:
+        """A joint of a type: a name, or a function by ls.joint. Couplings take pairs=[...] in place of p and s."""
+        ends = {} if "pairs" in keys else {"p": p, "s": s or self.ground}
+        return self._add("joints", name, type=type, **ends, **keys)
+
+    def force(self, type, name: str, p=None, s=None, **keys) -> Named:
+        """A force of a type: a name, or a function by ls.force."""
+        ends = {k: v for k, v in (("p", p), ("s", s)) if v is not None}
+        return self._add("forces", name, type=type, **ends, **keys)
+
+    def event(self, name: str, **keys) -> Named:
+        """An event by the keys of scenes."""
+        return self._add("events", name, **keys)
+
+    def parameter(self, name: str, value) -> str:
+        """A parameter, which formulas read and Simulation(..., name=value) sets. Returns its formula."""
+        self._scene.setdefault("parameters", {})[name] = value
+        return f"={name}"
+
+    def scene(self) -> dict:
+        """The scene as a dictionary."""
+        return self._scene
+
+    def simulation(self, *, report: bool | None = None, types: Types | None = None, **run) -> Simulation:
+        """A run with these run settings: until, output, integrator, tolerance, step, record, ..."""
+        settings = {**self._scene.get("run", {}), **{_key(k): _plain(v) for k, v in run.items()}}
+        return Simulation({**self._scene, "run": settings}, report=report, types=types)
+
+    def __getattr__(self, name: str) -> Callable[..., Named]:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if name in _SHAPES:
+            return partial(self._shape, name)
+        names = _names()
+        if name in names["joints"]:
+            return partial(self.joint, name)
+        if name in names["forces"]:
+            return partial(self.force, name)
+        near = difflib.get_close_matches(name, self.__dir__(), 1)
+        raise AttributeError(f'no joint, force or shape "{name}"' + (f'; did you mean "{near[0]}"?' if near else ""))
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *_SHAPES, *_names()["joints"], *_names()["forces"]]
+
+    def __repr__(self) -> str:
+        counts = {k: len(v) for k, v in self._scene.items() if isinstance(v, list) and k != "gravity"}
+        return f"Mechanism of {', '.join(f'{n} {k}' for k, n in counts.items()) or 'nothing'}"

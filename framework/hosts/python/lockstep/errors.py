@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Exceptions and warnings of lockstep."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+
+
+class Error(Exception):
+    """Base of the errors of lockstep. Its facts are attributes; None if they do not apply."""
+
+    thing: str | None = None
+    """Name of the joint, body, force, law, ..."""
+    thing_kind: str | None = None
+    """"joint", "body", ..."""
+    key: str | None = None
+    """The parameter."""
+    value: str | None = None
+    """The value that was found, with its unit."""
+    problem: str | None = None
+    """What is wrong."""
+    advice: str | None = None
+    """What to do next."""
+    file: str | None = None
+    line: int | None = None
+    column: int | None = None
+    t: float | None = None
+    """Simulated time, s."""
+
+    def __reduce__(self):
+        return _restored, (type(self), str(self), dict(self.__dict__))
+
+
+def _restored(kind, sentence, facts):
+    error = kind(sentence)
+    error.__dict__.update(facts)
+    return error
+
+
+class ModelError(Error):
+    """An impossible mechanism, or an invalid parameter."""
+
+
+class AssemblyError(Error):
+    """A start that could not be brought onto the constraints."""
+
+
+class SolveError(Error):
+    """The equations of motion could not be solved."""
+
+
+class StepError(Error):
+    """A step could not be made."""
+
+
+class NonFiniteError(Error):
+    """An evaluation gave a NaN or an infinity."""
+
+
+class PluginError(Error):
+    """A plugin that cannot be loaded, or a type that cannot be registered."""
+
+
+class SceneError(Error):
+    """A scene that cannot be understood, with its place."""
+
+
+class FileError(Error):
+    """A file that cannot be read or written."""
+
+
+class UserCodeError(Error):
+    """A function of Python, or code of a plugin, threw. The original exception is the cause."""
+
+
+class InterruptedRun(Error):
+    """A run was interrupted on request."""
+
+
+_KINDS = {
+    "model": ModelError, "assembly": AssemblyError, "solve": SolveError, "step": StepError, "not finite": NonFiniteError,
+    "plugin": PluginError, "scene": SceneError, "file": FileError, "user code": UserCodeError,
+    "interrupted": InterruptedRun,
+}
+
+
+def error_of(kind: str, sentence: str, facts: dict) -> Error:
+    """The exception of an error of the library."""
+    return _restored(_KINDS.get(kind, Error), sentence, facts)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A remark about a scene, a start or a run. None if a field does not apply."""
+
+    code: str
+    """"energy-not-conserved"; never changes."""
+    severity: str
+    """"note", "warning", "doubt" or "wrong"."""
+    thing: str | None
+    message: str
+    advice: str | None
+    value: float | None
+    """What was measured, in `unit`."""
+    limit: float | None
+    """What it was compared with, in `unit`."""
+    unit: str | None
+    t: float | None
+    """Simulated time, s."""
+    place: str | None
+    """"four_bar.json:4:64"."""
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
+class FindingWarning(UserWarning):
+    """Base of the warnings of lockstep; `finding` has the facts."""
+
+    def __init__(self, finding: Finding):
+        super().__init__(finding.text)
+        self.finding = finding
+
+    @property
+    def code(self) -> str:
+        return self.finding.code
+
+
+class ModelWarning(FindingWarning):
+    """Something is probably not what was meant."""
+
+
+class DoubtfulResult(FindingWarning):
+    """The result may be wrong."""
+
+
+class WrongResult(FindingWarning):
+    """The result is wrong."""
+
+
+_WARNINGS = {"warning": ModelWarning, "doubt": DoubtfulResult, "wrong": WrongResult}
+
+
+def warn(findings: list[Finding]) -> None:
+    """Warns of all findings above notes."""
+    for finding in findings:
+        if finding.severity in _WARNINGS:
+            warnings.warn(_WARNINGS[finding.severity](finding), stacklevel=4)

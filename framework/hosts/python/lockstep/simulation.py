@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs of scenes."""
+
+from __future__ import annotations
+
+import html
+import os
+from collections.abc import Callable, Mapping, Sequence
+
+from lockstep._core import Run as _Run
+from lockstep._core import Types
+from lockstep._core import seconds as _seconds
+from lockstep.errors import Finding
+from lockstep.table import Column, Table
+
+Quantity = str | float
+"""A number in SI, or a text with a unit: "120 mm"."""
+
+
+def text_of(value) -> str:
+    """A value of a scene as the program takes it."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return value if isinstance(value, str) else repr(float(value))
+
+
+def seconds(t: Quantity) -> float:
+    """A time in s: a number, or a text with a unit."""
+    return _seconds(t) if isinstance(t, str) else float(t)
+
+
+def in_notebook() -> bool:
+    try:
+        return get_ipython().__class__.__name__ == "ZMQInteractiveShell"  # type: ignore[name-defined]
+    except NameError:
+        return False
+
+
+class Simulation:
+    """A run of a scene: a path, a JSON text, a dictionary, or a Mechanism.
+
+    Further arguments set parameters of the scene: Simulation("four_bar.json", crank="120 mm"). `set` takes paths too:
+    {"run.until": "2 s", "bodies.rod.mass": 1.2}. `record`: channels to record in addition, or names of columns with their
+    channels or formulas. `report`: whether poses are kept for a report; default: in a notebook.
+    """
+
+    def __init__(self, scene, *, set: Mapping[str, Quantity] | None = None,
+                 record: Sequence[str] | Mapping[str, str] = (), report: bool | None = None,
+                 types: Types | None = None, **parameters: Quantity) -> None:
+        scene = scene.scene() if hasattr(scene, "scene") else scene
+        values = {**(set or {}), **parameters}
+        self._report = in_notebook() if report is None else report
+        self._run = _Run(scene, types or Types(), [(k, text_of(v)) for k, v in values.items()], self._report)
+        self._scene, self._values, self._began = scene, values, False
+        self.record(record)
+
+    def record(self, channels: Sequence[str] | Mapping[str, str]) -> None:
+        """Adds columns before the run begins: channels, or names with channels or formulas."""
+        pairs = list(channels.items()) if isinstance(channels, Mapping) else [(c, c) for c in channels]
+        if pairs:
+            self._run.record(pairs)
+
+    def begin(self) -> None:
+        """Assembles the start. Called by whatever needs it."""
+        if not self._began:
+            self._run.begin()
+            self._began = True
+
+    def until(self, t: Quantity) -> Table:
+        """Runs to the time t, and returns the table so far. May be called again."""
+        self.begin()
+        self._run.until(seconds(t))
+        return self.table
+
+    def run(self) -> Table:
+        """Runs to the end that the scene gives."""
+        self.begin()
+        self._run.run()
+        return self.table
+
+    def advance(self, h: Quantity) -> None:
+        """Runs on by exactly h, s, as a controller in a loop does."""
+        self.begin()
+        self._run.advance(seconds(h))
+
+    def step(self, h: Quantity = 0.0) -> float:
+        """Makes one step of at most h, s, and returns its length."""
+        self.begin()
+        return self._run.step(seconds(h))
+
+    @property
+    def table(self) -> Table:
+        """The columns so far. They stay as they are when the run goes on."""
+        title = self._scene.get("title", "") if isinstance(self._scene, dict) else ""
+        return Table([Column(values, name, unit, extremes) for name, unit, values, extremes in self._run.columns()], title)
+
+    @property
+    def t(self) -> float:
+        """The present time, s."""
+        self.begin()
+        return self._run.t
+
+    @property
+    def findings(self) -> list[Finding]:
+        """What is remarkable about the run so far, also as warnings."""
+        self.begin()
+        return self._run.findings()
+
+    @property
+    def steps(self) -> int:
+        """Accepted steps."""
+        self.begin()
+        return self._run.report()["steps"]
+
+    @property
+    def stopped_by(self) -> str:
+        """Names of the events that ended the run; "" if none did."""
+        self.begin()
+        return self._run.report()["stopped_by"]
+
+    def body(self, name: str) -> dict:
+        """Pose and twist of a body now: x (m), q, v (m/s), w (body axes, rad/s)."""
+        self.begin()
+        return self._run.body(name)
+
+    @property
+    def inputs(self) -> Inputs:
+        """Numbers that forces and laws read: run.inputs["u"] = 0.3. A value acts from the next step on."""
+        return Inputs(self._run)
+
+    def on(self, name: str, *, when: Callable | None = None, at: float | None = None, crossing: str = "any",
+           stop: bool = False, once: bool = True, activate: Sequence[str] = (), deactivate: Sequence[str] = (),
+           change: Callable | None = None, tolerance: float = 1e-9) -> None:
+        """Adds an event: at a time, s, or when a function of a Sample passes zero ("rising", "falling", "any").
+
+        `change` may set velocities of the State that it is called with. `stop` ends the run.
+        """
+        self.begin()
+        self._run.add_event({"name": name, "when": when, "at": at, "crossing": crossing, "stop": stop, "once": once,
+                             "activate": list(activate), "deactivate": list(deactivate), "change": change,
+                             "tolerance": tolerance})
+
+    def on_step(self, function: Callable[[], bool | None] | None) -> None:
+        """Calls a function after each step; False ends the run."""
+        self._run.set_on_step(function)
+
+    def activate(self, name: str) -> None:
+        """Activates a joint, a force or an event."""
+        self.begin()
+        self._run.activate(name)
+
+    def deactivate(self, name: str) -> None:
+        """Deactivates a joint, a force or an event."""
+        self.begin()
+        self._run.deactivate(name)
+
+    def save(self, file: str | os.PathLike) -> None:
+        """Writes a checkpoint, from which load() continues to the last bit."""
+        self.begin()
+        self._run.save(os.fspath(file))
+
+    def load(self, file: str | os.PathLike) -> None:
+        """Continues from a checkpoint of the same scene."""
+        self._run.load(os.fspath(file))
+        self._began = True
+
+    @property
+    def channels(self) -> dict[str, str]:
+        """What may be recorded, with units."""
+        return {name: unit for name, unit, _ in self._run.channels()}
+
+    def report(self, file: str | os.PathLike, title: str = "") -> None:
+        """Writes the run as one HTML page; needs Simulation(..., report=True)."""
+        with open(file, "w", encoding="utf-8") as out:
+            out.write(self._run.report_page(title))
+
+    def _repr_html_(self) -> str:
+        if not (self._report and self._began):
+            return f"<pre>{html.escape(repr(self))}</pre>"
+        page = html.escape(self._run.report_page(""), quote=True)
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 720px; border: 0"></iframe>'
+
+    def __repr__(self) -> str:
+        name = self._scene.get("title", "a dictionary") if isinstance(self._scene, dict) else str(self._scene).strip()
+        name = "a JSON text" if name.startswith("{") else name
+        return f"Simulation of {name}" + (f", t = {self.t:g} s" if self._began else ", not begun")
+
+
+class Inputs:
+    """The inputs of a run, by name."""
+
+    def __init__(self, run: _Run) -> None:
+        self._run = run
+
+    def __getitem__(self, name: str) -> float:
+        return self._run.input(name)
+
+    def __setitem__(self, name: str, value: float) -> None:
+        self._run.set_input(name, float(value))
+
+    def __iter__(self):
+        return iter(self._run.inputs())
+
+    def __repr__(self) -> str:
+        return repr({name: self[name] for name in self})

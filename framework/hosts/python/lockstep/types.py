@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Laws, joints, forces and integrators whose code is Python's. They may stand in scenes that are dictionaries."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, eq=False)
+class Type:
+    """A type of scenes by a function or a class. Calling it calls that."""
+
+    kind: str
+    function: Callable
+    name: str
+    help: str
+    keys: list = field(default_factory=list)
+    """Its parameters in scenes: name, and default or None."""
+    breaks: Sequence[float] = ()
+    rows: int = 1
+    mask: str = ""
+
+    def __call__(self, *args, **kwargs):
+        return self.function(*args, **kwargs)
+
+
+def _type(kind: str, function: Callable, first: int, **more) -> Type:
+    name = getattr(function, "__name__", type(function).__name__)
+    lines = (inspect.getdoc(function) or "").splitlines()
+    return Type(kind, function, kind if name == "<lambda>" else name, lines[0] if lines else f"{kind} of Python",
+                _keys(function, first), **more)
+
+
+def _keys(function: Callable, first: int) -> list:
+    """The parameters of a function after its first ones."""
+    keys = []
+    for p in list(inspect.signature(function).parameters.values())[first:]:
+        if p.kind in (p.VAR_POSITIONAL, p.VAR_KEYWORD):
+            continue
+        keys.append((p.name, None if p.default is p.empty else float(p.default)))
+    return keys
+
+
+def _decorator(make):
+    """Lets `make(function, **options)` be used with and without options."""
+
+    def decorated(function=None, **options):
+        if function is None:
+            return lambda f: make(f, **options)
+        return make(function, **options)
+
+    decorated.__name__ = decorated.__qualname__ = make.__name__
+    decorated.__doc__ = make.__doc__
+    return decorated
+
+
+@_decorator
+def law(function: Callable, *, breaks: Sequence[float] = ()) -> Type:
+    """A law of motion: a function of the time, s, in the unit of what it drives.
+
+    It is called with a jet, by which its rates are exact, or returns the value and both its derivatives as a tuple.
+    Further parameters are keys in the scene. `breaks`: times, s, at which it or a derivative jumps.
+    """
+    return _type("law", function, 1, breaks=tuple(float(t) for t in breaks))
+
+
+@_decorator
+def joint(function: Callable, *, rows: int = 1, mask: str = "", pairs: int = 1) -> Type:
+    """A joint that holds a function of the pose of P relative to S at zero: ls.joint(lambda y: y.x**2 + y.y**2 - 1).
+
+    y has x, y, z (m), e0 ... e3, angle_z (rad, counted) and t (s). A function of `rows` 2 or 3 returns as many numbers.
+    `mask`: further constraints, words of x y z e1 e2 e3. A function of 2 or 3 `pairs` takes one argument for each.
+    """
+    if rows not in (1, 2, 3):
+        raise ValueError(f"rows is {rows}; give 1, 2 or 3")
+    return _type("joint", function, pairs, rows=rows, mask=mask)
+
+
+@_decorator
+def force(function: Callable) -> Type:
+    """A force on P's body at the origin of P, and its opposite on S's body: a function of the markers.
+
+    at.P and at.S have x (m), v (m/s), w (rad/s) in the world, and A; at.t is the time. It returns the force (world, N), or
+    a dictionary of "force", "torque" (world, N m), "potential" (J) and "dissipation" (W).
+    """
+    return _type("force", function, 1)
+
+
+@_decorator
+def integrator(function: type) -> Type:
+    """An integrator: a class with step(system, state, h)."""
+    return _type("integrator", function, 0)
+
+
+def type_of(given) -> Type:
+    """A Type, or a function of time as a law."""
+    return given if isinstance(given, Type) else law(given)

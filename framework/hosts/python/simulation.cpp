@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "framework/hosts/python/simulation.h"
+
+#include <pybind11/functional.h>
+#include <spdlog/fmt/fmt.h>
+
+#include <lockstep/assembly.h>
+
+namespace lockstep::python {
+
+namespace {
+
+Mechanism mechanism_of(const py::object& source, Types& types, const Settings& set, std::vector<Solid>& solids,
+                       std::vector<Look>& looks) {
+  Scene scene = scene_of(source, types);
+  Mechanism mechanism;
+  const Registry& registry = types.registry();
+  computing([&] { mechanism = read_mechanism(std::move(scene), registry, set); });
+  solids = mechanism.solids, looks = mechanism.looks;
+  return mechanism;
+}
+
+py::dict pose_of(const Body& body, const State& state) {
+  const Pose p = body_pose(body, state);
+  const Twist o = body_twist(body, state);
+  const std::array<double, 4> q{p.q.w, p.q.x, p.q.y, p.q.z};
+  return py::dict(py::arg("x") = array_of(p.x), py::arg("q") = py::array_t<double>(4, q.data()),
+                  py::arg("v") = array_of(o.v), py::arg("w") = array_of(o.w));
+}
+
+/// A state as functions of events and observers see it: during their call only.
+struct SampleView {
+  const Sample* sample = nullptr;
+  const Sample& get() const {
+    if (sample == nullptr) throw ModelError("a sample is used after the call that it was given to; copy numbers out of it");
+    return *sample;
+  }
+};
+
+/// Changes a state in an event: during its call only.
+struct EditorView {
+  State* state = nullptr;
+  const System* system = nullptr;
+  State& get() const {
+    if (state == nullptr) throw ModelError("the state of an event is used after its call");
+    return *state;
+  }
+};
+
+// Calls a function with a view that ends with the call.
+template <class View, class Result = py::object>
+Result call_with(const py::object& f, View view) {
+  const py::object seen = py::cast(view);
+  struct End {
+    const py::object& seen;
+    ~End() { seen.cast<View&>() = {}; }
+  } const end{seen};
+  return py::cast<Result>(f(seen));
+}
+
+Event event_of(Run& run, const py::dict& given) {
+  Event e;
+  const auto take = [&](const char* key) -> py::object {
+    return given.contains(key) && !given[key].is_none() ? py::object(given[key]) : py::object();
+  };
+  e.name = py::str(given["name"]);
+  if (const py::object at = take("at")) e.at = at.cast<double>();
+  if (const py::object crossing = take("crossing")) {
+    const auto word = crossing.cast<std::string>();
+    e.crossing = word == "rising" ? Event::Crossing::rising : word == "falling" ? Event::Crossing::falling : Event::Crossing::any;
+  }
+  if (const py::object tolerance = take("tolerance")) e.tolerance = tolerance.cast<double>();
+  if (const py::object once = take("once")) e.once = once.cast<bool>();
+  if (const py::object stop = take("stop")) e.stop = stop.cast<bool>();
+  if (const py::object names = take("activate")) e.activate = names.cast<std::vector<std::string>>();
+  if (const py::object names = take("deactivate")) e.deactivate = names.cast<std::vector<std::string>>();
+  if (const py::object when = take("when"))
+    e.value = [f = Held(when)](const Sample& s) {
+      const py::gil_scoped_acquire lock;
+      return call_with<SampleView, double>(*f, {&s});
+    };
+  if (const py::object change = take("change"))
+    e.change = [f = Held(change), &run](State& s) {
+      const py::gil_scoped_acquire lock;
+      call_with<EditorView>(*f, {&s, &run.simulation.system()});
+    };
+  return e;
+}
+
+}  // namespace
+
+Scene scene_of(const py::object& source, Types& types) {
+  if (py::isinstance<py::dict>(source)) return scene_from(value_of(source, types), "scene.json");
+  const py::object path = py::module_::import("os").attr("fspath")(source);
+  const auto text = path.cast<std::string>();
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first != std::string::npos && text[first] == '{') return scene_from_text(text, "scene.json");
+  return read_scene(text);
+}
+
+Run::Run(const py::object& source, Types given, const Settings& set, bool with_report)
+    : types(std::move(given)), simulation([&] {
+        std::vector<Solid> solids;
+        std::vector<Look> looks;
+        Mechanism mechanism = mechanism_of(source, types, set, solids, looks);
+        std::optional<Simulation> made;
+        computing([&] { made.emplace(std::move(mechanism)); });
+        made->recorder().find_extremes();
+        if (with_report) report.emplace(made->recorder(), std::move(solids), std::move(looks));
+        return std::move(*made);
+      }()) {}
+
+// An interrupt is looked for a few times a second: the interpreter's lock costs more than a step of a small mechanism.
+bool Run::goes_on() {
+  if (on_step) {
+    const py::gil_scoped_acquire lock;
+    if (!on_step()) return false;
+  }
+  const auto now = std::chrono::steady_clock::now();
+  if (now - looked_ < std::chrono::milliseconds(100)) return true;
+  looked_ = now;
+  const py::gil_scoped_acquire lock;
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  return true;
+}
+
+void Run::take_rows_back() {
+  if (!rows_) return;
+  Table table = rows_.use_count() == 1 ? std::move(*rows_) : *rows_;
+  rows_.reset();
+  simulation.recorder().exchange(table);
+}
+
+py::list Run::columns() {
+  if (!rows_) {
+    rows_ = std::make_shared<Table>();
+    for (const Column& c : simulation.table().columns()) rows_->add_column(c.name, c.unit);
+    simulation.recorder().exchange(*rows_);
+  }
+  const std::span<const ColumnRange> ranges = simulation.recorder().ranges();
+  py::list all;
+  for (std::size_t k = 0; k < rows_->n_columns(); ++k) {
+    const Column& c = rows_->columns()[k];
+    const py::capsule keeps(new std::shared_ptr<Table>(rows_), [](void* p) { delete static_cast<std::shared_ptr<Table>*>(p); });
+    py::array_t<double> values(static_cast<py::ssize_t>(c.values.size()), c.values.data(), keeps);
+    values.attr("flags").attr("writeable") = false;
+    py::object range = py::none();
+    if (k > 0 && k <= ranges.size()) {
+      const ColumnRange& r = ranges[k - 1];
+      range = py::make_tuple(r.least, r.t_least, r.most, r.t_most, r.resolved);
+    }
+    all.append(py::make_tuple(c.name, c.unit, std::move(values), std::move(range)));
+  }
+  return all;
+}
+
+std::string Run::report_page(const std::string& title) {
+  if (!report) throw ModelError("the run has no report; make it by Simulation(..., report=True)");
+  take_rows_back();
+  return report->page({.title = title, .findings = simulation.loop().report().findings});
+}
+
+void bind_simulation(py::module_& m) {
+  m.def("seconds", [](const std::string& text) {
+    const TypeInfo time{"time", "a time", {{"t", Form::number, Unit::time, kRequired, "s"}}};
+    return Params(Value::object({{"t", text}}), time, "time").number("t");
+  }, "A time of a text with a unit, s.");
+  py::class_<SampleView>(m, "Sample", "A state of a run, valid during the call of a function.")
+      .def_property_readonly("t", [](const SampleView& s) { return s.get().state.t; }, "Time, s.")
+      .def("body", [](const SampleView& s, const std::string& name) {
+        return pose_of(s.get().system().body(name), s.get().state);
+      }, py::arg("name"), "Pose and twist of a body: x (m), q, v (m/s), w (body axes, rad/s).");
+  py::class_<EditorView>(m, "State", "The state at an event, which its function may change during its call.")
+      .def_property_readonly("t", [](const EditorView& s) { return s.get().t; }, "Time, s.")
+      .def("body", [](const EditorView& s, const std::string& name) { return pose_of(s.system->body(name), s.get()); },
+           py::arg("name"), "Pose and twist of a body.")
+      .def("set_twist", [](const EditorView& s, const std::string& name, const py::object& v, const py::object& w) {
+        const Body& body = s.system->body(name);
+        Twist twist = body_twist(body, s.get());
+        if (!v.is_none()) twist.v = vec3_of(v, "v");
+        if (!w.is_none()) twist.w = vec3_of(w, "w");
+        StateEditor(s.get()).set_twist(body, twist);
+      }, py::arg("name"), py::arg("v") = py::none(), py::arg("w") = py::none(),
+           "Sets the velocity of a body's origin (world, m/s) and its angular velocity (body axes, rad/s).");
+
+  py::class_<Run>(m, "Run")
+      .def(py::init([](const py::object& source, const Types& types, const Settings& set, bool report) {
+        return std::make_unique<Run>(source, types, set, report);
+      }))
+      .def("record", [](Run& r, const std::vector<std::pair<std::string, std::string>>& channels) {
+        std::vector<Request> requests;
+        for (const auto& [name, channel] : channels) requests.emplace_back(name, channel);
+        r.simulation.record(std::move(requests));
+      })
+      .def("begin", [](Run& r) {
+        computing([&] { r.simulation.loop(); });
+        if (r.report) r.simulation.add_observer(*r.report);
+      })
+      .def("until", [](Run& r, double t) { r.advancing([&] { r.simulation.run_until(t); }); })
+      .def("run", [](Run& r) { r.advancing([&] { r.simulation.run(); }); })
+      .def("advance", [](Run& r, double h) { r.advancing([&] { r.simulation.advance(h); }); })
+      .def("step", [](Run& r, double h) {
+        StepReport made;
+        r.advancing([&] { made = r.simulation.loop().step(h); });
+        return made.h;
+      })
+      .def("columns", &Run::columns)
+      .def("column_names", [](const Run& r) { return r.simulation.table().names(); })
+      .def_property_readonly("t", [](Run& r) { return r.simulation.state().t; })
+      .def_property_readonly("settings_until", [](Run& r) {
+        return r.simulation.settings().until;
+      })
+      .def("body", [](Run& r, const std::string& name) {
+        return pose_of(r.simulation.system().body(name), r.simulation.state());
+      })
+      .def("inputs", [](Run& r) {
+        std::vector<std::string> names;
+        for (const ControlInput& input : r.simulation.system().control_inputs()) names.push_back(input.name());
+        return names;
+      })
+      .def("input", [](Run& r, const std::string& name) { return r.simulation.input(name).value(); })
+      .def("set_input", [](Run& r, const std::string& name, double value) { r.simulation.input(name).set(value); })
+      .def("activate", [](Run& r, const std::string& name) { r.advancing([&] { r.simulation.activate(name); }); })
+      .def("deactivate", [](Run& r, const std::string& name) { r.advancing([&] { r.simulation.deactivate(name); }); })
+      .def("add_event", [](Run& r, const py::dict& event) { r.simulation.add_event(event_of(r, event)); })
+      .def("set_on_step", [](Run& r, const py::object& f) {
+        if (f.is_none())
+          r.on_step = nullptr;
+        else
+          r.on_step = [f = Held(f)] { return !((*f)().is(py::bool_(false))); };
+      })
+      .def("save", [](Run& r, const std::string& file) { r.take_rows_back(), computing([&] { r.simulation.save(file); }); })
+      .def("load", [](Run& r, const std::string& file) { r.take_rows_back(), computing([&] { r.simulation.load(file); }); })
+      .def("findings", [](Run& r) { return objects_of(r.simulation.verdict().findings); })
+      .def("report", [](Run& r) {
+        const SimulationReport& made = r.simulation.loop().report();
+        return py::dict(py::arg("steps") = made.steps, py::arg("rejected") = made.rejected,
+                        py::arg("impacts") = made.impacts, py::arg("largest_violation") = made.largest_violation,
+                        py::arg("stopped_by") = made.stopped_by);
+      })
+      .def("channels", [](Run& r) {
+        r.simulation.loop();
+        py::list all;
+        for (const ChannelHelp& c : channel_help(r.simulation.system())) all.append(py::make_tuple(c.name, c.unit, c.help));
+        return all;
+      })
+      .def("report_page", &Run::report_page);
+}
+
+}  // namespace lockstep::python

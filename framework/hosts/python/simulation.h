@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The run of a scene as Python holds it.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <lockstep/dynamics.h>
+#include <lockstep/recorder.h>
+#include <lockstep/report.h>
+#include <lockstep/scene.h>
+#include <lockstep/simulation.h>
+#include "framework/hosts/python/bindings.h"
+
+namespace lockstep::python {
+
+using Settings = std::vector<std::pair<std::string, std::string>>;  ///< names and values of a scene
+
+/// A scene from a path, a JSON text (it begins with "{") or a dictionary. Throws SceneError, FileError, TypeError.
+Scene scene_of(const py::object& source, Types& types);
+
+/// A Simulation with the types that its scene names, and the rows that Python holds.
+class Run {
+ public:
+  Run(const py::object& source, Types types, const Settings& set, bool with_report);
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+
+  /// Calls `act` without the interpreter's lock. An interrupt (Ctrl-C) ends it after a step.
+  template <class Act>
+  void advancing(Act&& act) {
+    take_rows_back();
+    StepLoop& loop = simulation.loop();
+    loop.progress = [this](const State&) { return goes_on(); };
+    computing(std::forward<Act>(act));
+  }
+  /// The columns so far, as arrays without a copy: they stay as they are while the run goes on.
+  py::list columns();
+  std::string report_page(const std::string& title);
+  /// Gives the rows back to the recorder, before it changes or writes them.
+  void take_rows_back();
+
+  Types types;
+  Simulation simulation;
+  std::optional<Report> report{};
+  std::function<bool()> on_step{};  ///< called after each step; false ends the run
+
+ private:
+  bool goes_on();
+  std::shared_ptr<Table> rows_;  // null: the recorder has them
+  std::chrono::steady_clock::time_point looked_{};
+};
+
+}  // namespace lockstep::python
