@@ -43,6 +43,7 @@ double omega_of(const Params&);
 
 // Of each file of the room.
 void add_constant(LawTypes&);
+void add_input(LawTypes&);
 void add_ramp(LawTypes&);
 void add_sine(LawTypes&);
 void add_fourier(LawTypes&);

@@ -214,7 +214,18 @@ void Builder::doubt_centers() const {
   }
 }
 
+// The input of a law: that of the name, or a new one.
+InputScope::Reader Builder::input(const std::string& name, double value) {
+  std::deque<ControlInput>& all = system_.control_inputs();
+  const auto at = std::ranges::find(all, name, &ControlInput::name);
+  const ControlInput& input = at != all.end() ? *at : system_.add_input(name, value);
+  if (input.value() != value)
+    throw ModelError(fmt::format("input '{}' is {} here and {} in another law; give one value", name, value, input.value()));
+  return [&input] { return input.value(); };
+}
+
 void Builder::build() {
+  const InputScope scope([this](const std::string& name, double value) { return input(name, value); });
   const Params root = params_of(scene_.root, "scene", "scene", &registry_);
   set_gravity(root);
   define_numbers();

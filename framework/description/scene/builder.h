@@ -16,6 +16,7 @@
 #include <lockstep/scene.h>
 #include "framework/description/scene/system_of.h"
 #include "framework/description/scene/tables.h"
+#include "framework/mechanism/params/input_scope.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
 
@@ -147,6 +148,7 @@ class Builder {
   std::vector<std::string> switched_by(const Params& event, const std::string& key);
   void check_assembled() const;
   void define_numbers();
+  InputScope::Reader input(const std::string& name, double value);
   void check_requirements() const;
   void set_merge(const std::string& how);
   void set_gravity(const Params& root);

@@ -33,6 +33,7 @@ const std::map<std::string, const char*>& samples() {
                                     "=rz - 2*x*e1*e2 + max(0, t - 1.1)"], "parameters": {"R": "100 mm"}})~"},
       {"law formula", R"~({"y": "=0.1*sin(w*t) + (t > 1 ? 2*(t - 1)^2 : 0)", "parameters": {"w": 3}})~"},
       {"law constant", R"({"value": 0.3})"},
+      {"law input", R"({"name": "u", "value": 0.2})"},
       {"law ramp", R"({"slope": 2, "t0": 0.2})"},
       {"law sine", R"({"omega": 3, "phase": 0.4})"},
       {"law fourier", R"({"omega": 2, "cosines": [1, 0.3], "sines": [0.2, 0.7]})"},
