@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Laws, joints, forces and events of Python: against closed forms and the types of the library."""
+
+import math
+import traceback
+import unittest
+
+import numpy as np
+
+import lockstep as ls
+
+
+def slider(law=None, **more):
+    drive = {} if law is None else {"drive": {"axis": "z", "law": law}}
+    return {
+        "lockstep": 1,
+        "bodies": [{"name": "m", "sphere": {"mass": 2.0, "radius": 0.1}}],
+        "joints": [{"name": "A", "type": "prismatic", "p": "m", "s": "ground", "at": [0, 0, 0], "axis": "z", **drive}],
+        "run": {"integrator": "dop853", "tolerance": 1e-11, "until": 2, "output": 0.1,
+                "record": ["m.z", "m.vz", "m.az"]},
+        **more,
+    }
+
+
+class Jets(unittest.TestCase):
+    def test_derivatives_of_functions(self):
+        t = ls.TimeJet(0.7)
+        seen = {}
+
+        @ls.law
+        def probe(t):
+            y = ls.exp(-t) * np.sin(3 * t) / (1 + t**2) + ls.sqrt(2 + t) ** 3 - 2 ** t + abs(-t) + ls.arctan2(t, 2.0)
+            seen["y"] = y
+            return y
+
+        ls.Simulation(slider(probe)).until(0.7)
+        y, h = seen["y"], 1e-4
+
+        def f(t):
+            return (math.exp(-t) * math.sin(3 * t) / (1 + t * t) + math.sqrt(2 + t) ** 3 - 2**t + abs(t)
+                    + math.atan2(t, 2))
+
+        self.assertAlmostEqual(y.value, f(0.7), 12)
+        self.assertAlmostEqual(y.rate, (f(0.7 + h) - f(0.7 - h)) / (2 * h), 6)
+        self.assertAlmostEqual(y.second, (f(0.7 + h) - 2 * f(0.7) + f(0.7 - h)) / h**2, 5)
+        self.assertEqual(t.value, 0.7)
+
+    def test_functions_of_math_are_refused(self):
+        with self.assertRaises(ls.UserCodeError) as raised:
+            ls.Simulation(slider(lambda t: math.sin(t))).until(0.1)
+        self.assertIsInstance(raised.exception.__cause__, TypeError)
+        self.assertIn("numpy", str(raised.exception.__cause__))
+
+
+class Laws(unittest.TestCase):
+    def check(self, law):
+        table = ls.Simulation(slider(law)).run()
+        t = np.asarray(table.t)
+        np.testing.assert_allclose(table["m.z"], 0.1 * np.sin(3 * t), atol=1e-12)
+        np.testing.assert_allclose(table["m.vz"], 0.3 * np.cos(3 * t), atol=1e-12)
+        np.testing.assert_allclose(table["m.az"], -0.9 * np.sin(3 * t), atol=1e-12)
+
+    def test_a_lambda(self):
+        self.check(lambda t: 0.1 * ls.sin(3 * t))
+
+    def test_numbers_with_derivatives(self):
+        def law(t):
+            t = t.value
+            return 0.1 * math.sin(3 * t), 0.3 * math.cos(3 * t), -0.9 * math.sin(3 * t)
+
+        self.check(law)
+
+    def test_further_parameters_are_keys(self):
+        @ls.law
+        def wave(t, amplitude, omega=3.0):
+            """A wave."""
+            return amplitude * ls.sin(omega * t)
+
+        self.check({"type": wave, "amplitude": "100 mm"})
+        with self.assertRaisesRegex(ls.SceneError, 'did you mean "amplitude"'):
+            ls.Simulation(slider({"type": wave, "amplitud": 1}))
+
+    def test_a_law_that_raises_ends_the_run(self):
+        def broken(t):
+            if t > 0.55:
+                raise RuntimeError("no value here")
+            return 0.0 * t
+
+        run = ls.Simulation(slider(broken))
+        with self.assertRaises(ls.UserCodeError) as raised:
+            run.run()
+        error = raised.exception
+        self.assertIn("broken", str(error))
+        self.assertIsInstance(error.__cause__, RuntimeError)
+        self.assertIn("in broken", "".join(traceback.format_tb(error.__cause__.__traceback__)))
+        self.assertGreaterEqual(error.t, 0.5)
+        self.assertEqual(len(run.table), 6)
+
+    def test_jumps(self):
+        @ls.law(breaks=[1.0])
+        def step(t):
+            return 0.5 * (t - 1) ** 2 if t >= 1 else 0 * t
+
+        table = ls.Simulation(slider(step)).run()
+        self.assertAlmostEqual(table["m.z"][-1], 0.5, 12)
+
+
+class Joints(unittest.TestCase):
+    def bead(self, joint, **keys):
+        return {
+            "lockstep": 1, "gravity": [0, -9.81, 0],
+            "bodies": [{"name": "bead", "particle": 1.0, "position": [2, 0, 0]}],
+            "joints": [{"name": "wire", "type": joint, "p": "bead", "s": "ground", "at_p": [2, 0, 0], "at_s": [0, 0, 0],
+                        **keys}],
+            "run": {"integrator": "dop853", "tolerance": 1e-11, "until": 1, "output": 0.05,
+                    "record": ["bead.x", "bead.y", "bead.z", "energy.total"]},
+        }
+
+    def test_an_ellipse_against_a_formula(self):
+        a, b = 2.0, 1.0
+        by_python = ls.Simulation(self.bead(ls.joint(lambda y: (y.x / a) ** 2 + (y.y / b) ** 2 - 1, mask="z"))).run()
+        by_formula = ls.Simulation(self.bead("function", phi="=(x/2)^2 + y^2 - 1", mask="z")).run()
+        for name in ("bead.x", "bead.y"):
+            np.testing.assert_allclose(by_python[name], by_formula[name], atol=1e-12)
+        self.assertLess(np.ptp(by_python["energy.total"]), 1e-8)
+        np.testing.assert_allclose((by_python["bead.x"] / a) ** 2 + (by_python["bead.y"] / b) ** 2, 1, atol=1e-10)
+
+    def test_two_rows(self):
+        joint = ls.joint(lambda y: (y.x * y.x + y.y * y.y - 4, y.z), rows=2)
+        table = ls.Simulation(self.bead(joint)).run()
+        circle = ls.Simulation(self.bead("function", phi=["=x^2 + y^2 - 4", "=z"])).run()
+        np.testing.assert_allclose(table["bead.y"], circle["bead.y"], atol=1e-12)
+
+    def test_implicit_methods_have_exact_tangents(self):
+        joint = ls.joint(lambda y: (y.x / 2) ** 2 + y.y**2 - 1, mask="z")
+        scene = self.bead(joint)
+        scene["run"]["integrator"] = "radau5"
+        scene["run"]["tolerance"] = 1e-9
+        by_python = ls.Simulation(scene).run()
+        scene["joints"][0].update(type="function", phi="=(x/2)^2 + y^2 - 1", mask="z")
+        by_formula = ls.Simulation(scene).run()
+        np.testing.assert_allclose(by_python["bead.y"], by_formula["bead.y"], atol=1e-10)
+
+    def test_a_coupling_of_two_joints(self):
+        def gears(joint, **keys):
+            return {
+                "lockstep": 1,
+                "bodies": [{"name": n, "cylinder": {"mass": 1, "radius": r, "length": 0.02}, "position": [x, 0, 0]}
+                           for n, r, x in (("one", 0.1, 0), ("two", 0.2, 0.3))],
+                "joints": [{"name": "A", "type": "revolute", "p": "one", "s": "ground", "at": [0, 0, 0]},
+                           {"name": "B", "type": "revolute", "p": "two", "s": "ground", "at": [0.3, 0, 0]},
+                           {"name": "mesh", "type": joint, "pairs": ["A", "B"], **keys}],
+                "forces": [{"name": "M", "type": "torque_motor", "p": "one", "s": "ground", "at": [0, 0, 0],
+                            "torque": 0.1}],
+                "run": {"tolerance": 1e-10, "until": 10, "output": 1, "record": ["A.rz", "B.rz"]},
+            }
+
+        coupled = ls.Simulation(gears(ls.joint(lambda a, b: a.angle_z + 2 * b.angle_z, pairs=2))).run()
+        meshed = ls.Simulation(gears("gear", ratio=2)).run()
+        np.testing.assert_allclose(coupled["A.rz"], meshed["A.rz"], rtol=1e-10)
+        self.assertGreater(coupled["A.rz"][-1], 4 * math.pi)
+
+
+class Forces(unittest.TestCase):
+    def scene(self, force, integrator="dop853", **keys):
+        return {
+            "lockstep": 1, "gravity": [0, 0, -9.81],
+            "bodies": [{"name": "m", "particle": 2.0, "position": [1, 0, 0], "velocity": [0, 1, 0]}],
+            "forces": [{"name": "F", "type": force, "p": "m", "s": "ground", "at_p": [1, 0, 0], "at_s": [0, 0, 0], **keys}],
+            "run": {"integrator": integrator, "tolerance": 1e-10, "until": 1, "output": 0.1,
+                    "record": ["m.x", "m.y", "m.z", "energy.total"]},
+        }
+
+    def spring(self, at):
+        d = at.P.x - at.S.x
+        length = ls.norm(d)
+        return {"force": -200 * (length - 0.8) / length * d, "potential": 100 * (length - 0.8) ** 2}
+
+    def test_a_spring_against_that_of_the_library(self):
+        for integrator in ("dop853", "radau5"):
+            own = ls.Simulation(self.scene(ls.force(self.spring), integrator)).run()
+            theirs = ls.Simulation(self.scene("spring_damper", integrator, stiffness=200, free_length=0.8)).run()
+            for name in ("m.x", "m.y", "m.z", "energy.total"):
+                np.testing.assert_allclose(own[name], theirs[name], atol=1e-8)
+            self.assertLess(np.ptp(own["energy.total"]), 1e-6)
+
+    def test_wrong_results_are_named(self):
+        for wrong, words in ((lambda at: 3.0, "three numbers"), (lambda at: {"forse": [0, 0, 0]}, "forse")):
+            with self.assertRaises(ls.UserCodeError) as raised:
+                ls.Simulation(self.scene(ls.force(wrong))).run()
+            self.assertIn(words, str(raised.exception.__cause__))
+
+
+class Events(unittest.TestCase):
+    def ball(self):
+        return {
+            "lockstep": 1, "gravity": [0, -10, 0],
+            "bodies": [{"name": "ball", "particle": 1.0, "position": [0, 5, 0]}],
+            "run": {"tolerance": 1e-10, "output": 0.1, "record": ["ball.y", "ball.vy"]},
+        }
+
+    def test_a_condition_and_a_change(self):
+        run = ls.Simulation(self.ball())
+        times = []
+
+        def bounce(state):
+            times.append(state.t)
+            v = state.body("ball")["v"]
+            state.set_twist("ball", v=[v[0], -v[1], v[2]])
+
+        run.on("floor", when=lambda s: s.body("ball")["x"][1], crossing="falling", once=False, change=bounce)
+        table = run.until(3.5)
+        self.assertAlmostEqual(times[0], 1, 8)
+        self.assertAlmostEqual(times[1], 3, 7)
+        self.assertAlmostEqual(table["ball.y"][-1], 5 * (1 - 0.25) , 5)
+
+    def test_a_stop(self):
+        run = ls.Simulation(self.ball())
+        run.on("low", when=lambda s: s.body("ball")["x"][1] - 3.2, stop=True)
+        run.until(10)
+        self.assertAlmostEqual(run.t, 0.6, 8)
+        self.assertEqual(run.stopped_by, "low")
+
+    def test_a_sample_ends_with_its_call(self):
+        run = ls.Simulation(self.ball())
+        kept = []
+        run.on("keep", when=lambda s: kept.append(s) or 1.0)
+        run.until(0.5)
+        with self.assertRaises(ls.ModelError):
+            kept[0].t
+
+    def test_an_observer_ends_the_run(self):
+        run = ls.Simulation(self.ball())
+        calls = []
+        run.on_step(lambda: calls.append(1) or len(calls) < 3)
+        run.until(10)
+        self.assertEqual(len(calls), 3)
+        self.assertEqual(run.stopped_by, "the caller")
+
+
+class Inputs(unittest.TestCase):
+    def test_a_controller_in_the_loop(self):
+        scene = slider(forces=[{"name": "motor", "type": "force_motor", "p": "m", "s": "ground", "at": [0, 0, 0],
+                                "force": {"type": "input", "name": "u"}}])
+        run = ls.Simulation(scene)
+        self.assertEqual(list(run.inputs), ["u"])
+        v = z = 0.0
+        for k in range(100):
+            run.inputs["u"] = u = math.cos(0.1 * k)
+            run.advance(0.01)
+            z += 0.01 * v + 0.5 * u / 2 * 0.01**2
+            v += u / 2 * 0.01
+        self.assertAlmostEqual(run.body("m")["x"][2], z, 12)
+        with self.assertRaises(ls.ModelError):
+            run.inputs["w"] = 1
+        with self.assertRaises(ls.ModelError):
+            run.inputs["u"] = math.nan
+
+
+if __name__ == "__main__":
+    unittest.main()

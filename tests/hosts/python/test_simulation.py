@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs of scenes: against closed forms, and against the program to the last bit."""
+
+import copy
+import math
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import warnings
+
+import numpy as np
+
+import lockstep as ls
+
+ROOT = os.environ["LOCKSTEP_ROOT"]
+PROGRAM = os.environ["LOCKSTEP_PROGRAM"]
+SCENES = os.path.join(ROOT, "samples", "scenes")
+
+
+def oscillator(**run):
+    """A mass of 2 kg on a spring of 50 N/m: x = 0.1 cos(5 t)."""
+    return {
+        "lockstep": 1,
+        "parameters": {"k": 50.0},
+        "bodies": [{"name": "m", "particle": 2.0, "position": [1.1, 0, 0]}],
+        "joints": [{"name": "guide", "type": "point_on_line", "p": "m", "s": "ground", "at_p": [1.1, 0, 0],
+                    "at_s": [1.1, 0, 0], "axis": "x"}],
+        "forces": [{"name": "spring", "type": "spring_damper", "p": "m", "s": "ground", "at_s": [0, 0, 0],
+                    "stiffness": "=k", "free_length": 1.0}],
+        "run": {"integrator": "dop853", "tolerance": 1e-11, "output": 0.1, "record": [{"x": "m.x"}], **run},
+    }
+
+
+class Runs(unittest.TestCase):
+    def test_a_dictionary_runs_as_the_closed_form(self):
+        table = ls.Simulation(oscillator()).until("2 s")
+        self.assertEqual(table.names, ["t", "x"])
+        self.assertEqual(table["x"].unit, "m")
+        np.testing.assert_allclose(table["x"], 1 + 0.1 * np.cos(5 * table.t), atol=1e-9)
+
+    def test_extremes_are_of_the_motion(self):
+        table = ls.Simulation(oscillator(output=0.37)).until(1)
+        self.assertAlmostEqual(table["x"].min_of_motion.value, 0.9, 9)
+        self.assertAlmostEqual(table["x"].min_of_motion.t, math.pi / 5, 6)
+        self.assertTrue(table["x"].is_resolved)
+
+    def test_rows_equal_those_of_the_program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "a.csv")
+            scene = os.path.join(SCENES, "four_bar.json")
+            subprocess.run([PROGRAM, "run", scene, "--set", "crank=120 mm", "--csv", file], check=True,
+                           capture_output=True)
+            table = ls.Simulation(scene, crank="120 mm").run()
+            own = os.path.join(folder, "b.csv")
+            table.to_csv(own)
+            theirs = np.genfromtxt(file, delimiter=",", skip_header=1)
+            np.testing.assert_array_equal(np.column_stack([table[n] for n in table.names]), theirs)
+            with open(file) as a, open(own) as b:
+                self.assertEqual(a.readline(), b.readline())
+
+    def test_parameters_are_numbers_and_texts(self):
+        for k in (200, "200 N/m", "0.2 kN/m"):
+            table = ls.Simulation(oscillator(), k=k).until(1)
+            self.assertAlmostEqual(table["x"][-1], 1 + 0.1 * math.cos(10), 8)
+        table = ls.Simulation(oscillator(), set={"bodies.m.particle": 0.5}).until(1)
+        self.assertAlmostEqual(table["x"][-1], 1 + 0.1 * math.cos(10), 8)
+
+    def test_columns_stay_when_the_run_goes_on(self):
+        run = ls.Simulation(oscillator())
+        first = run.until(1)
+        x, copied = first["x"], np.array(first["x"])
+        whole = run.until(3)
+        np.testing.assert_array_equal(x, copied)
+        self.assertEqual(len(whole), 31)
+        np.testing.assert_array_equal(whole["x"][:11], copied)
+
+    def test_columns_are_not_copies(self):
+        run = ls.Simulation(oscillator())
+        run.until(1)
+        a, b = run.table["x"], run.table["x"]
+        self.assertTrue(np.shares_memory(a, b))
+        with self.assertRaises(ValueError):
+            a[0] = 1
+
+    def test_steps_of_a_controller(self):
+        run = ls.Simulation(oscillator())
+        for k in range(1, 11):
+            run.advance("10 ms")
+            self.assertAlmostEqual(run.t, 0.01 * k, 15)
+
+    def test_a_checkpoint_continues_to_the_last_bit(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "c.checkpoint")
+            one = ls.Simulation(oscillator())
+            one.until(1)
+            one.save(file)
+            whole = one.until(2)
+            two = ls.Simulation(oscillator())
+            two.load(file)
+            np.testing.assert_array_equal(two.until(2)["x"], whole["x"])
+
+    def test_an_unknown_column_names_the_closest(self):
+        table = ls.Simulation(oscillator()).until(0.1)
+        with self.assertRaisesRegex(KeyError, 'no column "X"'):
+            table["X"]
+
+    def test_tables_pickle(self):
+        table = ls.Simulation(oscillator()).until(1)
+        again = pickle.loads(pickle.dumps(table))
+        np.testing.assert_array_equal(again["x"], table["x"])
+        self.assertEqual(again["x"].unit, "m")
+        self.assertEqual(again["x"].min_of_motion, table["x"].min_of_motion)
+
+    def test_threads_run_side_by_side(self):
+        results = {}
+
+        def one(k):
+            results[k] = ls.Simulation(oscillator(), k=k).until(2)["x"][-1]
+
+        threads = [threading.Thread(target=one, args=(k,)) for k in (50.0, 200.0, 450.0)]
+        for t in threads:
+            t.start()
+        for t in threads:
+            t.join()
+        for k, x in results.items():
+            self.assertAlmostEqual(x, 1 + 0.1 * math.cos(2 * math.sqrt(k / 2)), 8)
+
+    def test_an_interrupt_ends_a_run(self):
+        run = ls.Simulation(oscillator(output=0))
+        threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        with self.assertRaises(KeyboardInterrupt):
+            run.until(1e6)
+        t = run.t
+        self.assertGreater(t, 0)
+        self.assertGreater(len(run.table), 10)
+        self.assertAlmostEqual(run.until(t + 1)["x"][-1], 1 + 0.1 * math.cos(5 * (t + 1)), 4)
+
+
+class Messages(unittest.TestCase):
+    def test_errors_are_those_of_scenes(self):
+        scene = oscillator()
+        scene["forces"][0]["stifness"] = 3
+        with self.assertRaises(ls.SceneError) as raised:
+            ls.Simulation(scene)
+        self.assertIn('unknown key "stifness"', str(raised.exception))
+        self.assertIn('did you mean "stiffness"', str(raised.exception))
+        self.assertIsInstance(raised.exception, ls.Error)
+
+    def test_units_are_checked(self):
+        with self.assertRaises(ls.SceneError) as raised:
+            ls.Simulation(oscillator(), set={"bodies.m.particle": "3 mm"})
+        self.assertIn("mm", str(raised.exception))
+
+    def test_places_in_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "wrong.json")
+            with open(file, "w") as out:
+                out.write('{"lockstep": 1,\n "bodies": [{"name": "m", "mass": "heavy"}]}\n')
+            with self.assertRaises(ls.SceneError) as raised:
+                ls.Simulation(file)
+            self.assertEqual(raised.exception.line, 2)
+            self.assertTrue(raised.exception.file.endswith("wrong.json"))
+            again = pickle.loads(pickle.dumps(raised.exception))
+            self.assertEqual(again.line, 2)
+            self.assertEqual(str(again), str(raised.exception))
+
+    def test_what_no_scene_can_hold(self):
+        scene = oscillator()
+        scene["bodies"][0]["position"] = {1, 2, 3}
+        with self.assertRaisesRegex(TypeError, r"scene\.bodies\[0\]\.position"):
+            ls.Simulation(scene)
+
+    def test_findings_are_warnings_by_kind(self):
+        scene = oscillator(integrator="rk4", step=0.5)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            run = ls.Simulation(scene)
+            run.until(5)
+        kinds = [w.category for w in caught]
+        self.assertTrue(all(issubclass(k, ls.FindingWarning) for k in kinds))
+        codes = [f.code for f in run.findings]
+        self.assertIn("energy-not-conserved", codes)
+        wrong = next(f for f in run.findings if f.code == "energy-not-conserved")
+        self.assertEqual(wrong.severity, "wrong")
+        self.assertGreater(wrong.value, wrong.limit)
+
+
+class Building(unittest.TestCase):
+    def pendulum(self):
+        m = ls.Mechanism("a pendulum", gravity=(0, -9.81, 0))
+        rod = m.rod("rod", mass=1, from_=(0, 0, 0), to=(1, 0, 0))
+        self.pin = m.revolute("pin", rod, at=(0, 0, 0))
+        return m
+
+    def test_a_pendulum(self):
+        m = self.pendulum()
+        run = m.simulation(until="1 s", tolerance=1e-10, record=["rod.omega_world_z", self.pin["rz"], "energy.total"])
+        table = run.run()
+        self.assertAlmostEqual(np.ptp(table["energy.total"]), 0, 7)
+        rate, angle = table["rod.omega_world_z"][-1], table["pin.rz"][-1]
+        inertia = 1 / 3 + 1e-4  # of the rod, whose radius is length/50
+        self.assertAlmostEqual(rate**2, -9.81 * math.sin(angle) / (1 / 3), delta=1e-2)
+        self.assertGreater(inertia, 0)
+
+    def test_unknown_types_name_the_closest(self):
+        with self.assertRaisesRegex(AttributeError, 'did you mean "revolute"'):
+            self.pendulum().revolut("x", "rod")
+        self.assertIn("spring_damper", dir(self.pendulum()))
+
+    def test_parameters_of_a_builder(self):
+        m = ls.Mechanism(gravity=(0, -9.81, 0))
+        m.particle("ball", "2 kg", (0, 0, 0))
+        m.force("applied_force", "up", "ball", at=(0, 0, 0), force=[0, m.parameter("F", 30.0), 0])
+        scene = m.scene()
+        for F in (30.0, 40.0):
+            table = ls.Simulation(scene, F=F, record=["ball.y"]).until(1)
+            self.assertAlmostEqual(table["ball.y"][-1], 0.5 * (F / 2 - 9.81), 7)
+
+    def test_copies_are_independent(self):
+        m = self.pendulum()
+        other = copy.deepcopy(m)
+        other.particle("p", 1, (0, 0, 0))
+        self.assertEqual(len(m.scene()["bodies"]), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
