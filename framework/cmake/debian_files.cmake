@@ -3,7 +3,7 @@
 # when the files of each component are in place, before it packs them.
 set(root "${CPACK_TEMPORARY_DIRECTORY}")
 set(day ${CPACK_LOCKSTEP_DAY})
-foreach(component library development program plugins doc)
+foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   if(NOT IS_DIRECTORY "${root}/${component}/usr")
     continue()
   endif()

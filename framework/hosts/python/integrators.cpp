@@ -1,8 +1,132 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Integrators of Python: a step of given length, from rates of the mechanism at states.
+#include <pybind11/operators.h>
+#include <spdlog/fmt/fmt.h>
+
+#include <lockstep/dynamics.h>
 #include "framework/hosts/python/bindings.h"
 
 namespace lockstep::python {
-void add_integrator(Registry&, const TypeInfo&, const Held&) {}
-void bind_integrators(py::module_&) {}
+
+namespace {
+
+StateRate sum(const StateRate& a, const StateRate& b) { return {a.q + b.q, a.v + b.v, a.s + b.s}; }
+StateRate times(const StateRate& a, double k) { return {k * a.q, k * a.v, k * a.s}; }
+
+/// The mechanism as a step sees it: during the step only.
+struct SystemView {
+  Dynamics* dynamics = nullptr;
+  StateRate rates(const State& at) const {
+    if (dynamics == nullptr) throw ModelError("the system of an integrator is used after its step");
+    StateRate k = sized_like(at);
+    const py::gil_scoped_release unlocked;
+    dynamics->rate(at, k);
+    return k;
+  }
+};
+
+/// A method of fixed steps. After each the state is projected onto the constraints, if the run does so.
+class PythonIntegrator final : public Integrator {
+ public:
+  PythonIntegrator(std::string name, int order, Held method)
+      : name_(std::move(name)), order_(order), method_(std::move(method)) {}
+
+  IntegratorInfo info() const override { return {name_, order_, false, false, order_}; }
+  void begin(Dynamics&, const State&) override {
+    const py::gil_scoped_acquire lock;
+    if (py::hasattr(*method_, "begin")) method_->attr("begin")();
+  }
+  StepReport step(Dynamics& dynamics, State& state, double h) override {
+    State end = ended(dynamics, state, h);
+    if (end.q.size() != state.q.size() || end.v.size() != state.v.size() || end.s.size() != state.s.size())
+      throw ModelError(fmt::format("integrator '{}' returned a state of other sizes", name_));
+    end.t = state.t + h;
+    StepReport report;
+    report.h = h;
+    land(dynamics, end, report);
+    state = std::move(end);
+    return report;
+  }
+  bool saves_all() const override { return false; }
+
+ private:
+  State ended(Dynamics& dynamics, const State& state, double h) const {
+    const py::gil_scoped_acquire lock;
+    const py::object view = py::cast(SystemView{&dynamics});
+    struct End {
+      const py::object& view;
+      ~End() { view.cast<SystemView&>() = {}; }
+    } const end{view};
+    const py::object made = method_->attr("step")(view, py::cast(state), h);
+    if (!py::isinstance<State>(made))
+      throw py::type_error(fmt::format("step() of integrator '{}' returned {}; return the new state", name_,
+                                       std::string(py::repr(made))));
+    return made.cast<State>();
+  }
+  void land(Dynamics& dynamics, State& end, StepReport& report) const {
+    if (dynamics.options().stabilization.kind != Stabilization::Kind::project) {
+      dynamics.normalize(end);
+      report.violation = report.violation_after = dynamics.violation(end);
+      return;
+    }
+    const ProjectReport landed = dynamics.project(end);
+    report.violation = landed.before, report.violation_after = landed.after;
+    if (!landed.converged)
+      throw StepError(fmt::format("{}: the projection after the step of {:.3g} s did not converge; use a smaller step",
+                                  name_, report.h),
+                      end.t - report.h);
+  }
+
+  std::string name_;
+  int order_;
+  Held method_;
+};
+
+template <VecX State::*part>
+void set_part(State& y, const py::array_t<double, py::array::c_style | py::array::forcecast>& values) {
+  if (values.size() != (y.*part).size())
+    throw py::value_error(fmt::format("{} numbers are given; the state has {}", values.size(), (y.*part).size()));
+  std::copy_n(values.data(), values.size(), (y.*part).data());
+}
+
+}  // namespace
+
+void add_integrator(Registry& registry, const TypeInfo& info, const Held& type) {
+  const int order = type->attr("order").cast<int>();
+  registry.integrators.add(info, [name = info.name, order, type](const Params& p) -> std::unique_ptr<Integrator> {
+    const py::gil_scoped_acquire lock;
+    py::dict given;
+    for (const Key& key : p.keys()) given[py::str(key.name)] = p.number(key.name);
+    return std::make_unique<PythonIntegrator>(name, order, Held(type->attr("function")(**given)));
+  });
+}
+
+void bind_integrators(py::module_& m) {
+  py::class_<StateRate>(m, "Rates", "Time derivatives of a state; they add, and are multiplied by numbers.")
+      .def("__add__", &sum, py::is_operator())
+      .def("__sub__", [](const StateRate& a, const StateRate& b) { return sum(a, times(b, -1)); }, py::is_operator())
+      .def("__mul__", &times, py::is_operator())
+      .def("__rmul__", &times, py::is_operator())
+      .def("__truediv__", [](const StateRate& a, double k) { return times(a, 1 / k); }, py::is_operator())
+      .def("__neg__", [](const StateRate& a) { return times(a, -1); })
+      .def_property_readonly("q", [](const StateRate& k) { return array_of(k.q); }, "7 per rigid group: m/s, 1/s.")
+      .def_property_readonly("v", [](const StateRate& k) { return array_of(k.v); }, "6 per rigid group: m/s^2, rad/s^2.")
+      .def_property_readonly("s", [](const StateRate& k) { return array_of(k.s); }, "Of the integrated states.");
+  py::class_<State>(m, "MechanismState", "Positions and velocities of a mechanism, for integrators.")
+      .def_readonly("t", &State::t, "Time, s.")
+      .def_property("q", [](const State& y) { return array_of(y.q); }, &set_part<&State::q>,
+                    "7 per rigid group: centre of mass (world, m), quaternion (scalar first).")
+      .def_property("v", [](const State& y) { return array_of(y.v); }, &set_part<&State::v>,
+                    "6 per rigid group: velocity (world, m/s), angular velocity (own axes, rad/s).")
+      .def_property("s", [](const State& y) { return array_of(y.s); }, &set_part<&State::s>, "Integrated states.")
+      .def("__copy__", [](const State& y) { return y; })
+      .def("moved", [](const State& y, double h, const StateRate& k) {
+        State end = y;
+        end.t += h, end.q += h * k.q, end.v += h * k.v, end.s += h * k.s;
+        return end;
+      }, py::arg("h"), py::arg("rates"), "The state after h, s, at constant rates.");
+  py::class_<SystemView>(m, "System", "The mechanism in a step of an integrator.")
+      .def("rates", &SystemView::rates, py::arg("state"), "Solves the equations of motion at a state.");
+}
 
 }  // namespace lockstep::python

@@ -238,6 +238,27 @@ class Events(unittest.TestCase):
         self.assertEqual(run.stopped_by, "the caller")
 
 
+class Integrators(unittest.TestCase):
+    def test_heuns_method_is_of_second_order(self):
+        @ls.integrator(order=2)
+        class Heun:
+            def step(self, system, y, h):
+                k = system.rates(y)
+                return y.moved(h, (k + system.rates(y.moved(h, k))) / 2)
+
+        def end(h):
+            scene = {"lockstep": 1, "gravity": [0, -9.81, 0],
+                     "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
+                     "joints": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0]}],
+                     "run": {"integrator": Heun, "step": h, "until": 1, "record": ["A.rz"]}}
+            return ls.Simulation(scene).run()["A.rz"][-1]
+
+        exact = end(1 / 3200)
+        errors = [abs(end(h) - exact) for h in (1 / 50, 1 / 100, 1 / 200)]
+        self.assertAlmostEqual(errors[0] / errors[1], 4, delta=0.3)
+        self.assertAlmostEqual(errors[1] / errors[2], 4, delta=0.3)
+
+
 class Inputs(unittest.TestCase):
     def test_a_controller_in_the_loop(self):
         scene = slider(forces=[{"name": "motor", "type": "force_motor", "p": "m", "s": "ground", "at": [0, 0, 0],

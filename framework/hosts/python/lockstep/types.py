@@ -21,6 +21,7 @@ class Type:
     breaks: Sequence[float] = ()
     rows: int = 1
     mask: str = ""
+    order: int = 1
 
     def __call__(self, *args, **kwargs):
         return self.function(*args, **kwargs)
@@ -89,9 +90,14 @@ def force(function: Callable) -> Type:
 
 
 @_decorator
-def integrator(function: type) -> Type:
-    """An integrator: a class with step(system, state, h)."""
-    return _type("integrator", function, 0)
+def integrator(function: type, *, order: int = 1) -> Type:
+    """An integrator of fixed steps: a class whose step(system, y, h) returns the state after h, s.
+
+    system.rates(y) solves the equations of motion, y.moved(h, rates) is the state after h at constant rates. The end is
+    projected onto the constraints afterwards. begin(), if there is one, is called at starts and after events. Parameters of
+    the constructor are keys in the scene. `order`: of convergence.
+    """
+    return _type("integrator", function, 0, order=order)
 
 
 def type_of(given) -> Type:
