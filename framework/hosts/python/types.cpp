@@ -108,6 +108,13 @@ auto rows_from(const py::object& rows) {
   }
 }
 
+/// The rows of a function at coordinates. Not inlined: rows of a function are compiled flat, with all that they call.
+template <int n, class T, class... More>
+[[gnu::noinline]] auto called(const Function& f, const LockCoords<T>& first, const More&... more) {
+  const py::gil_scoped_acquire lock;
+  return rows_from<T, n>(f(Coordinates<T>{first}, Coordinates<T>{more}...));
+}
+
 /// phi = a function of Python of the relative coordinates of its pairs.
 template <int pairs, int n, Reads reads, bool counts>
 struct PythonRows {
@@ -115,8 +122,7 @@ struct PythonRows {
   static constexpr PhiSpec spec{.pairs = pairs, .rows = n, .reads = reads, .counts_turns = counts};
   template <class T, class... More>
   auto operator()(const LockCoords<T>& first, const More&... more) const {
-    const py::gil_scoped_acquire lock;
-    return rows_from<T, n>(f(Coordinates<T>{first}, Coordinates<T>{more}...));
+    return called<n>(f, first, more...);
   }
 };
 
