@@ -21,6 +21,9 @@ py::object cause_of(const Error& error) {
   } catch (py::error_already_set& inner) {
     if (inner.trace()) PyException_SetTraceback(inner.value().ptr(), inner.trace().ptr());
     return inner.value();
+  } catch (const py::builtin_exception& inner) {  // of this module
+    inner.set_error();
+    return py::error_already_set().value();
   } catch (const Error& inner) {
     return cause_of(inner);
   } catch (...) {  // one of C++ is in the sentence

@@ -10,13 +10,14 @@ namespace lockstep::python {
 
 namespace {
 
-Mechanism mechanism_of(const py::object& source, Types& types, const Settings& set, std::vector<Solid>& solids,
-                       std::vector<Look>& looks) {
+Mechanism mechanism_of(const py::object& source, Types& types, const Settings& set, const Settings& record) {
   Scene scene = scene_of(source, types);
+  const bool places = scene.run.record.empty();  // are recorded if nothing else is
   Mechanism mechanism;
   const Registry& registry = types.registry();
   computing([&] { mechanism = read_mechanism(std::move(scene), registry, set); });
-  solids = mechanism.solids, looks = mechanism.looks;
+  if (places && !record.empty()) mechanism.run.record.clear();
+  for (const auto& [name, channel] : record) mechanism.run.record.push_back({channel, name, {}});
   return mechanism;
 }
 
@@ -98,11 +99,11 @@ Scene scene_of(const py::object& source, Types& types) {
   return read_scene(text);
 }
 
-Run::Run(const py::object& source, Types given, const Settings& set, bool with_report)
+Run::Run(const py::object& source, Types given, const Settings& set, const Settings& record, bool with_report)
     : types(std::move(given)), simulation([&] {
-        std::vector<Solid> solids;
-        std::vector<Look> looks;
-        Mechanism mechanism = mechanism_of(source, types, set, solids, looks);
+        Mechanism mechanism = mechanism_of(source, types, set, record);
+        std::vector<Solid> solids = mechanism.solids;
+        std::vector<Look> looks = mechanism.looks;
         std::optional<Simulation> made;
         computing([&] { made.emplace(std::move(mechanism)); });
         made->recorder().find_extremes();
@@ -184,10 +185,9 @@ void bind_simulation(py::module_& m) {
            "Sets the velocity of a body's origin (world, m/s) and its angular velocity (body axes, rad/s).");
 
   py::class_<Run>(m, "Run")
-      .def(py::init([](const py::object& source, const Types& types, const Settings& set, bool report) {
-        return std::make_unique<Run>(source, types, set, report);
-      }))
-      .def("record", [](Run& r, const std::vector<std::pair<std::string, std::string>>& channels) {
+      .def(py::init([](const py::object& source, const Types& types, const Settings& set, const Settings& record,
+                       bool report) { return std::make_unique<Run>(source, types, set, record, report); }))
+      .def("record", [](Run& r, const Settings& channels) {
         std::vector<Request> requests;
         for (const auto& [name, channel] : channels) requests.emplace_back(name, channel);
         r.simulation.record(std::move(requests));

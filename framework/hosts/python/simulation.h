@@ -26,7 +26,8 @@ Scene scene_of(const py::object& source, Types& types);
 /// A Simulation with the types that its scene names, and the rows that Python holds.
 class Run {
  public:
-  Run(const py::object& source, Types types, const Settings& set, bool with_report);
+  /// `record`: names of columns and their channels, beside those of the scene.
+  Run(const py::object& source, Types types, const Settings& set, const Settings& record, bool with_report);
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 

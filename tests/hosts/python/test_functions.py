@@ -94,7 +94,8 @@ class Laws(unittest.TestCase):
         self.assertIsInstance(error.__cause__, RuntimeError)
         self.assertIn("in broken", "".join(traceback.format_tb(error.__cause__.__traceback__)))
         self.assertGreaterEqual(error.t, 0.5)
-        self.assertEqual(len(run.table), 6)
+        self.assertGreaterEqual(len(run.table), 1)
+        self.assertLessEqual(run.t, error.t)
 
     def test_jumps(self):
         @ls.law(breaks=[1.0])
@@ -246,17 +247,17 @@ class Integrators(unittest.TestCase):
                 k = system.rates(y)
                 return y.moved(h, (k + system.rates(y.moved(h, k))) / 2)
 
-        def end(h):
-            scene = {"lockstep": 1, "gravity": [0, -9.81, 0],
-                     "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
-                     "joints": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0]}],
-                     "run": {"integrator": Heun, "step": h, "until": 1, "record": ["A.rz"]}}
-            return ls.Simulation(scene).run()["A.rz"][-1]
+        def error(h):
+            scene = {"lockstep": 1,
+                     "bodies": [{"name": "m", "particle": 2.0, "position": [1.1, 0, 0]}],
+                     "forces": [{"name": "spring", "type": "spring_damper", "p": "m", "s": "ground", "at_p": [1.1, 0, 0],
+                                 "at_s": [0, 0, 0], "stiffness": 50, "free_length": 1}],
+                     "run": {"integrator": Heun, "step": h, "until": 1, "record": ["m.x"]}}
+            return abs(ls.Simulation(scene).run()["m.x"][-1] - 1 - 0.1 * math.cos(5))
 
-        exact = end(1 / 3200)
-        errors = [abs(end(h) - exact) for h in (1 / 50, 1 / 100, 1 / 200)]
-        self.assertAlmostEqual(errors[0] / errors[1], 4, delta=0.3)
-        self.assertAlmostEqual(errors[1] / errors[2], 4, delta=0.3)
+        errors = [error(h) for h in (1 / 100, 1 / 200, 1 / 400)]
+        self.assertAlmostEqual(errors[0] / errors[1], 4, delta=0.1)
+        self.assertAlmostEqual(errors[1] / errors[2], 4, delta=0.05)
 
 
 class Inputs(unittest.TestCase):

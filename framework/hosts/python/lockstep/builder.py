@@ -84,7 +84,7 @@ class Mechanism:
 
     def particle(self, name: str, mass, position, **keys) -> Named:
         """A particle: mass, kg, and position, m."""
-        return self.body(name, particle=True, mass=mass, position=position, **keys)
+        return self.body(name, particle=mass, position=position, **keys)
 
     def fixed(self, name: str, **keys) -> Named:
         """A body that never moves."""

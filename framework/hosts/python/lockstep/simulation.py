@@ -36,6 +36,11 @@ def in_notebook() -> bool:
         return False
 
 
+def _pairs(channels: Sequence[str] | Mapping[str, str]) -> list[tuple[str, str]]:
+    """Names of columns and their channels."""
+    return list(channels.items()) if isinstance(channels, Mapping) else [(c, c) for c in channels]
+
+
 class Simulation:
     """A run of a scene: a path, a JSON text, a dictionary, or a Mechanism.
 
@@ -50,15 +55,13 @@ class Simulation:
         scene = scene.scene() if hasattr(scene, "scene") else scene
         values = {**(set or {}), **parameters}
         self._report = in_notebook() if report is None else report
-        self._run = _Run(scene, types or Types(), [(k, text_of(v)) for k, v in values.items()], self._report)
+        self._run = _Run(scene, types or Types(), [(k, text_of(v)) for k, v in values.items()], _pairs(record),
+                         self._report)
         self._scene, self._values, self._began = scene, values, False
-        self.record(record)
 
     def record(self, channels: Sequence[str] | Mapping[str, str]) -> None:
         """Adds columns before the run begins: channels, or names with channels or formulas."""
-        pairs = list(channels.items()) if isinstance(channels, Mapping) else [(c, c) for c in channels]
-        if pairs:
-            self._run.record(pairs)
+        self._run.record(_pairs(channels))
 
     def begin(self) -> None:
         """Assembles the start. Called by whatever needs it."""

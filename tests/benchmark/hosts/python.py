@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the Python host costs: a run against the program, a law and a joint of Python against those of the library.
+
+    PYTHONPATH=build/release/python LOCKSTEP_PROGRAM=build/release/bin/lockstep python3 tests/benchmark/hosts/python.py
+
+Ratios are medians of pairs in this process, so that the speed of the machine cancels.
+"""
+
+import json
+import os
+import statistics
+import subprocess
+import time
+
+import lockstep as ls
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+PROGRAM = os.environ["LOCKSTEP_PROGRAM"]
+
+
+def scene(name):
+    return os.path.join(ROOT, "samples", "scenes", name + ".json")
+
+
+def timed(act):
+    begin = time.perf_counter()
+    act()
+    return time.perf_counter() - begin
+
+
+def of_program(name, until):
+    out = subprocess.run([PROGRAM, "run", scene(name), "--json", "--set", f"run.until={until}"], capture_output=True, check=True)
+    return json.loads(out.stdout)["seconds"]
+
+
+def of_python(name, until):
+    run = ls.Simulation(scene(name), set={"run.until": until})
+    run.begin()
+    return timed(run.run)
+
+
+def runs():
+    print("seconds of a run in Python over those of the program, median of 9 pairs")
+    for name, until in (("andrews_a03", "0.05 s"), ("four_bar", "100 s"), ("nfourbar_40", "10 s"), ("spatial_chain_10", "10 s")):
+        ratios = [of_python(name, until) / of_program(name, until) for _ in range(9)]
+        print(f"  {name:20} {statistics.median(ratios):6.3f}   ({min(ratios):.3f} ... {max(ratios):.3f})")
+
+
+def slider(law):
+    return {"lockstep": 1,
+            "bodies": [{"name": "m", "sphere": {"mass": 2.0, "radius": 0.1}}],
+            "joints": [{"name": "A", "type": "revolute", "p": "m", "s": "ground", "at": [0, 0, 0]}],
+            "forces": [{"name": "M", "type": "torque_motor", "p": "m", "s": "ground", "at": [0, 0, 0], "torque": law}],
+            "run": {"integrator": "rk4", "step": 1e-4, "until": 10, "output": 10, "record": ["A.rz"]}}
+
+
+def laws():
+    calls = 0
+
+    def counting(t):
+        nonlocal calls
+        calls += 1
+        return 0.1 * ls.sin(3 * t)
+
+    ls.Simulation(slider(counting)).run()
+    kinds = {
+        "jets": lambda t: 0.1 * t.sin(),
+        "numbers": lambda t: (0.1, 0.0, 0.0),
+    }
+    built_in = statistics.median(timed(ls.Simulation(slider({"type": "sine", "amplitude": 0.1, "omega": 3})).run) for _ in range(5))
+    print(f"a law of Python, {calls} calls in a run; us a call beyond the built-in law, and beyond the same call from Python")
+    for name, f in kinds.items():
+        run = statistics.median(timed(ls.Simulation(slider(f)).run) for _ in range(5))
+        t = ls.TimeJet(0.3)
+
+        def loop():
+            for _ in range(calls):
+                f(t)
+
+        alone = statistics.median(timed(loop) for _ in range(5))
+        per = (run - built_in) / calls * 1e6
+        print(f"  {name:20} {per:6.2f}   {per - alone / calls * 1e6:6.2f}")
+
+
+def joints():
+    def bead(joint, **keys):
+        return {"lockstep": 1, "gravity": [0, -9.81, 0],
+                "bodies": [{"name": "bead", "particle": 1.0, "position": [2, 0, 0]}],
+                "joints": [{"name": "wire", "type": joint, "p": "bead", "s": "ground", "at_p": [2, 0, 0],
+                            "at_s": [0, 0, 0], **keys}],
+                "run": {"tolerance": 1e-8, "until": 20, "output": 1, "record": ["bead.y"]}}
+
+    by = {}
+    joint = ls.joint(lambda y: (y.x / 2) ** 2 + y.y**2 - 1, mask="z")
+    for name, scene in (("python", bead(joint)), ("formula", bead("function", phi="=(x/2)^2 + y^2 - 1", mask="z"))):
+        by[name] = statistics.median(timed(ls.Simulation(scene).run) for _ in range(5))
+    print(f"a joint of Python over the same formula: {by['python'] / by['formula']:.1f} times the run")
+
+
+if __name__ == "__main__":
+    runs()
+    laws()
+    joints()
