@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,6 +54,7 @@ class Types {
   void load_plugin(const std::string& name);
   /// Adds a Type of Python once, and returns its name.
   std::string add(const py::handle& type);
+  bool has_functions() const { return !added_.empty(); }  ///< whether runs call Python
 
  private:
   std::shared_ptr<Registry> registry_;
@@ -65,17 +67,19 @@ Value value_of(const py::handle&, Types& types, const std::string& place = "scen
 /// The same as Python objects.
 py::object object_of(const Value&);
 
-/// Findings as Python objects; those of an act are warnings.
+/// Findings as Python objects.
 py::list objects_of(const std::vector<Finding>&);
+/// Python warnings of findings above notes.
+void warn(const std::vector<Finding>&);
 
-/// Calls `act` without the interpreter's lock. Then findings of it above notes become Python warnings.
+/// Calls `act`, without the interpreter's lock unless `holds`. Then findings of it above notes become Python warnings.
 template <class Act>
-void computing(Act&& act) {
-  void warn(const std::vector<Finding>&);
+void computing(Act&& act, bool holds = false) {
   FindingScope scope;
   std::exception_ptr error;
   {
-    const py::gil_scoped_release unlocked;
+    std::optional<py::gil_scoped_release> unlocked;
+    if (!holds) unlocked.emplace();
     try {
       act();
     } catch (...) {

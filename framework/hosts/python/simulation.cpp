@@ -111,15 +111,16 @@ Run::Run(const py::object& source, Types given, const Settings& set, const Setti
         return std::move(*made);
       }()) {}
 
-// An interrupt is looked for a few times a second: the interpreter's lock costs more than a step of a small mechanism.
 bool Run::goes_on() {
   if (on_step) {
     const py::gil_scoped_acquire lock;
     if (!on_step()) return false;
   }
+  constexpr auto kSwitch = std::chrono::milliseconds(5);  // the interval of the interpreter
   const auto now = std::chrono::steady_clock::now();
-  if (now - looked_ < std::chrono::milliseconds(100)) return true;
+  if (now - looked_ < kSwitch) return true;
   looked_ = now;
+  if (types.has_functions()) const py::gil_scoped_release others;
   const py::gil_scoped_acquire lock;
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   return true;

@@ -31,13 +31,14 @@ class Run {
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 
-  /// Calls `act` without the interpreter's lock. An interrupt (Ctrl-C) ends it after a step.
+  /// Calls `act`; an interrupt (Ctrl-C) ends it after a step. If it calls functions of Python it keeps the interpreter's
+  /// lock, and lends it to other threads as often as the interpreter does.
   template <class Act>
   void advancing(Act&& act) {
     take_rows_back();
     StepLoop& loop = simulation.loop();
     loop.progress = [this](const State&) { return goes_on(); };
-    computing(std::forward<Act>(act));
+    computing(std::forward<Act>(act), types.has_functions());
   }
   /// The columns so far, as arrays without a copy: they stay as they are while the run goes on.
   py::list columns();

@@ -35,6 +35,12 @@ class Function {
   py::object operator()(Args&&... args) const {
     return (*f_)(std::forward<Args>(args)...);
   }
+  /// The quickest call, of one argument.
+  py::object of(const py::object& argument) const {
+    PyObject* const made = PyObject_CallOneArg((*f_).ptr(), argument.ptr());
+    if (made == nullptr) throw py::error_already_set();
+    return py::reinterpret_steal<py::object>(made);
+  }
 
  private:
   Held f_;
@@ -47,7 +53,7 @@ class PythonLaw final : public MotionLaw {
   PythonLaw(Function f, std::vector<double> breaks) : f_(std::move(f)), breaks_(std::move(breaks)) {}
   LawValue at(double t) const override {
     const py::gil_scoped_acquire lock;
-    const py::object y = f_(Time(t, 1.0, 0.0));
+    const py::object y = f_.of(argument(t));
     if (PyTuple_Check(y.ptr()) != 0 && PyTuple_GET_SIZE(y.ptr()) == 3)
       return {number_from<double>(py::handle(PyTuple_GET_ITEM(y.ptr(), 0)), kWhat),
               number_from<double>(py::handle(PyTuple_GET_ITEM(y.ptr(), 1)), kWhat),
@@ -62,6 +68,15 @@ class PythonLaw final : public MotionLaw {
 
  private:
   static constexpr const char* kWhat = "the function of a law";
+  /// The time as a jet; the object of the last call, unless the function kept it.
+  const py::object& argument(double t) const {
+    if (argument_ && (**argument_).ref_count() == 1)
+      (**argument_).cast<Time&>() = Time(t, 1.0, 0.0);
+    else
+      argument_.emplace(py::cast(Time(t, 1.0, 0.0)));
+    return **argument_;
+  }
+  mutable std::optional<Held> argument_;
   Function f_;
   std::vector<double> breaks_;
 };
