@@ -91,7 +91,7 @@ wish() {
   missing=()
   need "$1" "$2"
   if [ "${#missing[@]}" -eq 0 ]; then return 0; fi
-  (install_missing) || say "going on without $1: $3"
+  if (install_missing); then rm -f "$build/configured"; else say "going on without $1: $3"; fi
 }
 
 # The first version of the two is the lower one or the same.

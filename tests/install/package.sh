@@ -62,6 +62,12 @@ env -u LD_LIBRARY_PATH "$program" check "$root/usr/share/lockstep/scenes/four_ba
 env -u LD_LIBRARY_PATH "$program" run "$root/usr/share/lockstep/scenes/four_bar.json" --quiet \
   --record "$place/four_bar.csv"
 test "$(wc -l <"$place/four_bar.csv")" -gt 10
+if [ -d "$root/usr/lib/python3" ]; then
+  env -u LD_LIBRARY_PATH PYTHONPATH="$root/usr/lib/python3/dist-packages" PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 -c "
+import lockstep as ls
+table = ls.Simulation('$root/usr/share/lockstep/scenes/four_bar.json', crank='0.12 m').run()
+assert len(table) == 71 and abs(table['theta'][-1] - table['theta'][0] - 7) < 1e-8"
+fi
 "$program" describe bump --plugin bump | grep bump >/dev/null  # from the installed folder
 for kept in usr/share/doc/lockstep/plugins/README.md usr/share/doc/lockstep/samples/host_app/main.cpp usr/include/lockstep/lockstep.h usr/lib/pkgconfig/lockstep.pc; do test -s "$root/$kept"; done
 

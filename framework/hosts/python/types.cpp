@@ -19,6 +19,7 @@ std::string shown(const py::handle& o) { return py::repr(o); }
 /// A number that a function of Python returned, on jets or doubles. Throws TypeError, naming `what`.
 template <class T>
 T number_from(const py::handle& o, const char* what) {
+  if (PyFloat_CheckExact(o.ptr())) return T(PyFloat_AS_DOUBLE(o.ptr()));
   if constexpr (!std::is_same_v<T, double>)
     if (py::isinstance<T>(o)) return o.cast<const T&>();
   if (PyNumber_Check(o.ptr()) != 0 && !py::hasattr(o, "gradient"))
