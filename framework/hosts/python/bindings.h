@@ -72,9 +72,9 @@ py::list objects_of(const std::vector<Finding>&);
 /// Python warnings of findings above notes.
 void warn(const std::vector<Finding>&);
 
-/// Calls `act`, without the interpreter's lock unless `holds`. Then findings of it above notes become Python warnings.
+/// Calls `act`, without the interpreter's lock unless `holds`, and returns its findings.
 template <class Act>
-void computing(Act&& act, bool holds = false) {
+std::vector<Finding> found_by(Act&& act, bool holds = false) {
   FindingScope scope;
   std::exception_ptr error;
   {
@@ -87,7 +87,12 @@ void computing(Act&& act, bool holds = false) {
     }
   }
   if (error) std::rethrow_exception(error);
-  warn(scope.found);
+  return std::move(scope.found);
+}
+/// The same; the findings become warnings of Python.
+template <class Act>
+void computing(Act&& act) {
+  warn(found_by(std::forward<Act>(act)));
 }
 
 /// A vector as an array of three numbers.

@@ -126,6 +126,11 @@ bool Run::goes_on() {
   return true;
 }
 
+void Run::warn_once(std::vector<Finding> findings) {
+  std::erase_if(findings, [this](const Finding& f) { return !warned_.insert(f.text()).second; });
+  warn(findings);
+}
+
 void Run::take_rows_back() {
   if (!rows_) return;
   Table table = rows_.use_count() == 1 ? std::move(*rows_) : *rows_;
@@ -197,8 +202,8 @@ void bind_simulation(py::module_& m) {
         computing([&] { r.simulation.loop(); });
         if (r.report) r.simulation.add_observer(*r.report);
       })
-      .def("until", [](Run& r, double t) { r.advancing([&] { r.simulation.run_until(t); }); })
-      .def("run", [](Run& r) { r.advancing([&] { r.simulation.run(); }); })
+      .def("until", [](Run& r, double t) { r.advancing([&] { r.simulation.run_until(t); }), r.judge(); })
+      .def("run", [](Run& r) { r.advancing([&] { r.simulation.run(); }), r.judge(); })
       .def("advance", [](Run& r, double h) { r.advancing([&] { r.simulation.advance(h); }); })
       .def("step", [](Run& r, double h) {
         StepReport made;

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,8 +39,10 @@ class Run {
     take_rows_back();
     StepLoop& loop = simulation.loop();
     loop.progress = [this](const State&) { return goes_on(); };
-    computing(std::forward<Act>(act), types.has_functions());
+    warn_once(found_by(std::forward<Act>(act), types.has_functions()));
   }
+  /// Warns of what the verdict on the run finds.
+  void judge() { warn_once(simulation.verdict().findings); }
   /// The columns so far, as arrays without a copy: they stay as they are while the run goes on.
   py::list columns();
   std::string report_page(const std::string& title);
@@ -53,6 +56,8 @@ class Run {
 
  private:
   bool goes_on();
+  void warn_once(std::vector<Finding>);
+  std::set<std::string> warned_;
   std::shared_ptr<Table> rows_;  // null: the recorder has them
   std::chrono::steady_clock::time_point looked_{};
 };

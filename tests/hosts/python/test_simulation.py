@@ -185,6 +185,13 @@ class Messages(unittest.TestCase):
             run.until(5)
         kinds = [w.category for w in caught]
         self.assertTrue(all(issubclass(k, ls.FindingWarning) for k in kinds))
+        self.assertEqual(len({str(w.message) for w in caught}), len(caught))
+        self.assertIn(ls.WrongResult, kinds)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", ls.WrongResult)
+            with self.assertRaises(ls.WrongResult) as raised:
+                ls.Simulation(scene).until(5)
+        self.assertEqual(raised.exception.code, "energy-not-conserved")
         codes = [f.code for f in run.findings]
         self.assertIn("energy-not-conserved", codes)
         wrong = next(f for f in run.findings if f.code == "energy-not-conserved")

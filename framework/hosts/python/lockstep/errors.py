@@ -147,4 +147,4 @@ def warn(findings: list[Finding]) -> None:
     """Warns of all findings above notes."""
     for finding in findings:
         if finding.severity in _WARNINGS:
-            warnings.warn(_WARNINGS[finding.severity](finding), stacklevel=4)
+            warnings.warn(_WARNINGS[finding.severity](finding), stacklevel=3)
