@@ -83,7 +83,7 @@ Event event_of(Run& run, const py::dict& given) {
   if (const py::object change = take("change"))
     e.change = [f = Held(change), &run](State& s) {
       const py::gil_scoped_acquire lock;
-      call_with<EditorView>(*f, {&s, &run.simulation.system()});
+      call_with<EditorView>(*f, {&s, &run.simulation().system()});
     };
   return e;
 }
@@ -100,7 +100,7 @@ Scene scene_of(const py::object& source, Types& types) {
 }
 
 Run::Run(const py::object& source, Types given, const Settings& set, const Settings& record, bool with_report)
-    : types(std::move(given)), simulation([&] {
+    : types(std::move(given)), simulation_([&] {
         Mechanism mechanism = mechanism_of(source, types, set, record);
         std::vector<Solid> solids = mechanism.solids;
         std::vector<Look> looks = mechanism.looks;
@@ -135,20 +135,30 @@ void Run::take_rows_back() {
   if (!rows_) return;
   Table table = rows_.use_count() == 1 ? std::move(*rows_) : *rows_;
   rows_.reset();
-  simulation.recorder().exchange(table);
+  simulation().recorder().exchange(table);
+}
+
+Simulation& Run::simulation() {
+  if (runner_ != std::thread::id{} && runner_ != std::this_thread::get_id())
+    throw ModelError("the simulation is in use in another thread; wait for it, or make one for each thread");
+  return simulation_;
 }
 
 py::list Run::columns() {
-  if (!rows_) {
-    rows_ = std::make_shared<Table>();
-    for (const Column& c : simulation.table().columns()) rows_->add_column(c.name, c.unit);
-    simulation.recorder().exchange(*rows_);
+  const bool runs = runner_ != std::thread::id{};
+  std::shared_ptr<Table> rows = rows_;
+  if (!rows && runs) {
+    rows = std::make_shared<Table>(simulation().table());
+  } else if (!rows) {
+    rows = rows_ = std::make_shared<Table>();
+    for (const Column& c : simulation().table().columns()) rows->add_column(c.name, c.unit);
+    simulation().recorder().exchange(*rows);
   }
-  const std::span<const ColumnRange> ranges = simulation.recorder().ranges();
+  const std::span<const ColumnRange> ranges = simulation().recorder().ranges();
   py::list all;
-  for (std::size_t k = 0; k < rows_->n_columns(); ++k) {
-    const Column& c = rows_->columns()[k];
-    const py::capsule keeps(new std::shared_ptr<Table>(rows_), [](void* p) { delete static_cast<std::shared_ptr<Table>*>(p); });
+  for (std::size_t k = 0; k < rows->n_columns(); ++k) {
+    const Column& c = rows->columns()[k];
+    const py::capsule keeps(new std::shared_ptr<Table>(rows), [](void* p) { delete static_cast<std::shared_ptr<Table>*>(p); });
     py::array_t<double> values(static_cast<py::ssize_t>(c.values.size()), c.values.data(), keeps);
     values.attr("flags").attr("writeable") = false;
     py::object range = py::none();
@@ -164,7 +174,7 @@ py::list Run::columns() {
 std::string Run::report_page(const std::string& title) {
   if (!report) throw ModelError("the run has no report; make it by Simulation(..., report=True)");
   take_rows_back();
-  return report->page({.title = title, .findings = simulation.loop().report().findings});
+  return report->page({.title = title, .findings = simulation().loop().report().findings});
 }
 
 void bind_simulation(py::module_& m) {
@@ -196,58 +206,58 @@ void bind_simulation(py::module_& m) {
       .def("record", [](Run& r, const Settings& channels) {
         std::vector<Request> requests;
         for (const auto& [name, channel] : channels) requests.emplace_back(name, channel);
-        r.simulation.record(std::move(requests));
+        r.simulation().record(std::move(requests));
       })
       .def("begin", [](Run& r) {
-        computing([&] { r.simulation.loop(); });
-        if (r.report) r.simulation.add_observer(*r.report);
+        computing([&] { r.simulation().loop(); });
+        if (r.report) r.simulation().add_observer(*r.report);
       })
-      .def("until", [](Run& r, double t) { r.advancing([&] { r.simulation.run_until(t); }), r.judge(); })
-      .def("run", [](Run& r) { r.advancing([&] { r.simulation.run(); }), r.judge(); })
-      .def("advance", [](Run& r, double h) { r.advancing([&] { r.simulation.advance(h); }); })
+      .def("until", [](Run& r, double t) { r.advancing([&] { r.simulation().run_until(t); }), r.judge(); })
+      .def("run", [](Run& r) { r.advancing([&] { r.simulation().run(); }), r.judge(); })
+      .def("advance", [](Run& r, double h) { r.advancing([&] { r.simulation().advance(h); }); })
       .def("step", [](Run& r, double h) {
         StepReport made;
-        r.advancing([&] { made = r.simulation.loop().step(h); });
+        r.advancing([&] { made = r.simulation().loop().step(h); });
         return made.h;
       })
       .def("columns", &Run::columns)
-      .def("column_names", [](const Run& r) { return r.simulation.table().names(); })
-      .def_property_readonly("t", [](Run& r) { return r.simulation.state().t; })
+      .def("column_names", [](Run& r) { return r.simulation().table().names(); })
+      .def_property_readonly("t", [](Run& r) { return r.simulation().state().t; })
       .def_property_readonly("settings_until", [](Run& r) {
-        return r.simulation.settings().until;
+        return r.simulation().settings().until;
       })
       .def("body", [](Run& r, const std::string& name) {
-        return pose_of(r.simulation.system().body(name), r.simulation.state());
+        return pose_of(r.simulation().system().body(name), r.simulation().state());
       })
       .def("inputs", [](Run& r) {
         std::vector<std::string> names;
-        for (const ControlInput& input : r.simulation.system().control_inputs()) names.push_back(input.name());
+        for (const ControlInput& input : r.simulation().system().control_inputs()) names.push_back(input.name());
         return names;
       })
-      .def("input", [](Run& r, const std::string& name) { return r.simulation.input(name).value(); })
-      .def("set_input", [](Run& r, const std::string& name, double value) { r.simulation.input(name).set(value); })
-      .def("activate", [](Run& r, const std::string& name) { r.advancing([&] { r.simulation.activate(name); }); })
-      .def("deactivate", [](Run& r, const std::string& name) { r.advancing([&] { r.simulation.deactivate(name); }); })
-      .def("add_event", [](Run& r, const py::dict& event) { r.simulation.add_event(event_of(r, event)); })
+      .def("input", [](Run& r, const std::string& name) { return r.simulation().input(name).value(); })
+      .def("set_input", [](Run& r, const std::string& name, double value) { r.simulation().input(name).set(value); })
+      .def("activate", [](Run& r, const std::string& name) { r.advancing([&] { r.simulation().activate(name); }); })
+      .def("deactivate", [](Run& r, const std::string& name) { r.advancing([&] { r.simulation().deactivate(name); }); })
+      .def("add_event", [](Run& r, const py::dict& event) { r.simulation().add_event(event_of(r, event)); })
       .def("set_on_step", [](Run& r, const py::object& f) {
         if (f.is_none())
           r.on_step = nullptr;
         else
           r.on_step = [f = Held(f)] { return !((*f)().is(py::bool_(false))); };
       })
-      .def("save", [](Run& r, const std::string& file) { r.take_rows_back(), computing([&] { r.simulation.save(file); }); })
-      .def("load", [](Run& r, const std::string& file) { r.take_rows_back(), computing([&] { r.simulation.load(file); }); })
-      .def("findings", [](Run& r) { return objects_of(r.simulation.verdict().findings); })
+      .def("save", [](Run& r, const std::string& file) { r.take_rows_back(), computing([&] { r.simulation().save(file); }); })
+      .def("load", [](Run& r, const std::string& file) { r.take_rows_back(), computing([&] { r.simulation().load(file); }); })
+      .def("findings", [](Run& r) { return objects_of(r.simulation().verdict().findings); })
       .def("report", [](Run& r) {
-        const SimulationReport& made = r.simulation.loop().report();
+        const SimulationReport& made = r.simulation().loop().report();
         return py::dict(py::arg("steps") = made.steps, py::arg("rejected") = made.rejected,
                         py::arg("impacts") = made.impacts, py::arg("largest_violation") = made.largest_violation,
                         py::arg("stopped_by") = made.stopped_by);
       })
       .def("channels", [](Run& r) {
-        r.simulation.loop();
+        r.simulation().loop();
         py::list all;
-        for (const ChannelHelp& c : channel_help(r.simulation.system())) all.append(py::make_tuple(c.name, c.unit, c.help));
+        for (const ChannelHelp& c : channel_help(r.simulation().system())) all.append(py::make_tuple(c.name, c.unit, c.help));
         return all;
       })
       .def("report_page", &Run::report_page);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -37,29 +38,38 @@ class Run {
   template <class Act>
   void advancing(Act&& act) {
     take_rows_back();
-    StepLoop& loop = simulation.loop();
+    StepLoop& loop = simulation().loop();
     loop.progress = [this](const State&) { return goes_on(); };
+    const Ended ended{runner_, std::exchange(runner_, std::this_thread::get_id())};
     warn_once(found_by(std::forward<Act>(act), types.has_functions()));
   }
   /// Warns of what the verdict on the run finds.
-  void judge() { warn_once(simulation.verdict().findings); }
+  void judge() { warn_once(simulation().verdict().findings); }
   /// The columns so far, as arrays without a copy: they stay as they are while the run goes on.
   py::list columns();
   std::string report_page(const std::string& title);
   /// Gives the rows back to the recorder, before it changes or writes them.
   void take_rows_back();
 
+  /// Throws ModelError while another thread runs it.
+  Simulation& simulation();
+
   Types types;
-  Simulation simulation;
   std::optional<Report> report{};
   std::function<bool()> on_step{};  ///< called after each step; false ends the run
 
  private:
+  struct Ended {  // on_step and other functions of Python may use the run in its own thread
+    std::thread::id &runner, before;
+    ~Ended() { runner = before; }
+  };
   bool goes_on();
   void warn_once(std::vector<Finding>);
   std::set<std::string> warned_;
   std::shared_ptr<Table> rows_;  // null: the recorder has them
   std::chrono::steady_clock::time_point looked_{};
+  std::thread::id runner_{};  // none: no call advances it
+  Simulation simulation_;
 };
 
 }  // namespace lockstep::python

@@ -132,6 +132,43 @@ class Runs(unittest.TestCase):
         for k, x in results.items():
             self.assertAlmostEqual(x, 1 + 0.1 * math.cos(2 * math.sqrt(k / 2)), 8)
 
+    def test_a_run_is_used_in_one_thread_at_a_time(self):
+        run = ls.Simulation(oscillator(output=None))
+        began, caught = threading.Event(), []
+        run.on_step(lambda: began.set())
+
+        def use():
+            began.wait(10)
+            for act in (lambda: run.table, lambda: run.t, lambda: run.advance(0.1)):
+                try:
+                    act()
+                except ls.ModelError as error:
+                    caught.append(str(error))
+
+        other = threading.Thread(target=use)
+        other.start()
+        while other.is_alive():
+            run.advance(1)
+        self.assertTrue(all("another thread" in text for text in caught))
+        self.assertGreater(len(caught), 0)
+
+    def test_functions_may_read_the_table_of_their_run(self):
+        run = ls.Simulation(oscillator())
+        seen = []
+        run.on_step(lambda: seen.append(len(run.table)))
+        whole = run.until(2)
+        self.assertEqual(len(whole), 21)
+        self.assertEqual(sorted(seen), seen)
+        np.testing.assert_allclose(whole["x"], 1 + 0.1 * np.cos(5 * whole.t), atol=1e-9)
+
+    def test_a_function_cannot_run_its_own_run(self):
+        run = ls.Simulation(oscillator())
+        run.on_step(lambda: run.advance(0.1))
+        with self.assertRaises(ls.Error):
+            run.until(1)
+        run.on_step(None)
+        self.assertEqual(len(run.until(1)), 11)
+
     def test_an_interrupt_ends_a_run(self):
         run = ls.Simulation(oscillator(output=None))
         threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
