@@ -10,14 +10,19 @@ namespace lockstep::python {
 
 namespace {
 
-Mechanism mechanism_of(const py::object& source, Types& types, const Settings& set, const Settings& record) {
+Mechanism mechanism_of(const py::object& source, Types& types, const Settings& set, const Settings& record,
+                       ReportText& text) {
   Scene scene = scene_of(source, types);
+  text.title = scene.title, text.description = scene.description;
   const bool places = scene.run.record.empty();  // are recorded if nothing else is
   Mechanism mechanism;
   const Registry& registry = types.registry();
   computing([&] { mechanism = read_mechanism(std::move(scene), registry, set); });
   if (places && !record.empty()) mechanism.run.record.clear();
   for (const auto& [name, channel] : record) mechanism.run.record.push_back({channel, name, {}});
+  text.panels = mechanism.run.draw;
+  for (const ChannelRequest& r : mechanism.run.record)
+    if (!r.name.empty()) text.channels.emplace_back(r.name, r.channel);
   return mechanism;
 }
 
@@ -101,7 +106,7 @@ Scene scene_of(const py::object& source, Types& types) {
 
 Run::Run(const py::object& source, Types given, const Settings& set, const Settings& record, bool with_report)
     : types(std::move(given)), simulation_([&] {
-        Mechanism mechanism = mechanism_of(source, types, set, record);
+        Mechanism mechanism = mechanism_of(source, types, set, record, text);
         std::vector<Solid> solids = mechanism.solids;
         std::vector<Look> looks = mechanism.looks;
         std::optional<Simulation> made;
@@ -171,10 +176,11 @@ py::list Run::columns() {
   return all;
 }
 
-std::string Run::report_page(const std::string& title) {
+std::string Run::report_page() {
   if (!report) throw ModelError("the run has no report; make it by Simulation(..., report=True)");
   take_rows_back();
-  return report->page({.title = title, .findings = simulation().loop().report().findings});
+  text.findings = simulation().verdict().findings;
+  return report->page(text);
 }
 
 void bind_simulation(py::module_& m) {
@@ -221,6 +227,7 @@ void bind_simulation(py::module_& m) {
         return made.h;
       })
       .def("columns", &Run::columns)
+      .def_property_readonly("title", [](const Run& r) { return r.text.title; })
       .def("column_names", [](Run& r) { return r.simulation().table().names(); })
       .def_property_readonly("t", [](Run& r) { return r.simulation().state().t; })
       .def_property_readonly("settings_until", [](Run& r) {

@@ -47,7 +47,7 @@ class Run {
   void judge() { warn_once(simulation().verdict().findings); }
   /// The columns so far, as arrays without a copy: they stay as they are while the run goes on.
   py::list columns();
-  std::string report_page(const std::string& title);
+  std::string report_page();
   /// Gives the rows back to the recorder, before it changes or writes them.
   void take_rows_back();
 
@@ -56,6 +56,7 @@ class Run {
 
   Types types;
   std::optional<Report> report{};
+  ReportText text{};  ///< of the report
   std::function<bool()> on_step{};  ///< called after each step; false ends the run
 
  private:

@@ -94,8 +94,8 @@ class Simulation:
     @property
     def table(self) -> Table:
         """The columns so far. They stay as they are when the run goes on."""
-        title = self._scene.get("title", "") if isinstance(self._scene, dict) else ""
-        return Table([Column(values, name, unit, extremes) for name, unit, values, extremes in self._run.columns()], title)
+        return Table([Column(values, name, unit, extremes) for name, unit, values, extremes in self._run.columns()],
+                     self._run.title)
 
     @property
     def t(self) -> float:
@@ -172,20 +172,19 @@ class Simulation:
         """What may be recorded, with units."""
         return {name: unit for name, unit, _ in self._run.channels()}
 
-    def report(self, file: str | os.PathLike, title: str = "") -> None:
+    def report(self, file: str | os.PathLike) -> None:
         """Writes the run as one HTML page; needs Simulation(..., report=True)."""
         with open(file, "w", encoding="utf-8") as out:
-            out.write(self._run.report_page(title))
+            out.write(self._run.report_page())
 
     def _repr_html_(self) -> str:
         if not (self._report and self._began):
             return f"<pre>{html.escape(repr(self))}</pre>"
-        page = html.escape(self._run.report_page(""), quote=True)
+        page = html.escape(self._run.report_page(), quote=True)
         return f'<iframe srcdoc="{page}" style="width: 100%; height: 720px; border: 0"></iframe>'
 
     def __repr__(self) -> str:
-        name = self._scene.get("title", "a dictionary") if isinstance(self._scene, dict) else str(self._scene).strip()
-        name = "a JSON text" if name.startswith("{") else name
+        name = self._run.title or "a scene without a title"
         return f"Simulation of {name}" + (f", t = {self.t:g} s" if self._began else ", not begun")
 
 
