@@ -6,6 +6,7 @@ from __future__ import annotations
 import html
 import os
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 
 from lockstep._core import Run as _Run
 from lockstep._core import Types
@@ -15,6 +16,12 @@ from lockstep.table import Column, Table
 
 Quantity = str | float
 """A number in SI, or a text with a unit: "120 mm"."""
+
+
+@cache
+def _built_in() -> Types:
+    """The types of the library. Runs share them, and copy them to add their own."""
+    return Types()
 
 
 def text_of(value) -> str:
@@ -55,7 +62,7 @@ class Simulation:
         scene = scene.scene() if hasattr(scene, "scene") else scene
         values = {**(set or {}), **parameters}
         self._report = in_notebook() if report is None else report
-        self._run = _Run(scene, types or Types(), [(k, text_of(v)) for k, v in values.items()], _pairs(record),
+        self._run = _Run(scene, types or _built_in(), [(k, text_of(v)) for k, v in values.items()], _pairs(record),
                          self._report)
         self._scene, self._values, self._began = scene, values, False
 
