@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The callbacks of a run, its events, and the states that it takes and gives.
+#include <lockstep/dynamics.h>
+#include <lockstep/recorder.h>
+#include "framework/hosts/c/run.h"
+#include "framework/hosts/c/state.h"
+#include "framework/hosts/c/user_code.h"
+
+namespace lockstep::c {
+namespace {
+
+// Calls `act` of a run; the user data is freed in any case.
+template <class Act>
+int with_user(void* user, lockstep_free_user free_user, Act act) noexcept {
+  try {
+    return act(owned(user, free_user));
+  } catch (...) {
+    return LOCKSTEP_MEMORY;
+  }
+}
+
+Event::Crossing crossing_of(int sign) {
+  if (sign < -1 || sign > 1) refuse(LOCKSTEP_USAGE, "crossing is " + std::to_string(sign) + "; must be -1, 0 or 1");
+  return sign == 0 ? Event::Crossing::any : sign > 0 ? Event::Crossing::rising : Event::Crossing::falling;
+}
+
+std::function<double(const Sample&)> condition_of(lockstep_condition condition, double crosses, const User& user) {
+  return [=](const Sample& s) {
+    double value = 0;
+    if (!invoke(condition, user.get(), Lent(s.state, s.dynamics()).handle(), &value))
+      throw UserCodeError("the condition returned LOCKSTEP_STOP, which only observers may; return 0");
+    return value - crosses;
+  };
+}
+
+std::function<double(const Sample&)> channel_of(Run& run, Simulation& s, const char* name, double crosses) {
+  const Channel channel = make_channel(s.system(), name);
+  if (!run.begun) s.recorder().follow(channel);
+  return [=](const Sample& sample) { return channel.value(sample) - crosses; };
+}
+
+}  // namespace
+}  // namespace lockstep::c
+
+using namespace lockstep;
+using namespace lockstep::c;
+
+extern "C" {
+
+int lockstep_on_step(lockstep_run* run, lockstep_observer observer, void* user, lockstep_free_user free_user) {
+  return with_user(user, free_user, [&](const User& owner) {
+    return call_begun(run, [&](Run&, Simulation& s) {
+      s.loop().progress = nullptr;
+      if (observer == nullptr) return;
+      s.loop().progress = [owner, observer, &dynamics = s.dynamics()](const State& state) {
+        return invoke(observer, owner.get(), static_cast<const lockstep_state*>(Lent(state, dynamics).handle()));
+      };
+    });
+  });
+}
+
+int lockstep_on_row(lockstep_run* run, lockstep_row row, int keep, void* user, lockstep_free_user free_user) {
+  return with_user(user, free_user, [&](const User& owner) {
+    return call_run(run, [&](Run&, Simulation& s) {
+      if (row == nullptr) return s.on_row(nullptr);
+      s.on_row(
+          [owner, row](std::span<const double> of) {
+            if (!invoke(row, owner.get(), of.data(), static_cast<int>(of.size())))
+              throw UserCodeError("the row callback returned LOCKSTEP_STOP, which only observers may; return 0");
+          },
+          keep != 0);
+    });
+  });
+}
+
+int lockstep_add_event(lockstep_run* run, const char* name, const char* channel, lockstep_condition condition,
+                       double value, int crossing, int once, lockstep_action action, void* user,
+                       lockstep_free_user free_user) {
+  return with_user(user, free_user, [&](const User& owner) {
+    return call_run(run, [&](Run& r, Simulation& s) {
+      if (channel != nullptr && condition != nullptr)
+        refuse(LOCKSTEP_USAGE, "an event has a channel or a condition; give null for one of them");
+      Event event{.name = needed_text(name, "name"),
+                  .crossing = crossing_of(crossing),
+                  .once = once != 0,
+                  .stop = action == nullptr};
+      if (channel != nullptr)
+        event.value = channel_of(r, s, channel, value);
+      else if (condition != nullptr)
+        event.value = condition_of(condition, value, owner);
+      else
+        event.at = value;
+      if (action != nullptr)
+        event.change = [owner, action, &s](State& state) {
+          if (!invoke(action, owner.get(), Lent(state, s.dynamics(), StateObject::May::change).handle()))
+            throw UserCodeError("the action returned LOCKSTEP_STOP, which only observers may; return 0");
+        };
+      s.add_event(std::move(event)), r.begun = true;
+    });
+  });
+}
+
+int lockstep_get_state(lockstep_run* run, lockstep_state** made) {
+  if (made == nullptr) return LOCKSTEP_NULL;
+  *made = nullptr;
+  return call_begun(run, [&](Run&, Simulation& s) {
+    const auto object = std::make_shared<StateObject>(s.dynamics().in_slots(s.state()), s.dynamics());
+    object->also = object_of(run);
+    *made = static_cast<lockstep_state*>(new_handle(object));
+  });
+}
+
+int lockstep_set_state(lockstep_run* run, lockstep_state* state) {
+  return call_begun(run, [&](Run&, Simulation& s) {
+    const std::shared_ptr<Object> object = object_of(&needed(state, "state"));
+    auto* const of = dynamic_cast<StateObject*>(object.get());
+    if (of == nullptr) refuse(LOCKSTEP_CLOSED, "argument \"state\" is no live state; take one by lockstep_get_state");
+    const Object::Hold hold(*of);
+    if (!hold.got()) refuse(LOCKSTEP_BUSY, "argument \"state\" is in use");
+    s.set_state(of->in_slots());
+  });
+}
+}

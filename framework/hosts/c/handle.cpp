@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "framework/hosts/c/handle.h"
+
+#include <array>
+#include <mutex>
+#include <new>
+#include <thread>
+#include <unordered_map>
+#include <utility>
+
+#include <lockstep/version.h>
+#include "framework/foundation/support/thrown.h"
+#include "framework/hosts/c/json.h"
+
+namespace lockstep::c {
+namespace {
+
+/// An error of a call, with its own code.
+class Refusal final : public Error {
+ public:
+  Refusal(int its_code, const std::string& words) : Error(words), code(its_code) {}
+  Kind kind() const noexcept override { return Kind::usage; }
+  int code;
+};
+
+constexpr std::array kNames = {"",       "other", "model", "assembly",  "solve", "step",        "non-finite", "plugin", "scene",
+                               "file",   "user code", "usage", "interrupted", "memory", "null", "closed",     "busy"};
+
+// By Error::Kind, whose numbers may change.
+int code_of(const Error& error) {
+  if (const auto* refusal = dynamic_cast<const Refusal*>(&error)) return refusal->code;
+  switch (error.kind()) {
+    case Error::Kind::model: return LOCKSTEP_MODEL;
+    case Error::Kind::assembly: return LOCKSTEP_ASSEMBLY;
+    case Error::Kind::solve: return LOCKSTEP_SOLVE;
+    case Error::Kind::step: return LOCKSTEP_STEP;
+    case Error::Kind::non_finite: return LOCKSTEP_NON_FINITE;
+    case Error::Kind::plugin: return LOCKSTEP_PLUGIN;
+    case Error::Kind::scene: return LOCKSTEP_SCENE;
+    case Error::Kind::file: return LOCKSTEP_FILE;
+    case Error::Kind::user_code: return LOCKSTEP_USER_CODE;
+    case Error::Kind::usage: return LOCKSTEP_USAGE;
+    case Error::Kind::interrupted: return LOCKSTEP_INTERRUPTED;
+    default: return LOCKSTEP_OTHER;
+  }
+}
+
+struct Table {
+  std::mutex mutex;
+  std::unordered_map<std::uintptr_t, std::shared_ptr<Object>> objects;
+  std::uintptr_t last = 0;
+};
+// Never destroyed: programs free handles after the end of main().
+Table& table() {
+  static auto* const all = new Table;
+  return *all;
+}
+
+}  // namespace
+
+void* new_handle(std::shared_ptr<Object> object) {
+  Table& all = table();
+  const std::lock_guard lock(all.mutex);
+  all.last += 16;  // as addresses are aligned
+  all.objects.emplace(all.last, std::move(object));
+  return reinterpret_cast<void*>(all.last);  // NOLINT: a number in the place of an address
+}
+
+std::shared_ptr<Object> object_of(const void* handle) noexcept {
+  Table& all = table();
+  const std::lock_guard lock(all.mutex);
+  const auto found = all.objects.find(reinterpret_cast<std::uintptr_t>(handle));
+  return found != all.objects.end() ? found->second : nullptr;
+}
+
+bool remove_handle(const void* handle) noexcept {
+  Table& all = table();
+  const std::lock_guard lock(all.mutex);
+  return all.objects.erase(reinterpret_cast<std::uintptr_t>(handle)) == 1;
+}
+
+void Object::close() {
+  while (busy_.exchange(true)) std::this_thread::yield();
+}
+
+int Object::keep_error() noexcept {
+  error_text.clear(), error_json = "{}", code = LOCKSTEP_MEMORY;
+  try {
+    throw;
+  } catch (const std::bad_alloc&) {
+    error_text = "no memory";  // short enough to need none
+  } catch (const Error& error) {
+    code = code_of(error);
+    write_error(error, code, error_text, error_json);
+  } catch (...) {
+    code = LOCKSTEP_OTHER;
+    try {
+      write_error(Error(thrown_words(std::current_exception())), code, error_text, error_json);
+    } catch (...) {  // no memory for the words
+    }
+  }
+  return code;
+}
+
+void refuse(int code, const std::string& problem) { throw Refusal(code, problem); }
+void refuse_null(const char* name) {
+  refuse(LOCKSTEP_NULL, std::string("argument \"") + name + "\" is null; give a pointer");
+}
+
+}  // namespace lockstep::c
+
+using namespace lockstep::c;
+
+namespace {
+
+// Of an error: `get` reads it unless the handle is in use.
+template <class Get, class Result>
+Result of_error(const void* handle, Get&& get, Result if_closed, Result if_busy) {
+  const std::shared_ptr<Object> object = object_of(handle);
+  if (object == nullptr) return if_closed;
+  const Object::Hold hold(*object);
+  return hold.got() ? get(*object) : if_busy;
+}
+
+}  // namespace
+
+extern "C" {
+
+const char* lockstep_code_name(int code) {
+  return code >= 0 && code < static_cast<int>(kNames.size()) ? kNames[static_cast<std::size_t>(code)] : "";
+}
+const char* lockstep_version() { return lockstep::library_version(); }
+
+int lockstep_free(void* handle) {
+  if (handle == nullptr) return LOCKSTEP_DONE;
+  std::shared_ptr<Object> object = object_of(handle);  // destroyed here, after the hold
+  if (object == nullptr) return LOCKSTEP_CLOSED;
+  const Object::Hold hold(*object);
+  if (!hold.got()) return LOCKSTEP_BUSY;
+  return remove_handle(handle) ? LOCKSTEP_DONE : LOCKSTEP_CLOSED;
+}
+
+int lockstep_error_code(const void* handle) {
+  return of_error(handle, [](const Object& o) { return o.code; }, int(LOCKSTEP_CLOSED), int(LOCKSTEP_BUSY));
+}
+const char* lockstep_error_text(const void* handle) {
+  return of_error(handle, [](const Object& o) { return o.error_text.c_str(); },
+                  "this is not a live handle; it was freed or never made", "the handle is in use");
+}
+const char* lockstep_error_json(const void* handle) {
+  return of_error(handle, [](const Object& o) { return o.error_json.c_str(); }, "{}", "{}");
+}
+}

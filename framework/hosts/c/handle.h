@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Handles: numbers that stand for live objects, the calls with them, and their errors.
+#pragma once
+
+#include <lockstep/c.h>
+
+#include <atomic>
+#include <exception>
+#include <memory>
+#include <string>
+
+#include <lockstep/error.h>
+
+namespace lockstep::c {
+
+/// What a handle stands for. A handle is a number of the table of live objects, never an address: one that was freed
+/// is found to be so.
+class Object {
+ public:
+  Object() = default;
+  Object(const Object&) = delete;
+  Object& operator=(const Object&) = delete;
+  virtual ~Object() = default;
+
+  /// While it exists, no other call may use the object.
+  class Hold {
+   public:
+    explicit Hold(Object& of) : of_(of), got_(!of.busy_.exchange(true)) {}
+    ~Hold() {
+      if (got_) of_.busy_ = false;
+    }
+    Hold(const Hold&) = delete;
+    Hold& operator=(const Hold&) = delete;
+    bool got() const { return got_; }
+
+   private:
+    Object& of_;
+    const bool got_;
+  };
+  /// Waits for a call in progress and lets none come after it.
+  void close();
+
+  /// Calls `act`, and keeps what it throws as the error; returns its code. Throws nothing.
+  template <class Act>
+  int attempt(Act&& act) noexcept {
+    try {
+      act();
+      return LOCKSTEP_DONE;
+    } catch (...) {
+      return keep_error();
+    }
+  }
+  /// The text, which the object keeps until the next one.
+  const char* keep(std::string text) { return (text_ = std::move(text)).c_str(); }
+
+  int code = LOCKSTEP_DONE;                 ///< of the last error
+  std::string error_text, error_json = "{}";
+  std::shared_ptr<Object> also{};           ///< what a call uses too; null: nothing
+  bool made = true;                         ///< false: it keeps the error of its making alone
+
+ private:
+  int keep_error() noexcept;
+  std::atomic<bool> busy_ = false;
+  std::string text_;
+};
+
+/// Adds an object to the table and returns its handle.
+void* new_handle(std::shared_ptr<Object>);
+/// The object of a handle; null if it is none.
+std::shared_ptr<Object> object_of(const void* handle) noexcept;
+/// Takes a handle out of the table; returns whether it was there.
+bool remove_handle(const void* handle) noexcept;
+
+/// Throws an error with this code.
+[[noreturn]] void refuse(int code, const std::string& problem);
+/// Throws LOCKSTEP_NULL about an argument.
+[[noreturn]] void refuse_null(const char* name);
+/// What an argument points to.
+template <class T>
+T& needed(T* pointer, const char* name) {
+  if (pointer == nullptr) refuse_null(name);
+  return *pointer;
+}
+inline const char* needed_text(const char* text, const char* name) { return &needed(text, name); }
+
+/// Calls `act` with the object of a handle, an H, which no other call may use meanwhile.
+template <class H, class Act>
+int call(const void* handle, Act&& act) noexcept {
+  if (handle == nullptr) return LOCKSTEP_NULL;
+  const std::shared_ptr<Object> object = object_of(handle);
+  auto* const self = dynamic_cast<H*>(object.get());
+  if (self == nullptr) return LOCKSTEP_CLOSED;
+  const Object::Hold hold(*self);
+  if (!hold.got()) return LOCKSTEP_BUSY;
+  if (!self->made) return LOCKSTEP_CLOSED;
+  if (self->also == nullptr) return self->attempt([&] { act(*self); });
+  const Object::Hold both(*self->also);
+  return both.got() ? self->attempt([&] { act(*self); }) : int(LOCKSTEP_BUSY);
+}
+
+/// Makes an H, fills it by `fill`, and writes its handle to `made`, also if that fails.
+template <class H, class Public, class Fill>
+int make(Public** made, Fill&& fill) noexcept {
+  if (made == nullptr) return LOCKSTEP_NULL;
+  *made = nullptr;
+  try {
+    const auto object = std::make_shared<H>();
+    const int code = object->attempt([&] { fill(*object); });
+    object->made = code == LOCKSTEP_DONE;
+    *made = static_cast<Public*>(new_handle(object));
+    return code;
+  } catch (...) {
+    return LOCKSTEP_MEMORY;
+  }
+}
+
+}  // namespace lockstep::c

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The functions of runs that judge: verdict, report, findings, linearisation.
+#include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/recorder.h>
+#include "framework/description/scene/write.h"
+#include "framework/hosts/c/json.h"
+#include "framework/hosts/c/run.h"
+
+namespace lockstep::c {
+namespace {
+
+Value report_of(Simulation& s) {
+  const SimulationReport& report = s.loop().report();
+  const RunVerdict verdict = s.verdict();
+  return Value::object({{"t", s.state().t},
+                        {"steps", static_cast<double>(report.steps)},
+                        {"rejected", static_cast<double>(report.rejected)},
+                        {"largest_violation", number_or_null(report.largest_violation)},
+                        {"impacts", static_cast<double>(report.impacts)},
+                        {"stopped", report.stopped},
+                        {"stopped_by", report.stopped_by},
+                        {"right", verdict.right},
+                        {"energy", verdict.audit.verdict()},
+                        {"imbalance", number_or_null(verdict.audit.imbalance_share())}});
+}
+
+// About the present state, by dynamics of its own: six velocities a body, without stabilisation.
+StateSpace linearized(Run& run, Simulation& s, const LinearMotionOptions& options) {
+  std::vector<Channel> outputs;
+  for (const Request& column : run.columns)
+    outputs.push_back(make_channel(s.system(), column.channel)), outputs.back().name = column.name;
+  std::vector<LinearInput> inputs;
+  for (const HostInputs::One& one : run.inputs.all()) inputs.push_back({one.name, one.unit, one.law});
+  Registry registry = builtin_registry();
+  Dynamics dynamics(s.system(), make_solver(MethodSpec{"schur"}, registry, "linearisation"),
+                    {.formulation = Formulation::omega, .stabilization = {.kind = Stabilization::Kind::none}});
+  return linearize(dynamics, s.dynamics().in_slots(s.state()), inputs, outputs, options);
+}
+
+const StateSpace& space_of(const Run& run) {
+  if (!run.space) refuse(LOCKSTEP_USAGE, "nothing was linearised; call lockstep_linearize first");
+  return *run.space;
+}
+
+}  // namespace
+}  // namespace lockstep::c
+
+using namespace lockstep;
+using namespace lockstep::c;
+
+extern "C" {
+
+int lockstep_verdict(lockstep_run* run, int* right) {
+  return call_begun(run, [&](Run&, Simulation& s) { needed(right, "right") = s.verdict().right ? 1 : 0; });
+}
+
+int lockstep_report(lockstep_run* run, const char** json) {
+  return call_begun(run, [&](Run& r, Simulation& s) { needed(json, "json") = r.keep(write_json_line(report_of(s))); });
+}
+
+int lockstep_findings(lockstep_run* run, int* count) {
+  return call_run(run,
+                  [&](Run& r, Simulation&) { needed(count, "count") = static_cast<int>(r.all_findings().size()); });
+}
+
+int lockstep_finding(lockstep_run* run, int index, const char** text, const char** json) {
+  return call_run(run, [&](Run& r, Simulation&) {
+    std::vector<Finding> all = r.all_findings();
+    if (index != -1) all = {all[Run::checked(index, all.size(), "a finding")]};
+    Value::List values;
+    std::string lines;
+    for (const Finding& f : all) values.push_back(value_of(f)), lines += (lines.empty() ? "" : "\n") + f.text();
+    r.more_text = write_json_line(index == -1 ? Value(std::move(values)) : values.front());
+    if (text != nullptr) *text = r.keep(lines);
+    if (json != nullptr) *json = r.more_text.c_str();
+  });
+}
+
+int lockstep_linearize(lockstep_run* run, int frozen, const double* spin) {
+  return call_begun(run, [&](Run& r, Simulation& s) {
+    r.space.reset();
+    LinearMotionOptions options{.frozen = frozen != 0};
+    if (spin != nullptr) options.spin = Vec3(spin[0], spin[1], spin[2]);
+    r.space = linearized(r, s, options);
+    r.add(r.space->notes);
+  });
+}
+
+int lockstep_matrix(lockstep_run* run, int which, const double** values, int* rows, int* columns) {
+  return call_run(run, [&](Run& r, Simulation&) {
+    const StateSpace& space = space_of(r);
+    const MatX* const all[] = {&space.A, &space.B, &space.C, &space.D};
+    if (which < 'A' || which > 'D') refuse(LOCKSTEP_USAGE, "which must be 'A', 'B', 'C' or 'D'");
+    const MatX& m = *all[which - 'A'];
+    r.matrix.clear();
+    for (Eigen::Index i = 0; i < m.rows(); ++i)
+      for (Eigen::Index k = 0; k < m.cols(); ++k) r.matrix.push_back(m(i, k));
+    needed(values, "values") = r.matrix.data();
+    if (rows != nullptr) *rows = static_cast<int>(m.rows());
+    if (columns != nullptr) *columns = static_cast<int>(m.cols());
+  });
+}
+
+int lockstep_signals(lockstep_run* run, const char** json) {
+  return call_run(run, [&](Run& r, Simulation&) {
+    const StateSpace& space = space_of(r);
+    needed(json, "json") = r.keep(write_json_line(Value::object({{"states", list_of(space.states)},
+                                                                 {"inputs", list_of(space.inputs)},
+                                                                 {"outputs", list_of(space.outputs)},
+                                                                 {"accuracy", number_or_null(space.accuracy)}})));
+  });
+}
+}

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The functions of runs: opening, columns, inputs, steps, the table.
+#include "framework/hosts/c/run.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include <lockstep/author/loader.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/recorder.h>
+#include "framework/description/registry/shelves.h"
+#include "framework/description/scene/system_of.h"
+#include "framework/description/scene/write.h"
+#include "framework/hosts/c/json.h"
+#include "framework/hosts/c/registry.h"
+#include "framework/tools/scene_run/scene_run.h"
+
+namespace lockstep::c {
+
+void Run::add(const std::vector<Finding>& more) noexcept {
+  try {
+    for (const Finding& f : more)
+      if (std::ranges::find(found, f.text(), &Finding::text) == found.end()) found.push_back(f);
+  } catch (...) {  // no memory for more
+  }
+}
+
+std::vector<Finding> Run::all_findings() {
+  if (begun) add(simulation->verdict().findings);
+  return found;
+}
+
+std::size_t Run::checked(int index, std::size_t count, const char* of) {
+  if (index >= 0 && static_cast<std::size_t>(index) < count) return static_cast<std::size_t>(index);
+  refuse(LOCKSTEP_USAGE, std::string("index of ") + of + " is " + std::to_string(index) + "; must be 0 to " +
+                             std::to_string(static_cast<long>(count) - 1));
+}
+
+const Column& Run::column(int index) const {
+  const std::vector<Column>& all = simulation->table().columns();
+  return all[checked(index, all.size(), "a column")];
+}
+
+namespace {
+
+std::vector<std::string> lines_of_set(const char* set) {
+  std::vector<std::string> lines;
+  std::istringstream in(set != nullptr ? set : "");
+  for (std::string line; std::getline(in, line);)
+    if (line.find_first_not_of(" \t\r") != std::string::npos) lines.push_back(line);
+  return lines;
+}
+
+// The registry of a run: that of the host, its inputs, and the plugins that the scene requires.
+Registry registry_for(const lockstep_registry* given, Run& run, const Scene& scene) {
+  Registry registry;
+  if (given == nullptr) {
+    registry = builtin_registry();
+  } else if (const int code = call<RegistryObject>(given, [&](RegistryObject& r) { registry = r.registry; }); code != 0) {
+    refuse(code, "argument \"registry\" is " + std::string(code == LOCKSTEP_BUSY ? "in use" : "no live registry"));
+  }
+  for (const std::string& plugin : scene.plugins)
+    if (things_of(registry, plugin_name(plugin)).empty()) load_plugin(registry, plugin);
+  run.inputs.add_to(registry);
+  return registry;
+}
+
+void open(Run& run, const lockstep_registry* given, Scene scene, const char* set) {
+  const Registry registry = registry_for(given, run, scene);
+  if (const std::vector<std::string> lines = lines_of_set(set); !lines.empty())
+    scene = set_in_scene(scene, lines, registry);
+  Mechanism mechanism = build_observed(scene, registry);
+  record_places(mechanism);
+  for (const ChannelRequest& c : mechanism.run.record) run.columns.emplace_back(c.column(), c.channel);
+  run.inputs.bind(system_of(mechanism));
+  run.simulation.emplace(std::move(mechanism));
+  run.simulation->recorder().find_extremes();
+}
+
+}  // namespace
+}  // namespace lockstep::c
+
+using namespace lockstep;
+using namespace lockstep::c;
+
+extern "C" {
+
+int lockstep_open(lockstep_registry* registry, const char* file, const char* set, lockstep_run** made) {
+  return make<Run>(made, [&](Run& run) {
+    run.collecting([&] { open(run, registry, read_scene(needed_text(file, "file")), set); });
+  });
+}
+
+int lockstep_open_text(lockstep_registry* registry, const char* scene, const char* name, const char* set,
+                       lockstep_run** made) {
+  return make<Run>(made, [&](Run& run) {
+    run.collecting([&] {
+      open(run, registry, scene_from_text(needed_text(scene, "scene"), name != nullptr ? name : "scene"), set);
+    });
+  });
+}
+
+int lockstep_channels(lockstep_run* run, const char** json) {
+  return call_run(run, [&](Run& r, Simulation& s) {
+    Value::List all;
+    for (const ChannelHelp& c : channel_help(s.system()))
+      all.push_back(Value::object({{"name", c.name}, {"unit", c.unit}, {"help", c.help}}));
+    needed(json, "json") = r.keep(write_json(std::move(all)));
+  });
+}
+
+int lockstep_record(lockstep_run* run, const char* channel, const char* name) {
+  return call_run(run, [&](Run& r, Simulation& s) {
+    const std::string of = needed_text(channel, "channel");
+    const Request request(name != nullptr ? name : of, of);
+    s.record({request});
+    r.columns.push_back(request);
+  });
+}
+
+int lockstep_inputs(lockstep_run* run, int* count) {
+  return call_run(run, [&](Run& r, Simulation&) { needed(count, "count") = static_cast<int>(r.inputs.all().size()); });
+}
+
+int lockstep_input(lockstep_run* run, int index, const char** name, const char** unit, double* value) {
+  return call_run(run, [&](Run& r, Simulation&) {
+    const HostInputs::One& one = r.inputs.all()[Run::checked(index, r.inputs.all().size(), "an input")];
+    if (name != nullptr) *name = one.name.c_str();
+    if (unit != nullptr) *unit = one.unit.c_str();
+    if (value != nullptr) *value = one.input->value();
+  });
+}
+
+int lockstep_input_index(lockstep_run* run, const char* name, int* index) {
+  return call_run(run, [&](Run& r, Simulation& s) {
+    const ControlInput& input = s.input(needed_text(name, "name"));
+    const auto found = std::ranges::find(r.inputs.all(), &input, &HostInputs::One::input);
+    needed(index, "index") = static_cast<int>(found - r.inputs.all().begin());
+  });
+}
+
+int lockstep_set_input(lockstep_run* run, int index, double value) {
+  return call_run(run, [&](Run& r, Simulation&) {
+    r.inputs.all()[Run::checked(index, r.inputs.all().size(), "an input")].input->set(value);
+  });
+}
+
+int lockstep_run_to_end(lockstep_run* run) {
+  return call_begun(run, [](Run&, Simulation& s) { s.run(); });
+}
+int lockstep_run_until(lockstep_run* run, double t) {
+  return call_begun(run, [&](Run&, Simulation& s) { s.run_until(t); });
+}
+int lockstep_advance(lockstep_run* run, double h) {
+  return call_begun(run, [&](Run&, Simulation& s) { s.advance(h); });
+}
+int lockstep_step(lockstep_run* run, double h, double* made) {
+  return call_begun(run, [&](Run&, Simulation& s) {
+    const StepReport report = s.loop().step(h);
+    if (made != nullptr) *made = report.h;
+  });
+}
+int lockstep_time(lockstep_run* run, double* t) {
+  return call_begun(run, [&](Run&, Simulation& s) { needed(t, "t") = s.state().t; });
+}
+int lockstep_switch(lockstep_run* run, const char* name, int active) {
+  return call_begun(run, [&](Run&, Simulation& s) {
+    const std::string thing = needed_text(name, "name");
+    active != 0 ? s.activate(thing) : s.deactivate(thing);
+  });
+}
+int lockstep_save(lockstep_run* run, const char* file) {
+  return call_begun(run, [&](Run&, Simulation& s) { s.save(needed_text(file, "file")); });
+}
+int lockstep_load(lockstep_run* run, const char* file) {
+  return call_begun(run, [&](Run&, Simulation& s) { s.load(needed_text(file, "file")); });
+}
+
+int lockstep_table(lockstep_run* run, int* columns, int64_t* rows) {
+  return call_run(run, [&](Run&, Simulation& s) {
+    if (columns != nullptr) *columns = static_cast<int>(s.table().n_columns());
+    if (rows != nullptr) *rows = static_cast<int64_t>(s.table().n_rows());
+  });
+}
+int lockstep_column(lockstep_run* run, int index, const char** name, const char** unit) {
+  return call_run(run, [&](Run& r, Simulation&) {
+    const Column& column = r.column(index);
+    if (name != nullptr) *name = column.name.c_str();
+    if (unit != nullptr) *unit = column.unit.c_str();
+  });
+}
+int lockstep_column_index(lockstep_run* run, const char* name, int* index) {
+  return call_run(run, [&](Run&, Simulation& s) {
+    const Column& column = s.table().column(needed_text(name, "name"));
+    needed(index, "index") = static_cast<int>(&column - s.table().columns().data());
+  });
+}
+int lockstep_values(lockstep_run* run, int index, const double** values, int64_t* rows) {
+  return call_run(run, [&](Run& r, Simulation&) {
+    const std::vector<double>& of = r.column(index).values;
+    needed(values, "values") = of.data();
+    if (rows != nullptr) *rows = static_cast<int64_t>(of.size());
+  });
+}
+int lockstep_last(lockstep_run* run, int index, double* value) {
+  return call_run(run, [&](Run& r, Simulation&) {
+    const std::vector<double>& of = r.column(index).values;
+    if (of.empty()) refuse(LOCKSTEP_USAGE, "the table has no row; run first");
+    needed(value, "value") = of.back();
+  });
+}
+int lockstep_extremes(lockstep_run* run, int index, double out[4]) {
+  return call_run(run, [&](Run& r, Simulation& s) {
+    r.column(index);
+    const std::span<const ColumnRange> ranges = s.recorder().ranges();
+    if (index == 0) refuse(LOCKSTEP_USAGE, "column 0 is the time, which has no extremes");
+    if (ranges.empty()) refuse(LOCKSTEP_USAGE, "no step was made; run first");
+    const ColumnRange& range = ranges[static_cast<std::size_t>(index - 1)];
+    double* const to = &needed(out, "out");
+    to[0] = range.least, to[1] = range.t_least, to[2] = range.most, to[3] = range.t_most;
+  });
+}
+}

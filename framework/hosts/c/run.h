@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A run as a handle.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <lockstep/author/host_inputs.h>
+#include <lockstep/linearization.h>
+#include <lockstep/scene.h>
+#include <lockstep/simulation.h>
+#include "framework/hosts/c/handle.h"
+
+namespace lockstep::c {
+
+struct Run final : Object {
+  /// Calls `act` and keeps the findings that it reports.
+  template <class Act>
+  void collecting(Act&& act) {
+    FindingScope scope;
+    struct Kept {
+      Run& run;
+      FindingScope& scope;
+      ~Kept() { run.add(scope.found); }
+    } const kept{*this, scope};
+    act();
+  }
+  /// Adds findings that it has not yet.
+  void add(const std::vector<Finding>& found) noexcept;
+  /// Those so far, with those of the verdict.
+  std::vector<Finding> all_findings();
+  /// Throws LOCKSTEP_USAGE for an index that is not below count.
+  static std::size_t checked(int index, std::size_t count, const char* of);
+  const Column& column(int index) const;
+
+  HostInputs inputs;
+  std::vector<Request> columns;  ///< after the time
+  std::optional<Simulation> simulation;
+  std::vector<Finding> found;
+  bool begun = false;
+  std::optional<StateSpace> space;
+  std::vector<double> matrix;  ///< the last one that was asked for, row by row
+  std::string more_text;       ///< a second text beside that of keep()
+};
+
+/// Calls `act` with the simulation of a run.
+template <class Act>
+int call_run(lockstep_run* handle, Act&& act) noexcept {
+  return call<Run>(handle, [&](Run& run) { run.collecting([&] { act(run, *run.simulation); }); });
+}
+/// The same with a call that begins the run.
+template <class Act>
+int call_begun(lockstep_run* handle, Act&& act) noexcept {
+  return call_run(handle, [&](Run& run, Simulation& simulation) {
+    simulation.loop(), run.begun = true;
+    act(run, simulation);
+  });
+}
+
+}  // namespace lockstep::c

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// States as handles.
+#pragma once
+
+#include <memory>
+
+#include <lockstep/dynamics.h>
+#include <lockstep/state.h>
+#include "framework/hosts/c/handle.h"
+
+namespace lockstep::c {
+
+/// A state that a handle stands for.
+class StateObject final : public Object {
+ public:
+  /// What may be done with it.
+  enum class May {
+    read,     ///< it belongs to a run
+    change,   ///< also be changed, except its time
+    evaluate  ///< also be evaluated
+  };
+  /// Its own copy.
+  StateObject(State copy, Dynamics& by) : own_(std::move(copy)), state_(own_), dynamics(by), may(May::evaluate) {}
+  /// One of the caller.
+  StateObject(State& of, Dynamics& by, May its) : state_(of), dynamics(by), may(its) {}
+
+  /// Throws LOCKSTEP_USAGE if that may not be done.
+  void require(May) const;
+  const State& given() const { return state_; }
+  State& changed() { return state_; }
+  /// The same in the coordinates of the bodies; may be a copy, which is valid until the next call.
+  const State& in_slots();
+
+ private:
+  State own_, converted_;
+  State& state_;
+
+ public:
+  Dynamics& dynamics;
+  const May may;
+};
+
+/// A handle of a state for the time of a callback.
+class Lent {
+ public:
+  Lent(State& state, Dynamics& dynamics, StateObject::May may)
+      : object_(std::make_shared<StateObject>(state, dynamics, may)),
+        handle_(static_cast<lockstep_state*>(new_handle(object_))) {}
+  /// Of a state that is only read.
+  Lent(const State& state, Dynamics& dynamics)
+      : Lent(const_cast<State&>(state), dynamics, StateObject::May::read) {}  // NOLINT: never changed
+  ~Lent() { remove_handle(handle_), object_->close(); }
+  Lent(const Lent&) = delete;
+  Lent& operator=(const Lent&) = delete;
+  lockstep_state* handle() const { return handle_; }
+
+ private:
+  std::shared_ptr<StateObject> object_;
+  lockstep_state* handle_;
+};
+
+}  // namespace lockstep::c

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Callbacks with their user data, and the messages with which they fail.
+#pragma once
+
+#include <lockstep/c.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <lockstep/error.h>
+
+namespace lockstep::c {
+
+/// User data, freed with the last callback that has it.
+using User = std::shared_ptr<void>;
+inline User owned(void* user, lockstep_free_user free_user) {
+  return {user, [free_user](void* data) {
+            if (free_user != nullptr) free_user(data);
+          }};
+}
+
+/// The message of the callback in progress in this thread; null: there is none.
+extern thread_local std::string* message_in_progress;
+
+/// Takes the message of one callback.
+class Message {
+ public:
+  Message() : outer_(std::exchange(message_in_progress, &text_)) {}
+  ~Message() { message_in_progress = outer_; }
+  Message(const Message&) = delete;
+  Message& operator=(const Message&) = delete;
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+  std::string* outer_;
+};
+
+/// Calls a callback; throws UserCodeError with its message if its result is neither 0 nor LOCKSTEP_STOP.
+template <class F, class... Args>
+bool invoke(F* callback, Args... args) {
+  const Message message;
+  const int result = callback(args...);
+  if (result != 0 && result != LOCKSTEP_STOP)
+    throw UserCodeError(message.text().empty() ? "the callback returned " + std::to_string(result) : message.text());
+  return result == 0;
+}
+
+/// A callback of a type with the values of its keys.
+template <class F>
+struct Code {
+  F* callback;
+  User user;
+  std::vector<double> values;
+
+  template <class... Args>
+  void operator()(Args... args) const {
+    if (!invoke(callback, user.get(), values.data(), args...))
+      throw UserCodeError("the callback returned LOCKSTEP_STOP, which only observers may; return 0");
+  }
+};
+
+}  // namespace lockstep::c
