@@ -95,7 +95,11 @@ class HostForce final : public MarkerForce {
   }
   double potential(const Inputs& in) const override { return at(in).out[6]; }
   double dissipation(const Inputs& in) const override { return at(in).out[7]; }
-  double supply(const Inputs& in) const override { return at(in).out[8]; }
+  // Potential and dissipation are those along the motion of the markers: laws that move them on their bodies do the rest.
+  double supply(const Inputs& in) const override {
+    const Result r = at(in);
+    return r.out[8] + power(P_, r, in) - power(S_, r, in);
+  }
 
  private:
   using Ends = std::array<double, 13>;
@@ -110,9 +114,19 @@ class HostForce final : public MarkerForce {
   Result at(const Inputs& in) const {
     const MarkerInWorld P = in_world(P_, in);
     const Ends p = numbers(P_, P, in), s = numbers(S_, in_world(S_, in), in);
-    Result r{P.x};
+    Result r{.x = P.x};
     force_(in.t, p.data(), s.data(), r.out.data());
     return r;
+  }
+
+  // Power of (f, m) at x on the body of a marker, less that on the marker.
+  static double power(const MarkerFrame& marker, const Result& r, const Inputs& in) {
+    const MarkerInWorld at = in_world(marker, in);
+    const Motion& body = in.slot(marker.slot);
+    const Vec3 w = body.A * body.w, v = body.v + cross(w, Vec3(r.x - body.x));
+    const Vec3 dv = v - at.v - cross(at.w, Vec3(r.x - at.x)), dw = w - at.w;
+    return r.out[0] * dv[0] + r.out[1] * dv[1] + r.out[2] * dv[2] + r.out[3] * dw[0] + r.out[4] * dw[1] +
+           r.out[5] * dw[2];
   }
 
   std::string type_;

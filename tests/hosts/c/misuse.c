@@ -141,7 +141,7 @@ static void null_arguments(lockstep_registry *r, lockstep_run *run, lockstep_sta
 void test_misuse(void) {
   const char *const scene =
       "{'lockstep': 1, 'bodies': [{'name': 'b', 'mass': 1, 'inertia': [1, 1, 1]}], 'forces': [{'name': 'F',"
-      " 'type': 'applied_force', 'p': 'b', 'direction': 'x', 'law': {'type': 'input', 'name': 'u'}}],"
+      " 'type': 'applied_force', 'p': 'b', 'at': [0, 0, 0], 'direction': 'x', 'law': {'type': 'input', 'name': 'u'}}],"
       " 'run': {'until': 1}}";
   double mine[64];
   lockstep_registry *registry = NULL;
@@ -166,7 +166,7 @@ void test_misuse(void) {
   CHECK(lockstep_check_type(registry, "law", "sine", "{", NULL, NULL) == LOCKSTEP_SCENE);
   CHECK(lockstep_load_plugin(registry, "no_such_plugin") == LOCKSTEP_PLUGIN);
   CHECK(lockstep_open_text(NULL, "", NULL, NULL, &failed) == LOCKSTEP_SCENE);
-  CHECK(lockstep_open_text((lockstep_registry *)(void *)run, "{}", NULL, NULL, &other) == LOCKSTEP_CLOSED);
+  CHECK(lockstep_open_text((lockstep_registry *)(void *)run, quoted(scene), NULL, NULL, &other) == LOCKSTEP_CLOSED);
   DONE(other, lockstep_free(other));
 
   of_a_registry(NULL, LOCKSTEP_NULL);

@@ -9,7 +9,7 @@ static const char *const chain =
     " {'name': 'b', 'rod': {'mass': 1, 'from': [1, 0, 0], 'to': [2, 0, 0]}}],"
     " 'joints': [{'name': 'A', 'type': 'revolute', 'p': 'a', 's': 'ground', 'at': [0, 0, 0]},"
     " {'name': 'B', 'type': 'revolute', 'p': 'b', 's': 'a', 'at': [1, 0, 0]}],"
-    " 'forces': [{'name': 'push', 'type': 'applied_torque', 'p': 'b', 'torque': [0, 0, 1], 'active': false}],"
+    " 'forces': [{'name': 'push', 'type': 'applied_torque', 'p': 'b', 'at': [2, 0, 0], 'torque': [0, 0, 1], 'active': false}],"
     " 'run': {'until': 1, 'output': 0.1, 'tolerance': 1e-9, 'record': ['A.rz', 'B.rz', 'energy.total']}}";
 
 static void same_tables(lockstep_run *a, lockstep_run *b, int64_t from) {

@@ -48,7 +48,7 @@ static void law(lockstep_registry *registry) {
   mine = NULL; /* a key that is missing */
   CHECK(lockstep_open_text(registry, quoted("{'lockstep': 1, 'bodies': [{'name': 'b', 'mass': 1, 'inertia': [1, 1, 1]}],"
                                             " 'joints': [{'name': 'A', 'type': 'prismatic', 'p': 'b', 's': 'ground',"
-                                            " 'drive': {'axis': 'z', 'law': {'type': 'my_sine', 'omega': 1}}}]}"),
+                                            " 'at': [0, 0, 0], 'drive': {'axis': 'z', 'law': {'type': 'my_sine', 'omega': 1}}}]}"),
                            NULL, NULL, &mine) == LOCKSTEP_SCENE);
   CHECK(strstr(lockstep_error_text(mine), "amplitude") != NULL);
   DONE(mine, lockstep_free(mine));
@@ -114,7 +114,7 @@ static const char *const held =
     " 'bodies': [{'name': 'b', 'box': {'mass': 2, 'size': [0.1, 0.2, 0.3]}, 'position': [1, 0, 0]}],"
     " 'joints': [{'name': 'A', 'p': 'b', 's': 'ground', 'at_p': [1, 0, 0], 'at_s': [0, 0, 0], %s}],"
     " 'run': {'until': 1, 'output': 0.125, 'integrator': '%s', 'tolerance': 1e-10,"
-    "   'record': ['b.x', 'b.y', 'b.rz@ground', 'energy.total', 'A.force_on_p_world_x']}}";
+    "   'record': ['b.x', 'b.y', 'b.angle_z', 'energy.total', 'A.force_on_p_world_x']}}";
 
 static lockstep_run *held_by(lockstep_registry *registry, const char *joint, const char *method) {
   char scene[2048];
@@ -314,7 +314,7 @@ static void failures_of_code(lockstep_registry *registry) {
   CHECK(strstr(lockstep_error_text(run), "the table is empty") != NULL);
   CHECK(strstr(lockstep_error_text(run), "'A'") != NULL);
   CHECK(strstr(lockstep_error_json(run), "\"name\": \"A\"") != NULL);
-  CHECK(rows(run) >= 4); /* what was computed stays */
+  CHECK(rows(run) >= 1 && values(run, "t")[0] == 0); /* what was computed stays */
   DONE(run, lockstep_free(run));
   CHECK(freed == 0);
   run = driven(registry, "{'type': 'silent'}");

@@ -43,7 +43,8 @@ class HostInputs {
       const auto found = std::ranges::find(*all, name, &One::name);
       if (found == all->end()) {
         const auto reader = std::make_shared<Reader>(p.number("value"));
-        return all->emplace_back(name, p.text("unit"), reader, std::make_shared<InputLaw>(reader)).law;
+        all->push_back({name, p.text("unit"), reader, std::make_shared<InputLaw>(reader)});
+        return all->back().law;
       }
       if (p.has("value") && found->reader->value != p.number("value"))
         p.refuse("value", "differs from that of another law with the input \"" + name + "\"; give it once");
