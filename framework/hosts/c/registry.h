@@ -2,7 +2,6 @@
 // A registry as a handle.
 #pragma once
 
-#include <lockstep/author/host_inputs.h>
 #include <lockstep/author/registry.h>
 #include "framework/hosts/c/handle.h"
 

@@ -31,7 +31,8 @@ StateSpace linearized(Run& run, Simulation& s, const LinearMotionOptions& option
   for (const Request& column : run.columns)
     outputs.push_back(make_channel(s.system(), column.channel)), outputs.back().name = column.name;
   std::vector<LinearInput> inputs;
-  for (const HostInputs::One& one : run.inputs.all()) inputs.push_back({one.name, one.unit, one.law});
+  for (const ControlInput& input : s.system().control_inputs())
+    inputs.push_back({input.name(), input.unit(), run.laws->at(input.name())});
   Registry registry = builtin_registry();
   Dynamics dynamics(s.system(), make_solver(MethodSpec{"schur"}, registry, "linearisation"),
                     {.formulation = Formulation::omega, .stabilization = {.kind = Stabilization::Kind::none}});

@@ -41,6 +41,11 @@ const Column& Run::column(int index) const {
   return all[checked(index, all.size(), "a column")];
 }
 
+ControlInput& Run::input(int index) {
+  std::deque<ControlInput>& all = simulation->system().control_inputs();
+  return all[checked(index, all.size(), "an input")];
+}
+
 namespace {
 
 std::vector<std::string> lines_of_set(const char* set) {
@@ -49,6 +54,18 @@ std::vector<std::string> lines_of_set(const char* set) {
   for (std::string line; std::getline(in, line);)
     if (line.find_first_not_of(" \t\r") != std::string::npos) lines.push_back(line);
   return lines;
+}
+
+// The law "input" is made around an InputLaw, by which a linearisation moves it; laws of one name share it.
+void keep_inputs(Registry& registry, const Run& run) {
+  using Entry = decltype(registry.laws)::Entry;
+  auto& entry = const_cast<Entry&>(*registry.laws.find("input"));  // NOLINT: of this registry
+  entry.make = [laws = run.laws, make = entry.make](const Params& p) -> LawPtr<MotionLaw> {
+    std::shared_ptr<InputLaw>& law = (*laws)[p.text("name")];
+    const LawPtr<MotionLaw> reads = make(p);
+    if (law == nullptr) law = std::make_shared<InputLaw>(reads);
+    return law;
+  };
 }
 
 // The registry of a run: that of the host, its inputs, and the plugins that the scene requires.
@@ -61,7 +78,7 @@ Registry registry_for(const lockstep_registry* given, Run& run, const Scene& sce
   }
   for (const std::string& plugin : scene.plugins)
     if (things_of(registry, plugin_name(plugin)).empty()) load_plugin(registry, plugin);
-  run.inputs.add_to(registry);
+  keep_inputs(registry, run);
   return registry;
 }
 
@@ -72,7 +89,6 @@ void open(Run& run, const lockstep_registry* given, Scene scene, const char* set
   Mechanism mechanism = build_observed(scene, registry);
   record_places(mechanism);
   for (const ChannelRequest& c : mechanism.run.record) run.columns.emplace_back(c.column(), c.channel);
-  run.inputs.bind(system_of(mechanism));
   run.simulation.emplace(std::move(mechanism));
   run.simulation->recorder().find_extremes();
 }
@@ -119,30 +135,30 @@ int lockstep_record(lockstep_run* run, const char* channel, const char* name) {
 }
 
 int lockstep_inputs(lockstep_run* run, int* count) {
-  return call_run(run, [&](Run& r, Simulation&) { needed(count, "count") = static_cast<int>(r.inputs.all().size()); });
+  return call_run(
+      run, [&](Run&, Simulation& s) { needed(count, "count") = static_cast<int>(s.system().control_inputs().size()); });
 }
 
 int lockstep_input(lockstep_run* run, int index, const char** name, const char** unit, double* value) {
   return call_run(run, [&](Run& r, Simulation&) {
-    const HostInputs::One& one = r.inputs.all()[Run::checked(index, r.inputs.all().size(), "an input")];
-    if (name != nullptr) *name = one.name.c_str();
-    if (unit != nullptr) *unit = one.unit.c_str();
-    if (value != nullptr) *value = one.input->value();
+    const ControlInput& input = r.input(index);
+    if (name != nullptr) *name = input.name().c_str();
+    if (unit != nullptr) *unit = input.unit().c_str();
+    if (value != nullptr) *value = input.value();
   });
 }
 
 int lockstep_input_index(lockstep_run* run, const char* name, int* index) {
-  return call_run(run, [&](Run& r, Simulation& s) {
+  return call_run(run, [&](Run&, Simulation& s) {
     const ControlInput& input = s.input(needed_text(name, "name"));
-    const auto found = std::ranges::find(r.inputs.all(), &input, &HostInputs::One::input);
-    needed(index, "index") = static_cast<int>(found - r.inputs.all().begin());
+    const std::deque<ControlInput>& all = s.system().control_inputs();
+    const auto found = std::ranges::find_if(all, [&](const ControlInput& one) { return &one == &input; });
+    needed(index, "index") = static_cast<int>(found - all.begin());
   });
 }
 
 int lockstep_set_input(lockstep_run* run, int index, double value) {
-  return call_run(run, [&](Run& r, Simulation&) {
-    r.inputs.all()[Run::checked(index, r.inputs.all().size(), "an input")].input->set(value);
-  });
+  return call_run(run, [&](Run& r, Simulation&) { r.input(index).set(value); });
 }
 
 int lockstep_run_to_end(lockstep_run* run) {

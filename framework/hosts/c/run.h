@@ -2,13 +2,12 @@
 // A run as a handle.
 #pragma once
 
-#include <functional>
+#include <map>
+#include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
-#include <lockstep/author/host_inputs.h>
 #include <lockstep/linearization.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
@@ -35,8 +34,11 @@ struct Run final : Object {
   /// Throws LOCKSTEP_USAGE for an index that is not below count.
   static std::size_t checked(int index, std::size_t count, const char* of);
   const Column& column(int index) const;
+  ControlInput& input(int index);
 
-  HostInputs inputs;
+  /// The laws of the scene that read inputs, by the names of these.
+  std::shared_ptr<std::map<std::string, std::shared_ptr<InputLaw>>> laws =
+      std::make_shared<std::map<std::string, std::shared_ptr<InputLaw>>>();
   std::vector<Request> columns;  ///< after the time
   std::optional<Simulation> simulation;
   std::vector<Finding> found;

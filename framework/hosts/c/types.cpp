@@ -204,9 +204,7 @@ int lockstep_load_plugin(lockstep_registry* registry, const char* name) {
 
 int lockstep_types(lockstep_registry* registry, const char** json) {
   return call<RegistryObject>(registry, [&](RegistryObject& r) {
-    Registry all = r.registry;
-    HostInputs().add_to(all);
-    needed(json, "json") = r.keep(write_json(types_of_registry(all)));
+    needed(json, "json") = r.keep(write_json(types_of_registry(r.registry)));
   });
 }
 

@@ -161,7 +161,7 @@ LOCKSTEP_C_API int lockstep_channels(lockstep_run *run, const char **json);
 LOCKSTEP_C_API int lockstep_record(lockstep_run *run, const char *channel, const char *name);
 
 /* Inputs are numbers that a host sets between the steps. A law of the scene reads one: {"type": "input", "name":
-   "torque", "value": 0, "unit": "N m"}; laws with the same name read the same input. */
+   "torque", "value": 0}; laws with the same name read the same input. The column "torque.value" records it. */
 
 /** The number of inputs. */
 LOCKSTEP_C_API int lockstep_inputs(lockstep_run *run, int *count);
