@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # What a client includes is <lockstep/...>, here and installed alike.
-# Five components, which packages.cmake makes Debian packages of: library, development, program, plugins, doc.
+# Components, which packages.cmake makes Debian packages of: library, development, program, plugins, doc, c.
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lockstep)
 set(data_folder ${CMAKE_INSTALL_DATADIR}/lockstep)
@@ -49,6 +49,8 @@ foreach(example bump cam_follower drag adams_bashforth)
   install(DIRECTORY plugins/${example} DESTINATION ${CMAKE_INSTALL_DOCDIR}/plugins COMPONENT development)
 endforeach()
 install(DIRECTORY samples/host_app DESTINATION ${CMAKE_INSTALL_DOCDIR}/samples COMPONENT development)
+install(DIRECTORY samples/hosts/c samples/hosts/fortran DESTINATION ${CMAKE_INSTALL_DOCDIR}/samples/hosts COMPONENT c
+        FILES_MATCHING PATTERN "*.c" PATTERN "*.f90")
 
 install(EXPORT lockstepTargets NAMESPACE lockstep:: DESTINATION ${package_folder} COMPONENT development)
 configure_package_config_file(framework/cmake/lockstepConfig.cmake.in ${PROJECT_BINARY_DIR}/lockstepConfig.cmake
@@ -66,3 +68,19 @@ list(JOIN lockstep_pc_flags " " lockstep_pc_flags)
 file(RELATIVE_PATH lockstep_pc_up /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 configure_file(framework/cmake/lockstep.pc.in ${PROJECT_BINARY_DIR}/lockstep.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/lockstep.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+
+# lockstep from C: a package of its own, of C alone, for CMake and pkg-config.
+set(c_package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lockstep-c)
+get_target_property(lockstep_c_version lockstep_c VERSION)
+get_target_property(LOCKSTEP_C_ABI lockstep_c SOVERSION)
+install(TARGETS lockstep_c LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT c)
+install(FILES framework/hosts/c/lockstep/c.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lockstep COMPONENT c)
+configure_package_config_file(framework/hosts/c/lockstep-cConfig.cmake.in ${PROJECT_BINARY_DIR}/lockstep-cConfig.cmake
+                              INSTALL_DESTINATION ${c_package_folder}
+                              PATH_VARS CMAKE_INSTALL_INCLUDEDIR CMAKE_INSTALL_LIBDIR)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/lockstep-cConfigVersion.cmake VERSION ${lockstep_c_version}
+                                 COMPATIBILITY SameMajorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/lockstep-cConfig.cmake ${PROJECT_BINARY_DIR}/lockstep-cConfigVersion.cmake
+        DESTINATION ${c_package_folder} COMPONENT c)
+configure_file(framework/hosts/c/lockstep-c.pc.in ${PROJECT_BINARY_DIR}/lockstep-c.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/lockstep-c.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT c)

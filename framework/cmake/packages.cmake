@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# cpack -G DEB in the build tree: a package from each component of install.cmake and of the hosts that are built. Each part can be replaced
+# cpack -G DEB in the build tree: a package from each component of install.cmake and of the hosts. Each part can be replaced
 # alone, and two versions of the library can stand side by side: it is named after its SOVERSION.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME lockstep)
@@ -11,7 +11,7 @@ set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL library development program plugins doc)
+set(CPACK_COMPONENTS_ALL library development program plugins doc c)
 if(TARGET lockstep_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
 endif()
@@ -40,13 +40,22 @@ set(CPACK_DEBIAN_PLUGINS_PACKAGE_DEPENDS "${library_package} ${same}")
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-lockstep)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
-math(EXPR next_python "${Python3_VERSION_MINOR} + 1")
+if(TARGET lockstep_python)
+  math(EXPR next_python "${Python3_VERSION_MINOR} + 1")
+endif()
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${library_package} ${same}, python3-numpy, \
 python3 (>= 3.${Python3_VERSION_MINOR}~), python3 (<< 3.${next_python})")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib, python3-scipy, lockstep")
 
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION
     "The package lockstep for Python: runs, analyses and sweeps with arrays of\nnumpy; laws, forces, joints and integrators of Python functions.")
+set(CPACK_DEBIAN_C_PACKAGE_NAME liblockstep-c)
+set(CPACK_DEBIAN_C_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_C_PACKAGE_DEPENDS "${library_package} ${same}")
+set(CPACK_DEBIAN_C_PACKAGE_RECOMMENDS "lockstep")
+
+set(CPACK_COMPONENT_C_DESCRIPTION
+    "lockstep from C and from languages that call C: library, header, CMake\npackage and pkg-config file, with samples in C and Fortran.")
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
     "The library itself, for programs and plugins that were built with it.")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
@@ -73,4 +82,5 @@ set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY "=")
 file(WRITE ${PROJECT_BINARY_DIR}/debian/triggers "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/triggers)
+set(CPACK_DEBIAN_C_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/triggers)
 include(CPack)

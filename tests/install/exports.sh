@@ -11,7 +11,7 @@ fi
 kinds='(vtable|VTT|typeinfo|typeinfo name|guard variable|construction vtable) for |(non-virtual|virtual|covariant return) thunk to '
 for library in "$@"; do
   offered="$(nm -DC --defined-only "$library" | cut -d ' ' -f 3-)"
-  strange="$(printf '%s\n' "$offered" | grep -v -E "^($kinds)?lockstep::|^void lockstep::built_with::|^lockstep_" || true)"
+  strange="$(printf '%s\n' "$offered" | grep -v -E "^($kinds)?lockstep::|^void lockstep::built_with::|^lockstep_|^LOCKSTEP_C_" || true)"
   if [ -n "$strange" ]; then
     printf '%s offers what is not meant for others:\n%s\n' "$library" "$strange"
     exit 1

@@ -2,7 +2,7 @@
 // Handles: numbers that stand for live objects, the calls with them, and their errors.
 #pragma once
 
-#include <lockstep/c.h>
+#include "framework/hosts/c/lockstep/c.h"
 
 #include <atomic>
 #include <exception>

@@ -2,7 +2,7 @@
 // Callbacks with their user data, and the messages with which they fail.
 #pragma once
 
-#include <lockstep/c.h>
+#include "framework/hosts/c/lockstep/c.h"
 
 #include <memory>
 #include <string>

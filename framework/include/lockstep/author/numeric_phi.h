@@ -36,21 +36,21 @@ using PhiNumbers = std::function<void(const double* y, double* value, double* gr
 template <int n>
 struct NumericPhi {
   static constexpr PhiSpec spec{.rows = n, .counts_turns = false};
-  static constexpr std::size_t kVariables = 8;  ///< of y
+  static constexpr std::size_t n_variables = 8;  ///< of y
   PhiNumbers numbers;                           ///< the function
 
   /// The rows with their derivatives.
   template <class T>
   std::conditional_t<n == 1, T, std::array<T, n>> operator()(const LockCoords<T>& y) const {
-    const std::array<T, kVariables> of{y.x, y.y, y.z, y.e0, y.e1, y.e2, y.e3, y.t};
-    std::array<double, kVariables> at;
-    for (std::size_t i = 0; i < kVariables; ++i) at[i] = of[i].v;
+    const std::array<T, n_variables> of{y.x, y.y, y.z, y.e0, y.e1, y.e2, y.e3, y.t};
+    std::array<double, n_variables> at;
+    for (std::size_t i = 0; i < n_variables; ++i) at[i] = of[i].v;
     std::array<double, n> f{};
-    std::array<double, n * kVariables> g{};
-    std::array<double, n * kVariables * kVariables> H{};
+    std::array<double, n * n_variables> g{};
+    std::array<double, n * n_variables * n_variables> H{};
     numbers(at.data(), f.data(), g.data(), H.data());
     const auto row = [&](std::size_t k) {
-      return function_of(std::span<const T>(of), f[k], &g[k * kVariables], &H[k * kVariables * kVariables]);
+      return function_of(std::span<const T>(of), f[k], &g[k * n_variables], &H[k * n_variables * n_variables]);
     };
     if constexpr (n == 1) {
       return row(0);
