@@ -9,16 +9,6 @@
 namespace lockstep::c {
 namespace {
 
-// Calls `act` of a run; the user data is freed in any case.
-template <class Act>
-int with_user(void* user, lockstep_free_user free_user, Act act) noexcept {
-  try {
-    return act(owned(user, free_user));
-  } catch (...) {
-    return LOCKSTEP_MEMORY;
-  }
-}
-
 Event::Crossing crossing_of(int sign) {
   if (sign < -1 || sign > 1) refuse(LOCKSTEP_USAGE, "crossing is " + std::to_string(sign) + "; must be -1, 0 or 1");
   return sign == 0 ? Event::Crossing::any : sign > 0 ? Event::Crossing::rising : Event::Crossing::falling;
@@ -27,8 +17,7 @@ Event::Crossing crossing_of(int sign) {
 std::function<double(const Sample&)> condition_of(lockstep_condition condition, double crosses, const User& user) {
   return [=](const Sample& s) {
     double value = 0;
-    if (!invoke(condition, user.get(), Lent(s.state, s.dynamics()).handle(), &value))
-      throw UserCodeError("the condition returned LOCKSTEP_STOP, which only observers may; return 0");
+    invoke(condition, user.get(), Lent(s.state, s.dynamics()).handle(), &value);
     return value - crosses;
   };
 }
@@ -53,7 +42,7 @@ int lockstep_on_step(lockstep_run* run, lockstep_observer observer, void* user, 
       s.loop().progress = nullptr;
       if (observer == nullptr) return;
       s.loop().progress = [owner, observer, &dynamics = s.dynamics()](const State& state) {
-        return invoke(observer, owner.get(), static_cast<const lockstep_state*>(Lent(state, dynamics).handle()));
+        return goes_on(observer, owner.get(), static_cast<const lockstep_state*>(Lent(state, dynamics).handle()));
       };
     });
   });
@@ -63,12 +52,9 @@ int lockstep_on_row(lockstep_run* run, lockstep_row row, int keep, void* user, l
   return with_user(user, free_user, [&](const User& owner) {
     return call_run(run, [&](Run&, Simulation& s) {
       if (row == nullptr) return s.on_row(nullptr);
-      s.on_row(
-          [owner, row](std::span<const double> of) {
-            if (!invoke(row, owner.get(), of.data(), static_cast<int>(of.size())))
-              throw UserCodeError("the row callback returned LOCKSTEP_STOP, which only observers may; return 0");
-          },
-          keep != 0);
+      s.on_row([owner,
+                row](std::span<const double> of) { invoke(row, owner.get(), of.data(), static_cast<int>(of.size())); },
+               keep != 0);
     });
   });
 }
@@ -92,8 +78,7 @@ int lockstep_add_event(lockstep_run* run, const char* name, const char* channel,
         event.at = value;
       if (action != nullptr)
         event.change = [owner, action, &s](State& state) {
-          if (!invoke(action, owner.get(), Lent(state, s.dynamics(), StateObject::May::change).handle()))
-            throw UserCodeError("the action returned LOCKSTEP_STOP, which only observers may; return 0");
+          invoke(action, owner.get(), Lent(state, s.dynamics(), StateObject::May::change).handle());
         };
       s.add_event(std::move(event)), r.begun = true;
     });

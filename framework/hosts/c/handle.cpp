@@ -23,26 +23,17 @@ class Refusal final : public Error {
   int code;
 };
 
-constexpr std::array kNames = {"",       "other", "model", "assembly",  "solve", "step",        "non-finite", "plugin", "scene",
-                               "file",   "user code", "usage", "interrupted", "memory", "null", "closed",     "busy"};
+constexpr std::array kNames = {"",       "other",  "model", "assembly",  "solve", "step",        "non-finite",
+                               "plugin", "scene",  "file",  "user code", "usage", "interrupted", "memory",
+                               "null",   "closed", "busy"};
 
-// By Error::Kind, whose numbers may change.
+// The codes of errors are the kinds in their order; a kind that comes later has none.
+static_assert(int(Error::Kind::other) + 1 == LOCKSTEP_OTHER && int(Error::Kind::step) + 1 == LOCKSTEP_STEP &&
+              int(Error::Kind::scene) + 1 == LOCKSTEP_SCENE && int(Error::Kind::user_code) + 1 == LOCKSTEP_USER_CODE &&
+              int(Error::Kind::interrupted) + 1 == LOCKSTEP_INTERRUPTED);
 int code_of(const Error& error) {
   if (const auto* refusal = dynamic_cast<const Refusal*>(&error)) return refusal->code;
-  switch (error.kind()) {
-    case Error::Kind::model: return LOCKSTEP_MODEL;
-    case Error::Kind::assembly: return LOCKSTEP_ASSEMBLY;
-    case Error::Kind::solve: return LOCKSTEP_SOLVE;
-    case Error::Kind::step: return LOCKSTEP_STEP;
-    case Error::Kind::non_finite: return LOCKSTEP_NON_FINITE;
-    case Error::Kind::plugin: return LOCKSTEP_PLUGIN;
-    case Error::Kind::scene: return LOCKSTEP_SCENE;
-    case Error::Kind::file: return LOCKSTEP_FILE;
-    case Error::Kind::user_code: return LOCKSTEP_USER_CODE;
-    case Error::Kind::usage: return LOCKSTEP_USAGE;
-    case Error::Kind::interrupted: return LOCKSTEP_INTERRUPTED;
-    default: return LOCKSTEP_OTHER;
-  }
+  return error.kind() <= Error::Kind::interrupted ? static_cast<int>(error.kind()) + 1 : int(LOCKSTEP_OTHER);
 }
 
 struct Table {
@@ -141,13 +132,16 @@ int lockstep_free(void* handle) {
 }
 
 int lockstep_error_code(const void* handle) {
-  return of_error(handle, [](const Object& o) { return o.code; }, int(LOCKSTEP_CLOSED), int(LOCKSTEP_BUSY));
+  return of_error(
+      handle, [](const Object& o) { return o.code; }, int(LOCKSTEP_CLOSED), int(LOCKSTEP_BUSY));
 }
 const char* lockstep_error_text(const void* handle) {
-  return of_error(handle, [](const Object& o) { return o.error_text.c_str(); },
-                  "this is not a live handle; it was freed or never made", "the handle is in use");
+  return of_error(
+      handle, [](const Object& o) { return o.error_text.c_str(); },
+      "this is not a live handle; it was freed or never made", "the handle is in use");
 }
 const char* lockstep_error_json(const void* handle) {
-  return of_error(handle, [](const Object& o) { return o.error_json.c_str(); }, "{}", "{}");
+  return of_error(
+      handle, [](const Object& o) { return o.error_json.c_str(); }, "{}", "{}");
 }
 }

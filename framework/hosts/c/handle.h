@@ -53,10 +53,10 @@ class Object {
   /// The text, which the object keeps until the next one.
   const char* keep(std::string text) { return (text_ = std::move(text)).c_str(); }
 
-  int code = LOCKSTEP_DONE;                 ///< of the last error
+  int code = LOCKSTEP_DONE;  ///< of the last error
   std::string error_text, error_json = "{}";
-  std::shared_ptr<Object> also{};           ///< what a call uses too; null: nothing
-  bool made = true;                         ///< false: it keeps the error of its making alone
+  std::shared_ptr<Object> also{};  ///< what a call uses too; null: nothing
+  bool made = true;                ///< false: it keeps the error of its making alone
 
  private:
   int keep_error() noexcept;

@@ -20,10 +20,8 @@ void add_number(Value& to, const char* key, double x) {
 }
 
 Value value_of(const Key& key, const Description& of) {
-  Value v = Value::object({{"name", key.name},
-                           {"form", form_words(key, of.parts)},
-                           {"required", key.required()},
-                           {"help", key.help}});
+  Value v = Value::object(
+      {{"name", key.name}, {"form", form_words(key, of.parts)}, {"required", key.required()}, {"help", key.help}});
   if (key.default_value() != nullptr) add(v, "default", *key.default_value());
   return v;
 }
@@ -48,21 +46,21 @@ void write_error(const Error& error, int code, std::string& text, std::string& j
   try {
     text = error.what();
     const ErrorData& d = error.data();
-    json = write_json_line(Value::object({{"code", code},
-                                          {"kind", to_string(error.kind())},
-                                          {"text", text},
-                                          {"thing", Value::object({{"kind", d.thing.kind},
-                                                                   {"name", d.thing.name},
-                                                                   {"type", d.thing.type},
-                                                                   {"origin", d.thing.origin}})},
-                                          {"key", d.key},
-                                          {"value", d.value},
-                                          {"problem", d.problem},
-                                          {"advice", d.advice},
-                                          {"file", d.file},
-                                          {"line", d.line},
-                                          {"column", d.column},
-                                          {"t", number_or_null(d.t)}}));
+    json = write_json_line(Value::object(
+        {{"code", code},
+         {"kind", to_string(error.kind())},
+         {"text", text},
+         {"thing",
+          Value::object(
+              {{"kind", d.thing.kind}, {"name", d.thing.name}, {"type", d.thing.type}, {"origin", d.thing.origin}})},
+         {"key", d.key},
+         {"value", d.value},
+         {"problem", d.problem},
+         {"advice", d.advice},
+         {"file", d.file},
+         {"line", d.line},
+         {"column", d.column},
+         {"t", number_or_null(d.t)}}));
   } catch (...) {  // no memory for them
   }
 }

@@ -73,7 +73,8 @@ Registry registry_for(const lockstep_registry* given, Run& run, const Scene& sce
   Registry registry;
   if (given == nullptr) {
     registry = builtin_registry();
-  } else if (const int code = call<RegistryObject>(given, [&](RegistryObject& r) { registry = r.registry; }); code != 0) {
+  } else if (const int code = call<RegistryObject>(given, [&](RegistryObject& r) { registry = r.registry; });
+             code != 0) {
     refuse(code, "argument \"registry\" is " + std::string(code == LOCKSTEP_BUSY ? "in use" : "no live registry"));
   }
   for (const std::string& plugin : scene.plugins)

@@ -41,8 +41,8 @@ void check_finite(const double* numbers, int count, const char* name) {
   const double* const end = numbers + count;
   const double* const bad = std::find_if_not(numbers, end, [](double x) { return std::isfinite(x); });
   if (bad != end)
-    refuse(LOCKSTEP_USAGE, std::string(name) + "[" + std::to_string(bad - numbers) + "] is " + text::number(*bad) +
-                               "; must be finite");
+    refuse(LOCKSTEP_USAGE,
+           std::string(name) + "[" + std::to_string(bad - numbers) + "] is " + text::number(*bad) + "; must be finite");
 }
 
 // q, v and s one after another.
@@ -80,8 +80,7 @@ int lockstep_set_body(lockstep_state* state, const char* name, const double* pos
     StateEditor edit(s.changed());
     if (pose != nullptr)
       edit.set_pose(body, {{pose[0], pose[1], pose[2]}, normalized(Quat{pose[3], pose[4], pose[5], pose[6]})});
-    if (twist != nullptr)
-      edit.set_twist(body, {{twist[0], twist[1], twist[2]}, {twist[3], twist[4], twist[5]}});
+    if (twist != nullptr) edit.set_twist(body, {{twist[0], twist[1], twist[2]}, {twist[3], twist[4], twist[5]}});
   });
 }
 

@@ -83,8 +83,7 @@ class Law final : public MotionLaw {
 // f at P and m on the body of P, -f at P and -m on that of S
 class HostForce final : public MarkerForce {
  public:
-  HostForce(std::string type, std::string name, Marker& p, Marker* s,
-            Code<std::remove_pointer_t<lockstep_force>> force)
+  HostForce(std::string type, std::string name, Marker& p, Marker* s, Code<std::remove_pointer_t<lockstep_force>> force)
       : MarkerForce(std::move(name), p, s), type_(std::move(type)), force_(std::move(force)) {}
   std::string_view type() const override { return type_; }
   void apply(const Inputs& in, WrenchSum& out) const override {
@@ -158,15 +157,12 @@ class HostIntegrator final : public Integrator {
 template <class Add>
 int add_type(lockstep_registry* registry, const char* name, const char* keys, const char* what, void* user,
              lockstep_free_user free_user, const void* callback, Add add) noexcept {
-  try {
-    User owner = owned(user, free_user);
+  return with_user(user, free_user, [&](const User& owner) {
     return call<RegistryObject>(registry, [&](RegistryObject& r) {
       if (callback == nullptr) refuse_null(what);
-      add(r.registry, std::make_shared<const Type>(name, keys, what, std::move(owner)));
+      add(r.registry, std::make_shared<const Type>(name, keys, what, owner));
     });
-  } catch (...) {
-    return LOCKSTEP_MEMORY;
-  }
+  });
 }
 
 CheckReport check(const Registry& registry, const std::string& kind, const std::string& type, const Params& keys) {
@@ -198,14 +194,12 @@ int lockstep_new_registry(lockstep_registry** made) {
 }
 
 int lockstep_load_plugin(lockstep_registry* registry, const char* name) {
-  return call<RegistryObject>(registry,
-                              [&](RegistryObject& r) { load_plugin(r.registry, needed_text(name, "name")); });
+  return call<RegistryObject>(registry, [&](RegistryObject& r) { load_plugin(r.registry, needed_text(name, "name")); });
 }
 
 int lockstep_types(lockstep_registry* registry, const char** json) {
-  return call<RegistryObject>(registry, [&](RegistryObject& r) {
-    needed(json, "json") = r.keep(write_json(types_of_registry(r.registry)));
-  });
+  return call<RegistryObject>(
+      registry, [&](RegistryObject& r) { needed(json, "json") = r.keep(write_json(types_of_registry(r.registry))); });
 }
 
 int lockstep_add_law(lockstep_registry* registry, const char* type, const char* keys, lockstep_law law,
@@ -260,8 +254,8 @@ int lockstep_check_type(lockstep_registry* registry, const char* kind, const cha
                         int* findings, const char** report) {
   return call<RegistryObject>(registry, [&](RegistryObject& r) {
     const Value given = read_json(keys != nullptr ? keys : "{}", "keys");
-    const CheckReport found = check(r.registry, needed_text(kind, "kind"), needed_text(type, "type"),
-                                    Params::unchecked(given));
+    const CheckReport found =
+        check(r.registry, needed_text(kind, "kind"), needed_text(type, "type"), Params::unchecked(given));
     if (findings != nullptr) *findings = static_cast<int>(found.findings().size());
     if (report != nullptr) *report = r.keep(found.text());
   });

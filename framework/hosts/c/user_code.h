@@ -21,6 +21,16 @@ inline User owned(void* user, lockstep_free_user free_user) {
           }};
 }
 
+/// Calls `act` with user data that is freed in any case.
+template <class Act>
+int with_user(void* user, lockstep_free_user free_user, Act act) noexcept {
+  try {
+    return act(owned(user, free_user));
+  } catch (...) {
+    return LOCKSTEP_MEMORY;
+  }
+}
+
 /// The message of the callback in progress in this thread; null: there is none.
 extern thread_local std::string* message_in_progress;
 
@@ -38,14 +48,21 @@ class Message {
   std::string* outer_;
 };
 
-/// Calls a callback; throws UserCodeError with its message if its result is neither 0 nor LOCKSTEP_STOP.
+/// Calls a callback that may stop the run: whether it goes on. Throws UserCodeError with the callback's message.
 template <class F, class... Args>
-bool invoke(F* callback, Args... args) {
+bool goes_on(F* callback, Args... args) {
   const Message message;
   const int result = callback(args...);
   if (result != 0 && result != LOCKSTEP_STOP)
     throw UserCodeError(message.text().empty() ? "the callback returned " + std::to_string(result) : message.text());
   return result == 0;
+}
+
+/// Calls one that may not.
+template <class F, class... Args>
+void invoke(F* callback, Args... args) {
+  if (!goes_on(callback, args...))
+    throw UserCodeError("the callback returned LOCKSTEP_STOP, which only observers may; return 0");
 }
 
 /// A callback of a type with the values of its keys.
@@ -57,8 +74,7 @@ struct Code {
 
   template <class... Args>
   void operator()(Args... args) const {
-    if (!invoke(callback, user.get(), values.data(), args...))
-      throw UserCodeError("the callback returned LOCKSTEP_STOP, which only observers may; return 0");
+    invoke(callback, user.get(), values.data(), args...);
   }
 };
 

@@ -3,12 +3,12 @@
 #include <lockstep/c.h>
 #include <stdio.h>
 
-int main(int argc, char **argv) {
-  const char *const scene = argc > 1 ? argv[1] : "samples/scenes/pendulum.json";
+int main(int argc, char** argv) {
+  const char* const scene = argc > 1 ? argv[1] : "samples/scenes/pendulum.json";
   const double *t = NULL, *angle = NULL;
   int64_t rows = 0, i;
   int index = 0, right = 0;
-  lockstep_run *run = NULL;
+  lockstep_run* run = NULL;
   if (lockstep_open(NULL, scene, "length=1 m\nrun.until=2 s", &run) || lockstep_run_to_end(run) ||
       lockstep_column_index(run, "hinge.rz", &index) || lockstep_values(run, index, &angle, &rows) ||
       lockstep_values(run, 0, &t, NULL) || lockstep_verdict(run, &right))

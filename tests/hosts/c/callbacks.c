@@ -3,11 +3,12 @@
 #include "check.h"
 
 static const double g = 10;
-static const char *const ball =
+static const char* const ball =
     "{'lockstep': 1, 'gravity': [0, -10, 0], 'bodies': [{'name': 'ball', 'sphere': {'mass': 1, 'radius': 0.1},"
-    " 'position': [0, 5, 0]}], 'run': {'until': 4, 'output': 0.1, 'tolerance': 1e-10, 'record': ['ball.y', 'ball.vy']}}";
+    " 'position': [0, 5, 0]}], 'run': {'until': 4, 'output': 0.1, 'tolerance': 1e-10, 'record': ['ball.y', "
+    "'ball.vy']}}";
 
-static int height(void *user, const lockstep_state *state, double *value) {
+static int height(void* user, const lockstep_state* state, double* value) {
   double pose[7];
   (void)user;
   if (lockstep_body(state, "ball", pose, NULL) != 0) return lockstep_fail(lockstep_error_text(state));
@@ -15,14 +16,14 @@ static int height(void *user, const lockstep_state *state, double *value) {
   return 0;
 }
 
-static int bounce(void *user, lockstep_state *state) {
+static int bounce(void* user, lockstep_state* state) {
   double twist[6];
-  ++*(int *)user;
+  ++*(int*)user;
   if (lockstep_body(state, "ball", NULL, twist) != 0) return 1;
   twist[1] = -twist[1];
   return lockstep_set_body(state, "ball", NULL, twist);
 }
-static int late(void *user, lockstep_state *state) {
+static int late(void* user, lockstep_state* state) {
   double t, y[13];
   (void)user;
   CHECK(lockstep_sizes(state, &t, NULL, NULL, NULL) == 0);
@@ -32,12 +33,12 @@ static int late(void *user, lockstep_state *state) {
   CHECK(strstr(lockstep_error_text(state), "time") != NULL);
   return lockstep_fail("too late");
 }
-static void count_free(void *user) { ++*(int *)user; }
+static void count_free(void* user) { ++*(int*)user; }
 
 /* It bounces at t = 1 and 3 without loss: y = 5 again at t = 2. */
 static void events(void) {
   int bounces = 0, freed = 0;
-  lockstep_run *run = run_of(NULL, ball);
+  lockstep_run* run = run_of(NULL, ball);
   DONE(run, lockstep_add_event(run, "floor", NULL, height, 0, -1, 0, bounce, &bounces, NULL));
   CHECK(lockstep_add_event(run, "late", NULL, NULL, 3.5, 0, 1, late, &freed, count_free) == LOCKSTEP_DONE);
   CHECK(lockstep_add_event(run, "both", "ball.y", height, 0, 0, 1, NULL, NULL, NULL) == LOCKSTEP_USAGE);
@@ -58,7 +59,7 @@ static void events(void) {
   DONE(run, lockstep_run_to_end(run));
   {
     double t = 0;
-    const char *json = NULL;
+    const char* json = NULL;
     DONE(run, lockstep_time(run, &t));
     CHECK_NEAR(t, 0.5, 1e-8);
     DONE(run, lockstep_report(run, &json));
@@ -69,17 +70,17 @@ static void events(void) {
 
 /* -- observers */
 struct watch {
-  lockstep_run *run;
+  lockstep_run* run;
   int steps, rows, busy;
   double sum;
-  lockstep_state *kept;
+  lockstep_state* kept;
 };
-static int watch_step(void *user, const lockstep_state *state) {
-  struct watch *const w = user;
+static int watch_step(void* user, const lockstep_state* state) {
+  struct watch* const w = user;
   double t = 0, pose[7];
-  lockstep_state *other = NULL;
+  lockstep_state* other = NULL;
   ++w->steps;
-  w->kept = (lockstep_state *)(uintptr_t)state;
+  w->kept = (lockstep_state*)(uintptr_t)state;
   CHECK(lockstep_sizes(state, &t, NULL, NULL, NULL) == 0);
   CHECK(lockstep_body(state, "ball", pose, NULL) == 0);
   CHECK_NEAR(pose[1], 5 - 0.5 * g * t * t, 1e-8);
@@ -92,14 +93,14 @@ static int watch_step(void *user, const lockstep_state *state) {
   CHECK(lockstep_rates(state, pose, 7) == LOCKSTEP_USAGE);
   return t >= 0.6 ? LOCKSTEP_STOP : 0;
 }
-static int watch_row(void *user, const double *row, int count) {
-  struct watch *const w = user;
+static int watch_row(void* user, const double* row, int count) {
+  struct watch* const w = user;
   CHECK(count == 3);
   CHECK_NEAR(row[1], 5 - 0.5 * g * row[0] * row[0], 1e-8);
   ++w->rows, w->sum += row[1];
   return 0;
 }
-static int fails(void *user, const double *row, int count) {
+static int fails(void* user, const double* row, int count) {
   (void)user, (void)count;
   return row[0] > 0.25 ? lockstep_fail("the disk is full") : 0;
 }
@@ -108,16 +109,16 @@ static void observers(void) {
   struct watch w = {NULL, 0, 0, 0, 0, NULL};
   double t = 0;
   int freed = 0;
-  lockstep_run *run = w.run = run_of(NULL, ball);
+  lockstep_run* run = w.run = run_of(NULL, ball);
   DONE(run, lockstep_on_row(run, watch_row, 0, &w, NULL));
   DONE(run, lockstep_on_step(run, watch_step, &w, NULL));
   DONE(run, lockstep_run_to_end(run));
   DONE(run, lockstep_time(run, &t));
   CHECK(t >= 0.6 && t < 4);
   CHECK(w.steps > 0 && w.busy == 4 * w.steps);
-  CHECK(w.rows >= 7 && rows(run) == 0); /* the table keeps none */
+  CHECK(w.rows >= 7 && rows(run) == 0);                                   /* the table keeps none */
   CHECK(lockstep_sizes(w.kept, &t, NULL, NULL, NULL) == LOCKSTEP_CLOSED); /* after the call */
-  DONE(run, lockstep_on_step(run, NULL, &freed, count_free)); /* no observer: user data is freed at once */
+  DONE(run, lockstep_on_step(run, NULL, &freed, count_free));             /* no observer: user data is freed at once */
   CHECK(freed == 1);
   DONE(run, lockstep_on_row(run, NULL, 0, NULL, NULL));
   DONE(run, lockstep_run_until(run, t + 1));
@@ -132,18 +133,18 @@ static void observers(void) {
 }
 
 /* A run inside a callback of another one, with another handle. */
-static int nested(void *user, const double *row, int count) {
-  lockstep_run *run = run_of(NULL, ball);
+static int nested(void* user, const double* row, int count) {
+  lockstep_run* run = run_of(NULL, ball);
   (void)count;
   DONE(run, lockstep_run_until(run, row[0]));
   CHECK_NEAR(last(run, "ball.y"), row[1], 1e-9);
-  ++*(int *)user;
+  ++*(int*)user;
   return lockstep_free(run);
 }
 
 void test_callbacks(void) {
   int calls = 0;
-  lockstep_run *run;
+  lockstep_run* run;
   CHECK(lockstep_fail("no callback is in progress") == LOCKSTEP_USER_CODE);
   events();
   observers();

@@ -5,63 +5,63 @@
 int failures = 0, checks = 0;
 const char *program, *scenes, *output;
 
-void check_near(const char *file, int line, const char *what, double is, double should_be, double by) {
+void check_near(const char* file, int line, const char* what, double is, double should_be, double by) {
   ++checks;
   if (fabs(is - should_be) <= by) return;
   ++failures;
   printf("%s:%d: %s is %.17g; should be %.17g within %g\n", file, line, what, is, should_be, by);
 }
 
-void check_done(const char *file, int line, const char *what, int code, const void *handle) {
+void check_done(const char* file, int line, const char* what, int code, const void* handle) {
   ++checks;
   if (code == LOCKSTEP_DONE) return;
   ++failures;
   printf("%s:%d: %s: %s: %s\n", file, line, what, lockstep_code_name(code), lockstep_error_text(handle));
 }
 
-const char *quoted(const char *text) {
+const char* quoted(const char* text) {
   static char place[4][4096];
   static int next = 0;
-  char *const to = place[next = (next + 1) % 4];
+  char* const to = place[next = (next + 1) % 4];
   size_t i = 0;
   for (; text[i] != 0 && i + 1 < sizeof place[0]; ++i) to[i] = text[i] == '\'' ? '"' : text[i];
   to[i] = 0;
   return to;
 }
 
-lockstep_run *run_of(lockstep_registry *registry, const char *scene) {
-  lockstep_run *run = NULL;
+lockstep_run* run_of(lockstep_registry* registry, const char* scene) {
+  lockstep_run* run = NULL;
   DONE(run, lockstep_open_text(registry, quoted(scene), "test", NULL, &run));
   return run;
 }
 
-int column(lockstep_run *run, const char *name) {
+int column(lockstep_run* run, const char* name) {
   int k = -1;
   DONE(run, lockstep_column_index(run, name, &k));
   return k;
 }
 
-double last(lockstep_run *run, const char *name) {
+double last(lockstep_run* run, const char* name) {
   double value = NAN;
   DONE(run, lockstep_last(run, column(run, name), &value));
   return value;
 }
 
-const double *values(lockstep_run *run, const char *name) {
-  const double *all = NULL;
+const double* values(lockstep_run* run, const char* name) {
+  const double* all = NULL;
   DONE(run, lockstep_values(run, column(run, name), &all, NULL));
   return all;
 }
 
-int64_t rows(lockstep_run *run) {
+int64_t rows(lockstep_run* run) {
   int64_t n = -1;
   DONE(run, lockstep_table(run, NULL, &n));
   return n;
 }
 
-int main(int argc, char **argv) {
+int main(int argc, char** argv) {
   const struct {
-    const char *name;
+    const char* name;
     void (*test)(void);
   } cases[] = {{"results", test_results}, {"types", test_types},   {"callbacks", test_callbacks},
                {"states", test_states},   {"misuse", test_misuse}, {"threads", test_threads}};

@@ -2,21 +2,21 @@
 /* Every function with null, with what is no handle, and in the wrong order: a code, never a crash. */
 #include "check.h"
 
-static int law(void *user, const double *p, double t, double *y) {
+static int law(void* user, const double* p, double t, double* y) {
   (void)user, (void)p;
   y[0] = t, y[1] = 1, y[2] = 0;
   return 0;
 }
-static int joint(void *user, const double *p, const double y[8], double *f, double *g, double *h) {
+static int joint(void* user, const double* p, const double y[8], double* f, double* g, double* h) {
   (void)user, (void)p, (void)h;
   f[0] = y[0], g[0] = 1;
   return 0;
 }
-static int force(void *user, const double *p, double t, const double P[13], const double S[13], double out[9]) {
+static int force(void* user, const double* p, double t, const double P[13], const double S[13], double out[9]) {
   (void)user, (void)p, (void)t, (void)P, (void)S, (void)out;
   return 0;
 }
-static int step(void *user, const double *p, lockstep_state *state, double h) {
+static int step(void* user, const double* p, lockstep_state* state, double h) {
   (void)user, (void)p;
   return lockstep_move(state, h, NULL, 0);
 }
@@ -24,8 +24,8 @@ static int step(void *user, const double *p, lockstep_state *state, double h) {
 /* All functions of a handle, which is `handle` if that is not null; each has to return `code`. */
 #define SAME(call) CHECK((call) == code)
 
-static void of_a_registry(lockstep_registry *r, int code) {
-  const char *text = NULL;
+static void of_a_registry(lockstep_registry* r, int code) {
+  const char* text = NULL;
   int n = 0;
   SAME(lockstep_load_plugin(r, "bump"));
   SAME(lockstep_types(r, &text));
@@ -37,10 +37,10 @@ static void of_a_registry(lockstep_registry *r, int code) {
   CHECK(text == NULL);
 }
 
-static void of_a_run(lockstep_run *r, lockstep_state *state, int code) {
-  const char *text = NULL;
-  const double *numbers = NULL;
-  lockstep_state *made = NULL;
+static void of_a_run(lockstep_run* r, lockstep_state* state, int code) {
+  const char* text = NULL;
+  const double* numbers = NULL;
+  lockstep_state* made = NULL;
   double x = 0, four[4];
   int n = 0;
   int64_t m = 0;
@@ -79,7 +79,7 @@ static void of_a_run(lockstep_run *r, lockstep_state *state, int code) {
   CHECK(text == NULL && numbers == NULL && made == NULL);
 }
 
-static void of_a_state(lockstep_state *s, int code) {
+static void of_a_state(lockstep_state* s, int code) {
   double x[16] = {0, 0, 0, 1, 0, 0, 0};
   int n = 0;
   SAME(lockstep_body(s, "b", x, x + 7));
@@ -93,7 +93,7 @@ static void of_a_state(lockstep_state *s, int code) {
 }
 
 /* Of a live handle: every pointer that must not be null is. */
-static void null_arguments(lockstep_registry *r, lockstep_run *run, lockstep_state *s) {
+static void null_arguments(lockstep_registry* r, lockstep_run* run, lockstep_state* s) {
   const int code = LOCKSTEP_NULL;
   SAME(lockstep_new_registry(NULL));
   SAME(lockstep_load_plugin(r, NULL));
@@ -139,15 +139,15 @@ static void null_arguments(lockstep_registry *r, lockstep_run *run, lockstep_sta
 }
 
 void test_misuse(void) {
-  const char *const scene =
+  const char* const scene =
       "{'lockstep': 1, 'bodies': [{'name': 'b', 'mass': 1, 'inertia': [1, 1, 1]}], 'forces': [{'name': 'F',"
       " 'type': 'applied_force', 'p': 'b', 'at': [0, 0, 0], 'direction': 'x', 'law': {'type': 'input', 'name': 'u'}}],"
       " 'run': {'until': 1}}";
   double mine[64];
-  lockstep_registry *registry = NULL;
+  lockstep_registry* registry = NULL;
   lockstep_run *run, *failed = NULL, *other = NULL;
-  lockstep_state *state = NULL;
-  void *garbage[3];
+  lockstep_state* state = NULL;
+  void* garbage[3];
   int i;
   DONE(registry, lockstep_new_registry(&registry));
   run = run_of(registry, scene);
@@ -166,7 +166,7 @@ void test_misuse(void) {
   CHECK(lockstep_check_type(registry, "law", "sine", "{", NULL, NULL) == LOCKSTEP_SCENE);
   CHECK(lockstep_load_plugin(registry, "no_such_plugin") == LOCKSTEP_PLUGIN);
   CHECK(lockstep_open_text(NULL, "", NULL, NULL, &failed) == LOCKSTEP_SCENE);
-  CHECK(lockstep_open_text((lockstep_registry *)(void *)run, quoted(scene), NULL, NULL, &other) == LOCKSTEP_CLOSED);
+  CHECK(lockstep_open_text((lockstep_registry*)(void*)run, quoted(scene), NULL, NULL, &other) == LOCKSTEP_CLOSED);
   DONE(other, lockstep_free(other));
 
   of_a_registry(NULL, LOCKSTEP_NULL);
@@ -174,16 +174,16 @@ void test_misuse(void) {
   of_a_state(NULL, LOCKSTEP_NULL);
   CHECK(lockstep_free(NULL) == LOCKSTEP_DONE);
   CHECK(lockstep_error_code(NULL) == LOCKSTEP_CLOSED && strcmp(lockstep_error_json(NULL), "{}") == 0);
-  garbage[0] = mine, garbage[1] = (void *)(uintptr_t)1, garbage[2] = failed;
+  garbage[0] = mine, garbage[1] = (void*)(uintptr_t)1, garbage[2] = failed;
   for (i = 0; i < 3; ++i) {
     of_a_registry(garbage[i], LOCKSTEP_CLOSED);
     of_a_run(garbage[i], state, LOCKSTEP_CLOSED);
     of_a_state(garbage[i], LOCKSTEP_CLOSED);
   }
-  of_a_registry((void *)run, LOCKSTEP_CLOSED); /* handles of another kind */
-  of_a_run((void *)registry, state, LOCKSTEP_CLOSED);
-  of_a_state((void *)run, LOCKSTEP_CLOSED);
-  CHECK(lockstep_set_state(run, (void *)registry) == LOCKSTEP_CLOSED);
+  of_a_registry((void*)run, LOCKSTEP_CLOSED); /* handles of another kind */
+  of_a_run((void*)registry, state, LOCKSTEP_CLOSED);
+  of_a_state((void*)run, LOCKSTEP_CLOSED);
+  CHECK(lockstep_set_state(run, (void*)registry) == LOCKSTEP_CLOSED);
   CHECK(lockstep_error_code(failed) == LOCKSTEP_SCENE);
   CHECK(strlen(lockstep_error_text(failed)) > 10);
   DONE(failed, lockstep_free(failed));

@@ -7,7 +7,7 @@ static const double pi = 3.14159265358979323846;
 /* A rod of 1 m and 1 kg that falls from the horizontal: the energy is zero, w^2 = 3 g sin(fall) / L, and the swing is
    symmetric about the lowest position. */
 static void pendulum(void) {
-  lockstep_run *run = run_of(
+  lockstep_run* run = run_of(
       NULL,
       "{'lockstep': 1, 'gravity': [0, -9.81, 0], 'parameters': {'length': '1 m'},"
       " 'bodies': [{'name': 'rod', 'rod': {'mass': 1, 'from': [0, 0, 0], 'to': ['=length', 0, 0], 'radius': 1e-6}}],"
@@ -63,17 +63,17 @@ static void slider_crank(void) {
   const double r = 0.2, l = 0.6, w = 2 * pi;
   int k;
   const double *t, *x;
-  lockstep_run *run = run_of(
-      NULL,
-      "{'lockstep': 1, 'bodies': [{'name': 'crank', 'rod': {'mass': 1, 'from': [0, 0, 0], 'to': [0.2, 0, 0]}},"
-      " {'name': 'coupler', 'rod': {'mass': 2, 'from': [0.2, 0, 0], 'to': [0.8, 0, 0]}},"
-      " {'name': 'piston', 'box': {'mass': 1, 'size': [0.1, 0.06, 0.06]}, 'position': [0.8, 0, 0]}],"
-      " 'joints': [{'name': 'A', 'type': 'revolute', 'p': 'crank', 's': 'ground', 'at': [0, 0, 0],"
-      "   'drive': {'axis': 'rz', 'law': {'type': 'ramp', 'slope': '60 rpm'}}},"
-      " {'name': 'B', 'type': 'revolute', 'p': 'coupler', 's': 'crank', 'at': [0.2, 0, 0]},"
-      " {'name': 'C', 'type': 'revolute', 'p': 'piston', 's': 'coupler', 'at': [0.8, 0, 0]},"
-      " {'name': 'guide', 'type': 'prismatic', 'p': 'piston', 's': 'ground', 'at': [0.8, 0, 0], 'axis': 'x'}],"
-      " 'run': {'until': 1, 'output': 0.01, 'tolerance': 1e-10, 'record': ['piston.x']}}");
+  lockstep_run* run =
+      run_of(NULL,
+             "{'lockstep': 1, 'bodies': [{'name': 'crank', 'rod': {'mass': 1, 'from': [0, 0, 0], 'to': [0.2, 0, 0]}},"
+             " {'name': 'coupler', 'rod': {'mass': 2, 'from': [0.2, 0, 0], 'to': [0.8, 0, 0]}},"
+             " {'name': 'piston', 'box': {'mass': 1, 'size': [0.1, 0.06, 0.06]}, 'position': [0.8, 0, 0]}],"
+             " 'joints': [{'name': 'A', 'type': 'revolute', 'p': 'crank', 's': 'ground', 'at': [0, 0, 0],"
+             "   'drive': {'axis': 'rz', 'law': {'type': 'ramp', 'slope': '60 rpm'}}},"
+             " {'name': 'B', 'type': 'revolute', 'p': 'coupler', 's': 'crank', 'at': [0.2, 0, 0]},"
+             " {'name': 'C', 'type': 'revolute', 'p': 'piston', 's': 'coupler', 'at': [0.8, 0, 0]},"
+             " {'name': 'guide', 'type': 'prismatic', 'p': 'piston', 's': 'ground', 'at': [0.8, 0, 0], 'axis': 'x'}],"
+             " 'run': {'until': 1, 'output': 0.01, 'tolerance': 1e-10, 'record': ['piston.x']}}");
   DONE(run, lockstep_run_until(run, 0.5));
   DONE(run, lockstep_run_to_end(run));
   t = values(run, "t"), x = values(run, "piston.x");
@@ -86,13 +86,14 @@ static void slider_crank(void) {
 /* The table of a sample scene with other values against the file that the program writes, digit by digit. */
 static void same_as_program(void) {
   char command[4096], scene[1024], csv[1024], line[65536];
-  lockstep_run *run = NULL;
-  FILE *file;
+  lockstep_run* run = NULL;
+  FILE* file;
   int64_t row = 0, n = 0;
   int columns = 0, k;
   snprintf(scene, sizeof scene, "%s/four_bar.json", scenes);
   snprintf(csv, sizeof csv, "%s/c_four_bar.csv", output);
-  snprintf(command, sizeof command, "'%.1000s' run '%s' --set 'crank=0.12 m' --record '%s' --quiet", program, scene, csv);
+  snprintf(command, sizeof command, "'%.1000s' run '%s' --set 'crank=0.12 m' --record '%s' --quiet", program, scene,
+           csv);
   CHECK(system(command) == 0);
   DONE(run, lockstep_open(NULL, scene, "crank=0.12 m\n", &run));
   DONE(run, lockstep_run_to_end(run));
@@ -102,9 +103,9 @@ static void same_as_program(void) {
   if (file == NULL) return;
   CHECK(fgets(line, sizeof line, file) != NULL); /* names and units */
   while (fgets(line, sizeof line, file) != NULL) {
-    char *at = line;
+    char* at = line;
     for (k = 0; k < columns; ++k) {
-      const double *all = NULL;
+      const double* all = NULL;
       const double number = strtod(at, &at);
       DONE(run, lockstep_values(run, k, &all, NULL));
       CHECK(row < n && all[row] == number);
@@ -120,7 +121,7 @@ static void same_as_program(void) {
 
 /* A wheel on a motor whose torque is an input: J w' = u. The moment of inertia of the disc is m r^2 / 2 = 0.5 kg m^2. */
 static void inputs(void) {
-  const char *const scene =
+  const char* const scene =
       "{'lockstep': 1, 'bodies': [{'name': 'wheel', 'cylinder': {'mass': 1, 'radius': 1, 'length': 0.1}}],"
       " 'joints': [{'name': 'A', 'type': 'revolute', 'p': 'wheel', 's': 'ground', 'at': [0, 0, 0]}],"
       " 'forces': [{'name': 'motor', 'type': 'torque_motor', 'p': 'wheel', 's': 'ground', 'at': [0, 0, 0],"
@@ -129,7 +130,7 @@ static void inputs(void) {
   lockstep_run *run = run_of(NULL, scene), *same = run_of(NULL, scene);
   const char *name = NULL, *unit = NULL, *json = NULL;
   double value = 0;
-  const double *m = NULL;
+  const double* m = NULL;
   int n = 0, index = -1, r = 0, c = 0, i;
   DONE(run, lockstep_inputs(run, &n));
   CHECK(n == 1);
@@ -142,7 +143,7 @@ static void inputs(void) {
   CHECK(lockstep_set_input(run, 0, NAN) == LOCKSTEP_MODEL);
   CHECK(lockstep_matrix(run, 'A', &m, &r, &c) == LOCKSTEP_USAGE);
   for (i = 0; i < 2; ++i) {
-    lockstep_run *const each = i == 0 ? run : same;
+    lockstep_run* const each = i == 0 ? run : same;
     DONE(each, lockstep_run_until(each, 1)); /* w = 4 t */
     CHECK_NEAR(last(each, "A.omega_z"), 4, 1e-9);
     if (i == 0) { /* x = (angle, speed), y = (angle, speed, u): x' = [0 1; 0 0] x + [0; 1/J] u */
@@ -179,7 +180,7 @@ static void inputs(void) {
 
 /* Errors of a scene have their place. */
 static void scene_errors(void) {
-  lockstep_run *run = NULL;
+  lockstep_run* run = NULL;
   CHECK(lockstep_open_text(NULL, quoted("{'lockstep': 1,\n 'bodies': [{'name': 'rod', 'mass': '1 m'}]}"), "typed.json",
                            NULL, &run) == LOCKSTEP_SCENE);
   CHECK(run != NULL && lockstep_error_code(run) == LOCKSTEP_SCENE);

@@ -3,16 +3,17 @@
 #include "check.h"
 
 /* A double pendulum, whose joints need consistent poses and velocities. */
-static const char *const chain =
+static const char* const chain =
     "{'lockstep': 1, 'gravity': [0, -9.81, 0],"
     " 'bodies': [{'name': 'a', 'rod': {'mass': 1, 'from': [0, 0, 0], 'to': [1, 0, 0]}},"
     " {'name': 'b', 'rod': {'mass': 1, 'from': [1, 0, 0], 'to': [2, 0, 0]}}],"
     " 'joints': [{'name': 'A', 'type': 'revolute', 'p': 'a', 's': 'ground', 'at': [0, 0, 0]},"
     " {'name': 'B', 'type': 'revolute', 'p': 'b', 's': 'a', 'at': [1, 0, 0]}],"
-    " 'forces': [{'name': 'push', 'type': 'applied_torque', 'p': 'b', 'at': [2, 0, 0], 'torque': [0, 0, 1], 'active': false}],"
+    " 'forces': [{'name': 'push', 'type': 'applied_torque', 'p': 'b', 'at': [2, 0, 0], 'torque': [0, 0, 1], 'active': "
+    "false}],"
     " 'run': {'until': 1, 'output': 0.1, 'tolerance': 1e-9, 'record': ['A.rz', 'B.rz', 'energy.total']}}";
 
-static void same_tables(lockstep_run *a, lockstep_run *b, int64_t from) {
+static void same_tables(lockstep_run* a, lockstep_run* b, int64_t from) {
   int c;
   int64_t k;
   CHECK(rows(a) == rows(b));
@@ -26,8 +27,8 @@ static void same_tables(lockstep_run *a, lockstep_run *b, int64_t from) {
 }
 
 static void states(void) {
-  lockstep_run *run = run_of(NULL, chain);
-  lockstep_state *state = NULL;
+  lockstep_run* run = run_of(NULL, chain);
+  lockstep_state* state = NULL;
   double t = -1, y[64], rate[64], pose[7], twist[6], start[7], violation = 1, h = 0;
   int q = 0, v = 0, s = 0, n, i;
   DONE(run, lockstep_run_until(run, 0.4));

@@ -4,14 +4,14 @@
 
 #include "check.h"
 
-static const char *const pendulum =
+static const char* const pendulum =
     "{'lockstep': 1, 'gravity': [0, -9.81, 0],"
     " 'bodies': [{'name': 'rod', 'rod': {'mass': 1, 'from': [0, 0, 0], 'to': [1, 0, 0]}}],"
     " 'joints': [{'name': 'A', 'type': 'revolute', 'p': 'rod', 's': 'ground', 'at': [0, 0, 0]}],"
     " 'forces': [{'name': 'F', 'type': 'drag', 'p': 'rod', 'at': [1, 0, 0], 'c': 0.1}],"
     " 'run': {'until': 2, 'output': 0.01, 'tolerance': 1e-9, 'record': ['A.rz']}}";
 
-static int drag(void *user, const double *p, double t, const double P[13], const double S[13], double out[9]) {
+static int drag(void* user, const double* p, double t, const double P[13], const double S[13], double out[9]) {
   int i;
   (void)user, (void)t, (void)S;
   for (i = 0; i < 3; ++i) out[i] = -p[0] * P[7 + i], out[7] += p[0] * P[7 + i] * P[7 + i];
@@ -19,18 +19,16 @@ static int drag(void *user, const double *p, double t, const double P[13], const
 }
 
 /* -- two handles: equal to the last bit */
-static void *run_all(void *handle) {
-  return (void *)(intptr_t)lockstep_run_to_end(handle);
-}
+static void* run_all(void* handle) { return (void*)(intptr_t)lockstep_run_to_end(handle); }
 
-static void two_handles(lockstep_registry *registry) {
-  lockstep_run *run[3];
+static void two_handles(lockstep_registry* registry) {
+  lockstep_run* run[3];
   pthread_t thread[2];
   int i, k;
   for (i = 0; i < 3; ++i) run[i] = run_of(registry, pendulum);
   for (i = 0; i < 2; ++i) CHECK(pthread_create(&thread[i], NULL, run_all, run[i]) == 0);
   for (i = 0; i < 2; ++i) {
-    void *code = NULL;
+    void* code = NULL;
     CHECK(pthread_join(thread[i], &code) == 0);
     CHECK((intptr_t)code == LOCKSTEP_DONE);
   }
@@ -42,11 +40,11 @@ static void two_handles(lockstep_registry *registry) {
 
 /* -- one handle: every call returns done or busy, and at most one is in progress */
 struct shared {
-  lockstep_run *run;
+  lockstep_run* run;
   int done, busy, other;
 };
-static void *call_often(void *of) {
-  struct shared *const s = of;
+static void* call_often(void* of) {
+  struct shared* const s = of;
   int i;
   for (i = 0; i < 2000; ++i) {
     double x = 0;
@@ -63,8 +61,8 @@ static void *call_often(void *of) {
   return NULL;
 }
 
-static void one_handle(lockstep_registry *registry) {
-  lockstep_run *const run = run_of(registry, pendulum);
+static void one_handle(lockstep_registry* registry) {
+  lockstep_run* const run = run_of(registry, pendulum);
   struct shared each[2] = {{run, 0, 0, 0}, {run, 0, 0, 0}};
   pthread_t thread[2];
   int i;
@@ -76,18 +74,18 @@ static void one_handle(lockstep_registry *registry) {
 
 /* A thread frees and reads errors while the other one is inside a callback of the run: it is told to wait. */
 struct inside {
-  lockstep_run *run;
+  lockstep_run* run;
   pthread_t thread;
   int started;
   intptr_t codes[2];
 };
-static void *free_it(void *of) {
-  struct inside *const s = of;
+static void* free_it(void* of) {
+  struct inside* const s = of;
   s->codes[0] = lockstep_free(s->run), s->codes[1] = lockstep_error_code(s->run);
   return NULL;
 }
-static int from_inside(void *user, const lockstep_state *state) {
-  struct inside *const s = user;
+static int from_inside(void* user, const lockstep_state* state) {
+  struct inside* const s = user;
   (void)state;
   if (s->started++ > 0) return 0;
   CHECK(pthread_create(&s->thread, NULL, free_it, s) == 0);
@@ -96,7 +94,7 @@ static int from_inside(void *user, const lockstep_state *state) {
 }
 
 void test_threads(void) {
-  lockstep_registry *registry = NULL;
+  lockstep_registry* registry = NULL;
   struct inside in = {NULL, 0, 0, {0, 0}};
   DONE(registry, lockstep_new_registry(&registry));
   DONE(registry, lockstep_add_force(registry, "drag", "c", drag, NULL, NULL));

@@ -5,33 +5,33 @@
 /* -- a law */
 
 /* y = a sin(w t + phase) */
-static int sine(void *user, const double *p, double t, double *y) {
+static int sine(void* user, const double* p, double t, double* y) {
   const double a = p[0], w = p[1], u = w * t + p[2];
-  ++*(int *)user;
+  ++*(int*)user;
   y[0] = a * sin(u), y[1] = a * w * cos(u), y[2] = -a * w * w * sin(u);
   return 0;
 }
 
-static const char *const slider =
+static const char* const slider =
     "{'lockstep': 1, 'bodies': [{'name': 'b', 'box': {'mass': 2, 'size': [1, 1, 1]}}],"
     " 'joints': [{'name': 'A', 'type': 'prismatic', 'p': 'b', 's': 'ground', 'at': [0, 0, 0], 'axis': 'z',"
     "   'drive': {'axis': 'z', 'law': %s}}],"
     " 'run': {'until': 1, 'output': 0.125, 'tolerance': 1e-10, 'record': ['b.z', 'A.drive.force_on_p_link_z']}}";
 
-static lockstep_run *driven(lockstep_registry *registry, const char *law) {
+static lockstep_run* driven(lockstep_registry* registry, const char* law) {
   char scene[2048];
   snprintf(scene, sizeof scene, slider, law);
   return run_of(registry, scene);
 }
 
-static void law(lockstep_registry *registry) {
+static void law(lockstep_registry* registry) {
   int called = 0, findings = -1, k;
-  const char *report = NULL;
+  const char* report = NULL;
   lockstep_run *mine, *theirs;
   DONE(registry, lockstep_add_law(registry, "my_sine", "amplitude omega phase=0.5", sine, NULL, &called, NULL));
   CHECK(lockstep_add_law(registry, "my_sine", NULL, sine, NULL, NULL, NULL) == LOCKSTEP_PLUGIN);
-  DONE(registry, lockstep_check_type(registry, "law", "my_sine", "{\"amplitude\": 0.2, \"omega\": 3}", &findings,
-                                     &report));
+  DONE(registry,
+       lockstep_check_type(registry, "law", "my_sine", "{\"amplitude\": 0.2, \"omega\": 3}", &findings, &report));
   CHECK(findings == 0);
   mine = driven(registry, "{'type': 'my_sine', 'amplitude': '200 mm', 'omega': 3}");
   theirs = driven(NULL, "{'type': 'sine', 'amplitude': 0.2, 'omega': 3, 'phase': 0.5}");
@@ -46,22 +46,24 @@ static void law(lockstep_registry *registry) {
   DONE(mine, lockstep_free(mine));
   DONE(theirs, lockstep_free(theirs));
   mine = NULL; /* a key that is missing */
-  CHECK(lockstep_open_text(registry, quoted("{'lockstep': 1, 'bodies': [{'name': 'b', 'mass': 1, 'inertia': [1, 1, 1]}],"
-                                            " 'joints': [{'name': 'A', 'type': 'prismatic', 'p': 'b', 's': 'ground',"
-                                            " 'at': [0, 0, 0], 'drive': {'axis': 'z', 'law': {'type': 'my_sine', 'omega': 1}}}]}"),
-                           NULL, NULL, &mine) == LOCKSTEP_SCENE);
+  CHECK(
+      lockstep_open_text(registry,
+                         quoted("{'lockstep': 1, 'bodies': [{'name': 'b', 'mass': 1, 'inertia': [1, 1, 1]}],"
+                                " 'joints': [{'name': 'A', 'type': 'prismatic', 'p': 'b', 's': 'ground',"
+                                " 'at': [0, 0, 0], 'drive': {'axis': 'z', 'law': {'type': 'my_sine', 'omega': 1}}}]}"),
+                         NULL, NULL, &mine) == LOCKSTEP_SCENE);
   CHECK(strstr(lockstep_error_text(mine), "amplitude") != NULL);
   DONE(mine, lockstep_free(mine));
 }
 
 /* -- jumps of a law: y = t for t < 1/3 and between 2/3 and 1, else constant; a rate that jumps at each third */
-static int thirds(void *user, const double *p, double t, double *y) {
+static int thirds(void* user, const double* p, double t, double* y) {
   const double third = p[0], part = t / third;
   (void)user;
   y[0] = part < 1 ? t : part < 2 ? third : t - third, y[1] = part < 1 || part >= 2, y[2] = 0;
   return 0;
 }
-static int next_third(void *user, const double *p, double t, double *next) {
+static int next_third(void* user, const double* p, double t, double* next) {
   (void)user;
   if (t < p[0])
     *next = p[0];
@@ -70,9 +72,9 @@ static int next_third(void *user, const double *p, double t, double *next) {
   return 0;
 }
 
-static void jumps(lockstep_registry *registry) {
+static void jumps(lockstep_registry* registry) {
   int findings = -1;
-  const char *report = NULL;
+  const char* report = NULL;
   DONE(registry, lockstep_add_law(registry, "thirds", "third=0.3", thirds, next_third, NULL, NULL));
   DONE(registry, lockstep_add_law(registry, "silent_thirds", "third=0.3", thirds, NULL, NULL, NULL));
   DONE(registry, lockstep_check_type(registry, "law", "thirds", NULL, &findings, &report));
@@ -84,7 +86,7 @@ static void jumps(lockstep_registry *registry) {
 /* -- joints */
 
 /* x^2 + y^2 = r^2 */
-static int circle(void *user, const double *p, const double y[8], double *f, double *g, double *h) {
+static int circle(void* user, const double* p, const double y[8], double* f, double* g, double* h) {
   (void)user;
   f[0] = y[0] * y[0] + y[1] * y[1] - p[0] * p[0];
   g[0] = 2 * y[0], g[1] = 2 * y[1];
@@ -92,13 +94,13 @@ static int circle(void *user, const double *p, const double y[8], double *f, dou
   return 0;
 }
 /* the same with a wrong second derivative */
-static int wrong_circle(void *user, const double *p, const double y[8], double *f, double *g, double *h) {
+static int wrong_circle(void* user, const double* p, const double y[8], double* f, double* g, double* h) {
   circle(user, p, y, f, g, h);
   h[0] = 1;
   return 0;
 }
 /* two rows, one of which moves in time: x = a sin t, 2 (e0 e3 + e1 e2) = 0.3 t x */
-static int moving(void *user, const double *p, const double y[8], double *f, double *g, double *h) {
+static int moving(void* user, const double* p, const double y[8], double* f, double* g, double* h) {
   const double t = y[7];
   (void)user;
   f[0] = y[0] - p[0] * sin(t), g[0] = 1, g[7] = -p[0] * cos(t), h[8 * 7 + 7] = p[0] * sin(t);
@@ -109,20 +111,20 @@ static int moving(void *user, const double *p, const double y[8], double *f, dou
   return 0;
 }
 
-static const char *const held =
+static const char* const held =
     "{'lockstep': 1, 'gravity': [0, -9.81, 0],"
     " 'bodies': [{'name': 'b', 'box': {'mass': 2, 'size': [0.1, 0.2, 0.3]}, 'position': [1, 0, 0]}],"
     " 'joints': [{'name': 'A', 'p': 'b', 's': 'ground', 'at_p': [1, 0, 0], 'at_s': [0, 0, 0], %s}],"
     " 'run': {'until': 1, 'output': 0.125, 'integrator': '%s', 'tolerance': 1e-10,"
     "   'record': ['b.x', 'b.y', 'b.angle_z', 'energy.total', 'A.force_on_p_world_x']}}";
 
-static lockstep_run *held_by(lockstep_registry *registry, const char *joint, const char *method) {
+static lockstep_run* held_by(lockstep_registry* registry, const char* joint, const char* method) {
   char scene[2048];
   snprintf(scene, sizeof scene, held, joint, method);
   return run_of(registry, scene);
 }
 
-static void compare(lockstep_run *mine, lockstep_run *theirs, double by) {
+static void compare(lockstep_run* mine, lockstep_run* theirs, double by) {
   int n = 0, c, k;
   DONE(mine, lockstep_run_to_end(mine));
   DONE(theirs, lockstep_run_to_end(theirs));
@@ -137,7 +139,7 @@ static void compare(lockstep_run *mine, lockstep_run *theirs, double by) {
     }
 }
 
-static void joint(lockstep_registry *registry) {
+static void joint(lockstep_registry* registry) {
   int findings = -1, k;
   const char *report = NULL, *const methods[] = {"dopri5", "radau5"};
   DONE(registry, lockstep_add_joint(registry, "circle", "radius", 1, "z e1 e2 e3", circle, NULL, NULL));
@@ -153,18 +155,21 @@ static void joint(lockstep_registry *registry) {
   DONE(registry, lockstep_check_type(registry, "joint", "wrong_circle", NULL, &findings, &report));
   CHECK(findings > 0);
   for (k = 0; k < 2; ++k) { /* of explicit and implicit methods, which read the second derivatives */
-    lockstep_run *mine = held_by(registry, "'type': 'circle', 'radius': '1 m'", methods[k]);
-    lockstep_run *theirs =
+    lockstep_run* mine = held_by(registry, "'type': 'circle', 'radius': '1 m'", methods[k]);
+    lockstep_run* theirs =
         held_by(NULL, "'type': 'function', 'phi': '=x^2 + y^2 - (1 m)^2', 'mask': 'z e1 e2 e3'", methods[k]);
     int i;
     compare(mine, theirs, 1e-9);
-    for (i = 0; i < (int)rows(mine); ++i) /* a point on a circle that falls from rest: v^2 = 2 g (-y), y on the circle */
+    for (i = 0; i < (int)rows(mine);
+         ++i) /* a point on a circle that falls from rest: v^2 = 2 g (-y), y on the circle */
       CHECK_NEAR(hypot(values(mine, "b.x")[i], values(mine, "b.y")[i]), 1, 1e-9);
     DONE(mine, lockstep_free(mine));
     DONE(theirs, lockstep_free(theirs));
     mine = held_by(registry, "'type': 'moving', 'a': 0.2", methods[k]);
-    theirs = held_by(NULL, "'type': 'function', 'phi': ['=x - 0.2 m*sin(t/(1 s))', '=2*(e0*e3 + e1*e2) - 0.3*t*x/(1 m s)'],"
-                           " 'mask': 'z e1'", methods[k]);
+    theirs = held_by(NULL,
+                     "'type': 'function', 'phi': ['=x - 0.2 m*sin(t/(1 s))', '=2*(e0*e3 + e1*e2) - 0.3*t*x/(1 m s)'],"
+                     " 'mask': 'z e1'",
+                     methods[k]);
     compare(mine, theirs, 1e-8);
     DONE(mine, lockstep_free(mine));
     DONE(theirs, lockstep_free(theirs));
@@ -172,7 +177,7 @@ static void joint(lockstep_registry *registry) {
 }
 
 /* -- a force: a spring and damper on the line from P to S, with energies */
-static int spring(void *user, const double *p, double t, const double P[13], const double S[13], double out[9]) {
+static int spring(void* user, const double* p, double t, const double P[13], const double S[13], double out[9]) {
   double d[3], length = 0, rate = 0, pull;
   int i;
   (void)user, (void)t;
@@ -185,7 +190,7 @@ static int spring(void *user, const double *p, double t, const double P[13], con
   return 0;
 }
 
-static lockstep_run *sprung(lockstep_registry *registry, const char *force) {
+static lockstep_run* sprung(lockstep_registry* registry, const char* force) {
   char scene[2048];
   snprintf(scene, sizeof scene,
            "{'lockstep': 1, 'gravity': [0, -9.81, 0], 'bodies': ["
@@ -199,13 +204,13 @@ static lockstep_run *sprung(lockstep_registry *registry, const char *force) {
   return run_of(registry, scene);
 }
 
-static void force(lockstep_registry *registry) {
+static void force(lockstep_registry* registry) {
   int findings = -1;
-  const char *report = NULL;
+  const char* report = NULL;
   lockstep_run *mine, *theirs;
   DONE(registry, lockstep_add_force(registry, "my_spring", "stiffness damping=0, length=0", spring, NULL, NULL));
-  DONE(registry, lockstep_check_type(registry, "force", "my_spring", "{\"stiffness\": 100, \"damping\": 3}", &findings,
-                                     &report));
+  DONE(registry,
+       lockstep_check_type(registry, "force", "my_spring", "{\"stiffness\": 100, \"damping\": 3}", &findings, &report));
   CHECK(findings == 0);
   if (findings != 0) puts(report);
   mine = sprung(registry, "'type': 'my_spring', 'stiffness': 100, 'damping': 3, 'length': '0.5 m'");
@@ -216,7 +221,7 @@ static void force(lockstep_registry *registry) {
 }
 
 /* -- an integrator: Runge and Kutta's method of order 4 on the numbers of the state */
-static int runge_kutta(void *user, const double *p, lockstep_state *state, double h) {
+static int runge_kutta(void* user, const double* p, lockstep_state* state, double h) {
   double y[64], k[4][64], at[64], t = 0;
   const double c[] = {0, 0.5, 0.5, 1}, b[] = {1. / 6, 1. / 3, 1. / 3, 1. / 6};
   int q = 0, v = 0, s = 0, n, i, j;
@@ -234,7 +239,7 @@ static int runge_kutta(void *user, const double *p, lockstep_state *state, doubl
   return lockstep_set_numbers(state, t + h, y, n);
 }
 /* the explicit method of Euler, with the poses along the end velocities */
-static int euler(void *user, const double *p, lockstep_state *state, double h) {
+static int euler(void* user, const double* p, lockstep_state* state, double h) {
   double y[64], rate[64], t = 0;
   int q = 0, v = 0, s = 0, i;
   (void)user, (void)p;
@@ -246,12 +251,12 @@ static int euler(void *user, const double *p, lockstep_state *state, double h) {
   return lockstep_move(state, h, NULL, 0);
 }
 
-static void integrator(lockstep_registry *registry) {
-  const char *report = NULL;
+static void integrator(lockstep_registry* registry) {
+  const char* report = NULL;
   int findings = -1, k;
   char mine_too[1200];
   lockstep_run *mine, *theirs;
-  const char *const scene =
+  const char* const scene =
       "{'lockstep': 1, 'gravity': [0, -9.81, 0],"
       " 'bodies': [{'name': 'b', 'box': {'mass': 2, 'size': [0.1, 0.2, 0.3]}, 'position': [1, 0, 0]}],"
       " 'joints': [{'name': 'A', 'type': 'spherical', 'p': 'b', 's': 'ground', 'at': [0, 0, 0.1]}],"
@@ -278,26 +283,26 @@ static void integrator(lockstep_registry *registry) {
 }
 
 /* -- failures, and the life of user data */
-static int breaks_at(void *user, const double *p, double t, double *y) {
+static int breaks_at(void* user, const double* p, double t, double* y) {
   (void)user;
   y[0] = t, y[1] = 1, y[2] = 0;
   return t > p[0] ? lockstep_fail("the table is empty") : 0;
 }
-static int silent(void *user, const double *p, double t, double *y) {
+static int silent(void* user, const double* p, double t, double* y) {
   y[0] = t, y[1] = 1, y[2] = 0;
   (void)user, (void)p;
   return t > 0.5 ? 7 : 0;
 }
-static int undefined(void *user, const double *p, double t, double *y) {
+static int undefined(void* user, const double* p, double t, double* y) {
   (void)user, (void)p;
   y[0] = t, y[1] = 1, y[2] = t > 0.5 ? NAN : 0;
   return 0;
 }
-static void count_free(void *user) { ++*(int *)user; }
+static void count_free(void* user) { ++*(int*)user; }
 
-static void failures_of_code(lockstep_registry *registry) {
+static void failures_of_code(lockstep_registry* registry) {
   int freed = 0, more = 0;
-  lockstep_run *run;
+  lockstep_run* run;
   DONE(registry, lockstep_add_law(registry, "breaks", "at=0.5", breaks_at, NULL, &freed, count_free));
   DONE(registry, lockstep_add_law(registry, "silent", NULL, silent, NULL, NULL, NULL));
   DONE(registry, lockstep_add_law(registry, "undefined", NULL, undefined, NULL, NULL, NULL));
@@ -334,8 +339,8 @@ static void failures_of_code(lockstep_registry *registry) {
 }
 
 void test_types(void) {
-  lockstep_registry *registry = NULL;
-  const char *json = NULL;
+  lockstep_registry* registry = NULL;
+  const char* json = NULL;
   DONE(registry, lockstep_new_registry(&registry));
   law(registry);
   jumps(registry);
@@ -343,6 +348,7 @@ void test_types(void) {
   force(registry);
   integrator(registry);
   DONE(registry, lockstep_types(registry, &json));
-  CHECK(strstr(json, "\"my_sine\"") != NULL && strstr(json, "\"revolute\"") != NULL && strstr(json, "\"input\"") != NULL);
+  CHECK(strstr(json, "\"my_sine\"") != NULL && strstr(json, "\"revolute\"") != NULL &&
+        strstr(json, "\"input\"") != NULL);
   failures_of_code(registry);
 }

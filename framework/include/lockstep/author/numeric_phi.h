@@ -37,7 +37,7 @@ template <int n>
 struct NumericPhi {
   static constexpr PhiSpec spec{.rows = n, .counts_turns = false};
   static constexpr std::size_t n_variables = 8;  ///< of y
-  PhiNumbers numbers;                           ///< the function
+  PhiNumbers numbers;                            ///< the function
 
   /// The rows with their derivatives.
   template <class T>
