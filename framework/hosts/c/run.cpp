@@ -8,6 +8,7 @@
 #include <lockstep/author/loader.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
+#include <lockstep/text.h>
 #include "framework/description/registry/shelves.h"
 #include "framework/description/scene/system_of.h"
 #include "framework/description/scene/write.h"
@@ -46,15 +47,15 @@ ControlInput& Run::input(int index) {
   return all[checked(index, all.size(), "an input")];
 }
 
-namespace {
-
-std::vector<std::string> lines_of_set(const char* set) {
+std::vector<std::string> lines_of(const char* text) {
   std::vector<std::string> lines;
-  std::istringstream in(set != nullptr ? set : "");
+  std::istringstream in(text != nullptr ? text : "");
   for (std::string line; std::getline(in, line);)
-    if (line.find_first_not_of(" \t\r") != std::string::npos) lines.push_back(line);
+    if (const std::string_view words = text::trimmed(line); !words.empty()) lines.emplace_back(words);
   return lines;
 }
+
+namespace {
 
 // The law "input" is made around an InputLaw, by which a linearisation moves it; laws of one name share it.
 void keep_inputs(Registry& registry, const Run& run) {
@@ -85,7 +86,7 @@ Registry registry_for(const lockstep_registry* given, Run& run, const Scene& sce
 
 void open(Run& run, const lockstep_registry* given, Scene scene, const char* set) {
   const Registry registry = registry_for(given, run, scene);
-  if (const std::vector<std::string> lines = lines_of_set(set); !lines.empty())
+  if (const std::vector<std::string> lines = lines_of(set); !lines.empty())
     scene = set_in_scene(scene, lines, registry);
   Mechanism mechanism = build_observed(scene, registry);
   record_places(mechanism);

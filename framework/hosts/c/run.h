@@ -48,6 +48,9 @@ struct Run final : Object {
   std::string more_text;       ///< a second text beside that of keep()
 };
 
+/// The lines of a text that are not empty; null has none.
+std::vector<std::string> lines_of(const char* text);
+
 /// Calls `act` with the simulation of a run.
 template <class Act>
 int call_run(lockstep_run* handle, Act&& act) noexcept {

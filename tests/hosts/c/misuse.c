@@ -68,7 +68,7 @@ static void of_a_run(lockstep_run* r, lockstep_state* state, int code) {
   SAME(lockstep_report(r, &text));
   SAME(lockstep_findings(r, &n));
   SAME(lockstep_finding(r, -1, &text, &text));
-  SAME(lockstep_linearize(r, 1, NULL));
+  SAME(lockstep_linearize(r, NULL, 1, NULL));
   SAME(lockstep_matrix(r, 'A', &numbers, &n, &n));
   SAME(lockstep_signals(r, &text));
   SAME(lockstep_on_step(r, NULL, NULL, NULL));

@@ -147,7 +147,7 @@ static void inputs(void) {
     DONE(each, lockstep_run_until(each, 1)); /* w = 4 t */
     CHECK_NEAR(last(each, "A.omega_z"), 4, 1e-9);
     if (i == 0) { /* x = (angle, speed), y = (angle, speed, u): x' = [0 1; 0 0] x + [0; 1/J] u */
-      DONE(run, lockstep_linearize(run, 1, NULL));
+      DONE(run, lockstep_linearize(run, NULL, 1, NULL));
       DONE(run, lockstep_matrix(run, 'A', &m, &r, &c));
       CHECK(r == 2 && c == 2);
       CHECK_NEAR(m[1], 1, 1e-9);
@@ -164,6 +164,13 @@ static void inputs(void) {
       CHECK(r == 3 && c == 1);
       DONE(run, lockstep_signals(run, &json));
       CHECK(strstr(json, "\"inputs\": [{\"name\": \"u\", \"unit\": \"\"}]") != NULL);
+      CHECK(lockstep_linearize(run, "A.rz\nt", 1, NULL) == LOCKSTEP_USAGE);
+      CHECK(lockstep_linearize(run, "A.ry", 1, NULL) == LOCKSTEP_MODEL);
+      CHECK(lockstep_linearize(run, NULL, 0, NULL) == LOCKSTEP_MODEL); /* it accelerates */
+      DONE(run, lockstep_linearize(run, "A.omega_z\n", 1, NULL));
+      DONE(run, lockstep_matrix(run, 'C', &m, &r, &c));
+      CHECK(r == 1 && c == 2);
+      CHECK_NEAR(m[1], 1, 1e-7);
       CHECK(lockstep_matrix(run, 'E', &m, &r, &c) == LOCKSTEP_USAGE);
     }
     DONE(each, lockstep_set_input(each, 0, -2));

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* lockstep from C: runs of scenes, and types written in C, by opaque handles, plain numbers and UTF-8. */
+/** @file
+    lockstep from C: runs of scenes, and types written in C, by opaque handles, plain numbers and UTF-8. */
 #ifndef LOCKSTEP_C_H
 #define LOCKSTEP_C_H
 
 #include <stdint.h>
 
+/** Before a function of the library. */
 #if defined(__GNUC__)
 #define LOCKSTEP_C_API __attribute__((visibility("default")))
 #else
@@ -220,12 +222,11 @@ LOCKSTEP_C_API int lockstep_findings(lockstep_run* run, int* count);
     the texts of all, one a line, and a JSON list. Either result may be null. */
 LOCKSTEP_C_API int lockstep_finding(lockstep_run* run, int index, const char** text, const char** json);
 
-/* -- linearisation: x' = A x + B u, y = C x + D u about the present state. u: the inputs of the run; y: its columns
-   without the time. */
+/* -- linearisation: x' = A x + B u, y = C x + D u about the present state. u: the inputs of the run; y: columns. */
 
-/** Linearises. `frozen`: 1 accepts a state that is neither an equilibrium nor a steady rotation. `spin`: angular velocity
+/** Linearises. `outputs`: names of columns, one a line; null: all without the time. `frozen`: 1 accepts a state that is neither an equilibrium nor a steady rotation. `spin`: angular velocity
     of the axes that rotate with the mechanism, rad/s, world, 3 numbers; null: found from the state. */
-LOCKSTEP_C_API int lockstep_linearize(lockstep_run* run, int frozen, const double* spin);
+LOCKSTEP_C_API int lockstep_linearize(lockstep_run* run, const char* outputs, int frozen, const double* spin);
 /** A matrix of the last linearisation, row by row. `which`: 'A', 'B', 'C' or 'D'. LOCKSTEP_USAGE: there is none. */
 LOCKSTEP_C_API int lockstep_matrix(lockstep_run* run, int which, const double** values, int* rows, int* columns);
 /** Its signals as a JSON object: states, inputs, outputs (lists of name and unit), and accuracy of B, C and D. */

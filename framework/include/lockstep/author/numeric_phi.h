@@ -35,9 +35,9 @@ using PhiNumbers = std::function<void(const double* y, double* value, double* gr
 /// phi, n rows of such a function.
 template <int n>
 struct NumericPhi {
-  static constexpr PhiSpec spec{.rows = n, .counts_turns = false};
-  static constexpr std::size_t n_variables = 8;  ///< of y
-  PhiNumbers numbers;                            ///< the function
+  static constexpr PhiSpec spec{.rows = n, .counts_turns = false};  ///< of all seven coordinates
+  static constexpr std::size_t n_variables = 8;                     ///< of y
+  PhiNumbers numbers;                                               ///< the function
 
   /// The rows with their derivatives.
   template <class T>
