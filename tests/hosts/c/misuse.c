@@ -21,6 +21,14 @@ static int step(void* user, const double* p, lockstep_state* state, double h) {
   return lockstep_move(state, h, NULL, 0);
 }
 
+/* The numbers of the codes never change. */
+_Static_assert(LOCKSTEP_DONE == 0 && LOCKSTEP_OTHER == 1 && LOCKSTEP_MODEL == 2 && LOCKSTEP_ASSEMBLY == 3 &&
+                   LOCKSTEP_SOLVE == 4 && LOCKSTEP_STEP == 5 && LOCKSTEP_NON_FINITE == 6 && LOCKSTEP_PLUGIN == 7 &&
+                   LOCKSTEP_SCENE == 8 && LOCKSTEP_FILE == 9 && LOCKSTEP_USER_CODE == 10 && LOCKSTEP_USAGE == 11 &&
+                   LOCKSTEP_INTERRUPTED == 12 && LOCKSTEP_MEMORY == 13 && LOCKSTEP_NULL == 14 &&
+                   LOCKSTEP_CLOSED == 15 && LOCKSTEP_BUSY == 16 && LOCKSTEP_STOP == -1,
+               "codes");
+
 /* All functions of a handle, which is `handle` if that is not null; each has to return `code`. */
 #define SAME(call) CHECK((call) == code)
 
