@@ -80,7 +80,8 @@ int lockstep_add_event(lockstep_run* run, const char* name, const char* channel,
         event.change = [owner, action, &s](State& state) {
           invoke(action, owner.get(), Lent(state, s.dynamics(), StateObject::May::change).handle());
         };
-      s.add_event(std::move(event)), r.begun = true;
+      s.loop(), r.begun = true;
+      s.add_event(std::move(event));
     });
   });
 }

@@ -98,6 +98,43 @@ static void checkpoints(void) {
   DONE(second, lockstep_free(second));
 }
 
+/* A run is the same whether callbacks read its states or not. */
+static int read_all(void* user, const lockstep_state* state) {
+  double y[64], pose[7];
+  int q = 0, v = 0, s = 0;
+  CHECK(lockstep_sizes(state, NULL, &q, &v, &s) == 0 && q == 14 && v == 12);
+  CHECK(lockstep_numbers(state, y, q + v + s) == 0);
+  CHECK(lockstep_body(state, "a", pose, NULL) == 0);
+  CHECK_NEAR(hypot(y[0], y[1]), 0.5, 1e-9); /* the centre of mass of "a", on its circle */
+  CHECK_NEAR(pose[0], y[0], 1e-12);
+  ++*(int*)user;
+  return 0;
+}
+static int as_condition(void* user, const lockstep_state* state, double* value) {
+  *value = 1;
+  return read_all(user, state);
+}
+
+static void readers(void) {
+  int steps = 0, looks = 0;
+  lockstep_run *alone = run_of(NULL, chain), *read = run_of(NULL, chain), *event = run_of(NULL, chain);
+  DONE(read, lockstep_on_step(read, read_all, &steps, NULL));
+  DONE(event, lockstep_add_event(event, "never", NULL, as_condition, 0, 0, 1, NULL, &looks, NULL));
+  DONE(alone, lockstep_run_until(alone, 0.5));
+  DONE(read, lockstep_run_until(read, 0.5));
+  DONE(event, lockstep_run_until(event, 0.5));
+  DONE(read, lockstep_linearize(read, "A.rz\nB.rz", 1, NULL)); /* does not change it either */
+  DONE(alone, lockstep_run_to_end(alone));
+  DONE(read, lockstep_run_to_end(read));
+  DONE(event, lockstep_run_to_end(event));
+  CHECK(steps > 10 && looks > steps);
+  same_tables(read, alone, 0);
+  same_tables(event, alone, 0);
+  DONE(alone, lockstep_free(alone));
+  DONE(read, lockstep_free(read));
+  DONE(event, lockstep_free(event));
+}
+
 static void switches(void) {
   lockstep_run *run = run_of(NULL, chain), *pushed = run_of(NULL, chain);
   DONE(pushed, lockstep_switch(pushed, "push", 1));
@@ -112,5 +149,6 @@ static void switches(void) {
 void test_states(void) {
   states();
   checkpoints();
+  readers();
   switches();
 }
