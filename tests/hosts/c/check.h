@@ -35,5 +35,6 @@ void test_callbacks(void);
 void test_states(void);
 void test_misuse(void);
 void test_threads(void);
+void test_random(void);
 
 #endif

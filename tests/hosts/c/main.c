@@ -64,7 +64,8 @@ int main(int argc, char** argv) {
     const char* name;
     void (*test)(void);
   } cases[] = {{"results", test_results}, {"types", test_types},   {"callbacks", test_callbacks},
-               {"states", test_states},   {"misuse", test_misuse}, {"threads", test_threads}};
+               {"states", test_states},   {"misuse", test_misuse}, {"threads", test_threads},
+               {"random", test_random}};
   size_t i;
   if (argc < 5) return 2;
   program = argv[2], scenes = argv[3], output = argv[4];
