@@ -3,6 +3,7 @@
 #include <pybind11/operators.h>
 #include <spdlog/fmt/fmt.h>
 
+#include <lockstep/author/stepping.h>
 #include <lockstep/dynamics.h>
 #include "framework/hosts/python/bindings.h"
 
@@ -41,11 +42,9 @@ class PythonIntegrator final : public Integrator {
     if (end.q.size() != state.q.size() || end.v.size() != state.v.size() || end.s.size() != state.s.size())
       throw ModelError(fmt::format("integrator '{}' returned a state of other sizes", name_));
     end.t = state.t + h;
-    StepReport report;
-    report.h = h;
-    land(dynamics, end, report);
+    const ProjectReport landed = project_end_or_throw(dynamics, end, name_.c_str(), state.t, h);
     state = std::move(end);
-    return report;
+    return {.h = h, .violation = landed.before, .violation_after = landed.after};
   }
   bool saves_all() const override { return false; }
 
@@ -62,19 +61,6 @@ class PythonIntegrator final : public Integrator {
       throw py::type_error(fmt::format("step() of integrator '{}' returned {}; return the new state", name_,
                                        std::string(py::repr(made))));
     return made.cast<State>();
-  }
-  void land(Dynamics& dynamics, State& end, StepReport& report) const {
-    if (dynamics.options().stabilization.kind != Stabilization::Kind::project) {
-      dynamics.normalize(end);
-      report.violation = report.violation_after = dynamics.violation(end);
-      return;
-    }
-    const ProjectReport landed = dynamics.project(end);
-    report.violation = landed.before, report.violation_after = landed.after;
-    if (!landed.converged)
-      throw StepError(fmt::format("{}: the projection after the step of {:.3g} s did not converge; use a smaller step",
-                                  name_, report.h),
-                      end.t - report.h);
   }
 
   std::string name_;
