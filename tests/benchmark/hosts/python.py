@@ -30,7 +30,7 @@ def timed(act):
 
 def of_program(name, until):
     begin = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    subprocess.run([PROGRAM, "run", scene(name), "--quiet", "--set", f"run.until={until}"], capture_output=True, check=True)
+    subprocess.run([PROGRAM, "run", scene(name), "--quiet", "--no-picture", "--record", "/dev/null", "--set", f"run.until={until}"], capture_output=True, check=True)
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - begin
 
 
