@@ -189,7 +189,7 @@ void check_tables(const Shelf<LawPtr<L>>& shelf, std::size_t n_expected) {
 }
 
 TEST_CASE("every law's table of keys can be read", "[unit][motionlaws]") {
-  check_tables(registry().laws, 17);
+  check_tables(registry().laws, 18);
   check_tables(registry().translation_laws, 4);
   check_tables(registry().rotation_laws, 4);
 }

@@ -119,7 +119,7 @@ class PhiFunction final : public PhiRows {
     });
     const std::array<Grad, kRows> f = call(y.data());
     for (int r = 0; r < kRows; ++r) {
-      const Grad& phi = f[r];
+      const Grad& phi = f[static_cast<std::size_t>(r)];
       Columns columns(slots);
       double Ct = phi.d, Qhat = -phi.h;
       each_pair([&](auto k) {
