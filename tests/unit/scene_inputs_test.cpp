@@ -13,7 +13,7 @@
 namespace scene_inputs_test {
 
 using namespace lockstep;
-using lockstep::testing::says;
+using lockstep::test::says;
 
 // A slider of 2 kg with a motor, and another force with a law.
 Mechanism slider(const std::string& law, const std::string& other = "0") {
