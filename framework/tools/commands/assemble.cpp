@@ -79,7 +79,7 @@ struct Placed {
 
 std::vector<Placed> placed(const Branches& b) {
   std::vector<Placed> all;
-  for (const AssemblyBranch& each : b.report.branches) all.push_back({each, poses_of(*b.system, each.state)});
+  for (const AssemblyBranch& each : b.report.branches) all.push_back({each, named_poses(*b.system, each.state)});
   return all;
 }
 const Fields<Placed> kPlacedFields{

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Options and state of the commands modes and linearize, and the inputs of linearize by name: drives, laws, and forces.
+// Options and state of the commands modes and linearize.
 #pragma once
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include <lockstep/linearization.h>
+#include "framework/tools/analysis/linear_inputs.h"
 #include "framework/tools/commands/state_at.h"
 #include "framework/tools/program/options.h"
 
@@ -42,21 +42,5 @@ auto with_words_of_program(Analysis&& analysis) {
         "\n  --spin X,Y,Z a steady rotation, --frozen this state");
   }
 }
-
-/// A mechanism with laws to which inputs can be added.
-struct MechanismWithInputs {
-  std::unique_ptr<Mechanism> mechanism;
-  std::vector<LinearInput> inputs;
-};
-
-/// Builds the scene with an InputLaw around the law of each named thing:
-///   - a joint with a drive: "A", with several "A.rz";
-///   - a force that has a magnitude: "spring": pull; "motor"; "push": along its direction; "push.x": a component;
-///   - a law of time of a joint, a force or a marker: "rope.length", "A.move.x", "table.translation.z", "B.turn.x";
-///   - a force of any other type without such a law: "pad.x" ... "pad.rz": a force along an axis of S, or a torque about
-///     it, in addition.
-/// Throws UsageError for a name that is none of these, with the closest or the next move, and what build_mechanism()
-/// throws.
-MechanismWithInputs build_with_inputs(Scene, Registry, const std::vector<std::string>& names);
 
 }  // namespace lockstep

@@ -68,12 +68,20 @@ const Fields<StateSpace> kSpaceFields{{"states", "x", &StateSpace::states, kSign
 const Fields<Linearized> kLinearizeFields =
     Fields<Linearized>{}.with(&Linearized::state, state_fields()).with(&Linearized::space, kSpaceFields);
 
+MechanismWithInputs inputs_of(const Loaded& loaded, const Arguments& args) {
+  try {
+    return build_with_inputs(loaded.scene, loaded.registry, args.all("--inputs"));
+  } catch (const UnknownInput& error) {
+    throw UsageError(std::string("--inputs: ") + error.what());
+  }
+}
+
 Result linearize_scene(const Arguments& args) {
   const Loaded loaded = load(args);
   if (args.has("--json") && !args["--csv"].empty())
     throw UsageError("--json and --csv exclude each other; give one of the two");
   if (!args["--csv"].empty()) check_overwrites(args["--csv"], loaded.scene);
-  MechanismWithInputs built = build_with_inputs(loaded.scene, loaded.registry, args.all("--inputs"));
+  MechanismWithInputs built = inputs_of(loaded, args);
   std::vector<Channel> outputs;
   for (const std::string& name : args.all("--outputs")) {
     const std::vector<ChannelRequest>& recorded = built.mechanism->run.record;

@@ -126,7 +126,7 @@ bool is_unique(const UniquenessReport& unique, const std::string& reaction) {
 
 /// `tells`: whether its notes are findings of the command.
 AtRest found_of(Resting& r, bool tells = true) {
-  AtRest found{r.report, poses_of(r.m.system, r.state), reactions_of(r.m.system, r.values()), r.quantities()};
+  AtRest found{r.report, named_poses(r.m.system, r.state), reactions_of(r.m.system, r.values()), r.quantities()};
   const UniquenessReport unique = uniqueness(r.dynamics, r.state);
   for (auto& [name, reaction] : found.reactions) {
     for (double& x : reaction.wrench.force) x = r.without_rounding(x, "N");

@@ -18,6 +18,7 @@ namespace lockstep {
 namespace channels {
 
 void add(Entries& out, std::string name, std::string unit, std::string help, Value value) {
+  if (!out.takes(name)) return;
   out.push_back({std::move(name), std::move(unit), std::move(help),
                  [value = std::move(value)](System&, Channel& c) { c.value = value; }});
 }
@@ -25,11 +26,13 @@ void add(Entries& out, std::string name, std::string unit, std::string help, Val
 void add_vector(Entries& out, const std::string& name, const std::string& unit, const std::string& help,
                 std::function<Vec3(const Sample&)> value) {
   for (int k = 0; k < 3; ++k)
-    add(out, name + kAxisName[k], unit, fmt::format("{}, {}", help, kAxisName[k]),
-        [value, k](const Sample& s) { return value(s)[k]; });
+    if (std::string own = name + kAxisName[k]; out.takes(own))
+      add(out, std::move(own), unit, fmt::format("{}, {}", help, kAxisName[k]),
+          [value, k](const Sample& s) { return value(s)[k]; });
 }
 
 void add_angle(Entries& out, std::string name, std::string help, std::function<const CountedAngle&(System&)> count) {
+  if (!out.takes(name)) return;
   const auto make = [count = std::move(count)](System& system, Channel& c) {
     const CountedAngle& angle = count(system);
     c.value = [&angle, channel = c.name, told = std::make_shared<bool>(false)](const Sample& s) {
@@ -53,6 +56,7 @@ void add_angle(Entries& out, std::string name, std::string help, std::function<c
 
 void add_integral(Entries& out, std::string name, std::string unit, std::string help, std::string id,
                   std::function<double(const Evaluated&)> rate, Integrand of) {
+  if (!out.takes(name)) return;
   const auto make = [id = std::move(id), rate = std::move(rate), of](System& system, Channel& c) {
     const Quadrature& q = quadrature(system, id, rate, of);
     c.value = [&q](const Sample& s) { return q.value(s.state); };
@@ -62,6 +66,7 @@ void add_integral(Entries& out, std::string name, std::string unit, std::string 
 
 void add_coordinate(Entries& out, const NamedCoordinate& named, const Frame& m, const Frame& n) {
   const auto& [name, help, of] = named;
+  if (!out.takes(name)) return;
   if (of.kind == Coordinate::Kind::turn && of.order == 0)
     return add_angle(out, name, help, [m, n, axis = of.axis](System& system) -> const CountedAngle& {
       return system.count(*m.marker, *n.marker, axis);
@@ -91,10 +96,13 @@ void each_object(const System& system, Visit&& visit) {
     });
 }
 
-Entries totals() {
-  Entries all;
-  of_totals(all), of_run(all);
-  return all;
+const Entries& totals() {
+  static const Entries kTotals = [] {
+    Entries all;
+    of_totals(all), of_run(all);
+    return all;
+  }();
+  return kTotals;
 }
 
 /// An object that has channels: "body 'crank'".
@@ -103,10 +111,10 @@ struct Object {
   Entries entries;
 };
 
-std::optional<Object> find_object(const System& system, std::string_view name) {
+std::optional<Object> find_object(const System& system, std::string_view name, std::string_view only = {}) {
   std::optional<Object> found;
   each_object(system, [&](const char* kind, const std::string& own, const auto& fill) {
-    if (own == name) fill(found.emplace(Object{fmt::format("{} '{}'", kind, own), {}}).entries);
+    if (own == name) fill(found.emplace(Object{fmt::format("{} '{}'", kind, own), {{}, only}}).entries);
   });
   return found;
 }
@@ -228,8 +236,7 @@ Channel make_channel(System& system, const std::string& name) {
   using namespace channels;
   if (!system.ready()) system.setup();
   if (name.starts_with('=')) return computed_channel(system, name);
-  const Entries of_all = totals();
-  if (const Entry* e = find(of_all, name)) return made(system, name, *e);
+  if (const Entry* e = find(totals(), name)) return made(system, name, *e);
   const std::size_t at = name.find('@');
   const bool is_pair = at != std::string::npos;
   const std::string own = name.substr(0, at), from = is_pair ? name.substr(at + 1) : "";
@@ -237,10 +244,10 @@ Channel make_channel(System& system, const std::string& name) {
   // The object's name may hold points ("A.P"), so may the quantity's ("drive.work"): the longest object's name wins.
   for (std::size_t dot = own.rfind('.'); dot != std::string::npos && dot > 0; dot = own.rfind('.', dot - 1)) {
     const std::string word = own.substr(0, dot), quantity = own.substr(dot + 1);
-    const std::optional<Object> object = is_pair ? find_pair(system, word, from) : find_object(system, word);
+    const std::optional<Object> object = is_pair ? find_pair(system, word, from) : find_object(system, word, quantity);
     if (!object) continue;
     if (const Entry* e = find(object->entries, quantity)) return made(system, name, *e);
-    unknown_quantity(name, object->label, quantity, object->entries);
+    unknown_quantity(name, object->label, quantity, is_pair ? object->entries : find_object(system, word)->entries);
   }
   unknown_object(system, name, own.substr(0, is_pair ? own.rfind('.') : own.find('.')));
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -23,7 +24,11 @@ struct Entry {
   std::string name, unit, help;
   std::function<void(System&, Channel&)> make;  ///< sets value, track, restart
 };
-using Entries = std::vector<Entry>;
+/// The quantities of one object; with a name, that one alone.
+struct Entries : std::vector<Entry> {
+  std::string_view only{};
+  bool takes(std::string_view name) const { return only.empty() || name == only; }
+};
 using Value = std::function<double(const Sample&)>;
 
 void add(Entries&, std::string name, std::string unit, std::string help, Value value);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/commands/linear_words.h"
+#include "framework/tools/analysis/linear_inputs.h"
 
 #include <algorithm>
 #include <array>
@@ -158,8 +158,8 @@ class Opening {
   std::string open(const std::string& name, std::size_t number) {
     for (Place& place : places_) {
       if (place.name != name && place.short_name != name) continue;
-      if (!place.refusal.empty()) throw UsageError("--inputs: \"" + name + "\" " + place.refusal);
-      if (place.opened) throw UsageError("--inputs: \"" + name + "\" is given twice");
+      if (!place.refusal.empty()) throw UnknownInput("\"" + name + "\" " + place.refusal);
+      if (place.opened) throw UnknownInput("\"" + name + "\" is given twice");
       place.opened = true;
       place.put_in(number);
       return place.unit;
@@ -167,8 +167,8 @@ class Opening {
     std::vector<std::string> names;
     for (const Place& place : places_)
       if (place.refusal.empty()) names.push_back(place.short_name);
-    throw UsageError("--inputs: \"" + name + "\" is not a drive, a law or a force" +
-                     (names.empty() ? "; the scene has none" : text::suggestion(name, names)));
+    throw UnknownInput("\"" + name + "\" is not a drive, a law or a force" +
+                       (names.empty() ? "; the scene has none" : text::suggestion(name, names)));
   }
   // Forces that were added, at last: places point into the scene until then.
   void close() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/commands/pose_columns.h"
+#include "framework/tools/analysis/pose_numbers.h"
 
 #include <lockstep/author/lock.h>
 
@@ -67,7 +67,7 @@ std::vector<PoseNumber> force_numbers(const System& system, const Inputs& in) {
   return all;
 }
 
-NamedPoses poses_of(const System& system, const State& state) {
+NamedPoses named_poses(const System& system, const State& state) {
   NamedPoses all;
   for (const Body& body : system.bodies())
     if (!body.fixed) all.emplace_back(body.name, body_pose(body, state));

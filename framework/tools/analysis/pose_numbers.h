@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Poses of bodies, loads of forces and reactions of joints as numbers with the names of their channels, for analyses
+// without a run.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <lockstep/dynamics.h>
+#include <lockstep/recorder.h>
+
+namespace lockstep {
+
+/// A reaction: of a joint without its drives, or of its drives, on p's body about P.
+struct NamedReaction {
+  std::string name, body;  ///< "A", "A.drive"; the body of P
+  LinkWrench wrench;       ///< world axes
+  std::string note{};      ///< "left out", of a joint without constraints; "not unique"
+};
+
+/// Of all active joints, by their names.
+LOCKSTEP_API std::vector<std::pair<std::string, NamedReaction>> reactions_of(const System&, const Evaluated&);
+
+/// A number with the name of its channel, "crank.x" or "A.force_on_p_world_x".
+struct PoseNumber {
+  std::string name, unit;
+  double value;
+};
+/// Those of the poses of all moving bodies and of the reactions of all joints, which are zero for inactive joints.
+LOCKSTEP_API std::vector<PoseNumber> pose_numbers(const System&, const State&, const Evaluated&);
+/// Lengths, angles and loads that forces show at rest.
+LOCKSTEP_API std::vector<PoseNumber> force_numbers(const System&, const Inputs&);
+
+/// Poses by the names of moving bodies, and reactions by the names of joints and drives, as results.
+using NamedPoses = std::vector<std::pair<std::string, Pose>>;
+LOCKSTEP_API NamedPoses named_poses(const System&, const State&);
+
+}  // namespace lockstep
