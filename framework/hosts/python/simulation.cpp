@@ -4,7 +4,12 @@
 #include <pybind11/functional.h>
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include <lockstep/assembly.h>
+#include "framework/description/scene/with_values.h"
 
 namespace lockstep::python {
 
@@ -95,7 +100,18 @@ Event event_of(Run& run, const py::dict& given) {
 
 }  // namespace
 
+ReadScene::ReadScene(const py::object& source, Types given) : types(std::move(given)), scene(scene_of(source, types)) {
+  computing([&] { scene = with_values(std::move(scene), types.changed(), {}); });
+}
+
+std::pair<double, std::string> ReadScene::quantity(const std::string& name, const std::optional<std::string>& text) const {
+  const Variable v = read_variable(name + "=" + text.value_or("0"), scene, types.registry());
+  const double* number = v.values.front().number();
+  return {number != nullptr ? *number : NAN, v.unit};
+}
+
 Scene scene_of(const py::object& source, Types& types) {
+  if (py::isinstance<ReadScene>(source)) return source.cast<const ReadScene&>().scene;
   if (py::isinstance<py::dict>(source)) return scene_from(value_of(source, types), "scene.json");
   const py::object path = py::module_::import("os").attr("fspath")(source);
   const auto text = path.cast<std::string>();
@@ -149,17 +165,7 @@ Simulation& Run::simulation() {
   return simulation_;
 }
 
-py::list Run::columns() {
-  const bool runs = runner_ != std::thread::id{};
-  std::shared_ptr<Table> rows = rows_;
-  if (!rows && runs) {
-    rows = std::make_shared<Table>(simulation().table());
-  } else if (!rows) {
-    rows = rows_ = std::make_shared<Table>();
-    for (const Column& c : simulation().table().columns()) rows->add_column(c.name, c.unit);
-    simulation().recorder().exchange(*rows);
-  }
-  const std::span<const ColumnRange> ranges = simulation().recorder().ranges();
+py::list columns_of(const std::shared_ptr<Table>& rows, std::span<const ColumnRange> ranges) {
   py::list all;
   for (std::size_t k = 0; k < rows->n_columns(); ++k) {
     const Column& c = rows->columns()[k];
@@ -172,6 +178,33 @@ py::list Run::columns() {
       range = py::make_tuple(r.least, r.t_least, r.most, r.t_most, r.resolved);
     }
     all.append(py::make_tuple(c.name, c.unit, std::move(values), std::move(range)));
+  }
+  return all;
+}
+
+py::list Run::columns() {
+  const bool runs = runner_ != std::thread::id{};
+  std::shared_ptr<Table> rows = rows_;
+  if (!rows && runs) {
+    rows = std::make_shared<Table>(simulation().table());
+  } else if (!rows) {
+    rows = rows_ = std::make_shared<Table>();
+    for (const Column& c : simulation().table().columns()) rows->add_column(c.name, c.unit);
+    simulation().recorder().exchange(*rows);
+  }
+  return columns_of(rows, simulation().recorder().ranges());
+}
+
+py::array_t<double> Run::extremes() {
+  take_rows_back();
+  const std::span<const ColumnRange> ranges = simulation().recorder().ranges();
+  const std::vector<Column>& columns = simulation().table().columns();
+  py::array_t<double> all({ranges.size(), std::size_t{5}});
+  double* out = all.mutable_data();
+  for (std::size_t k = 0; k < ranges.size(); ++k, out += 5) {
+    const ColumnRange& r = ranges[k];
+    const std::vector<double>& values = columns[k + 1].values;
+    std::ranges::copy(std::array{values.empty() ? NAN : values.back(), r.least, r.t_least, r.most, r.t_most}, out);
   }
   return all;
 }
@@ -206,6 +239,11 @@ void bind_simulation(py::module_& m) {
       }, py::arg("name"), py::arg("v") = py::none(), py::arg("w") = py::none(),
            "Sets the velocity of a body's origin (world, m/s) and its angular velocity (body axes, rad/s).");
 
+  py::class_<ReadScene>(m, "Scene", "A scene that was read once, for many runs: a source, and types that it names.")
+      .def(py::init<py::object, Types>(), py::arg("source"), py::arg("types"))
+      .def_readonly("types", &ReadScene::types, "The types that it names.")
+      .def("quantity", &ReadScene::quantity, py::arg("name"), py::arg("text"),
+           "A value of the scene from a text, in SI, and its unit; None: the present value.");
   py::class_<Run>(m, "Run")
       .def(py::init([](const py::object& source, const Types& types, const Settings& set, const Settings& record,
                        bool report) { return std::make_unique<Run>(source, types, set, record, report); }))
@@ -227,8 +265,13 @@ void bind_simulation(py::module_& m) {
         return made.h;
       })
       .def("columns", &Run::columns)
+      .def("extremes", &Run::extremes)
       .def_property_readonly("title", [](const Run& r) { return r.text.title; })
-      .def("column_names", [](Run& r) { return r.simulation().table().names(); })
+      .def("units", [](Run& r) {
+        std::vector<std::pair<std::string, std::string>> all;
+        for (const Column& c : r.simulation().table().columns()) all.emplace_back(c.name, c.unit);
+        return all;
+      })
       .def_property_readonly("t", [](Run& r) { return r.simulation().state().t; })
       .def_property_readonly("settings_until", [](Run& r) {
         return r.simulation().settings().until;

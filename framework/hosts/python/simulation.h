@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <thread>
 #include <utility>
@@ -22,8 +23,20 @@ namespace lockstep::python {
 
 using Settings = std::vector<std::pair<std::string, std::string>>;  ///< names and values of a scene
 
-/// A scene from a path, a JSON text (it begins with "{") or a dictionary. Throws SceneError, FileError, TypeError.
+/// A scene that was read once, with the types that it names, for many runs.
+struct ReadScene {
+  ReadScene(const py::object& source, Types given);
+  /// A value in SI with its unit: of a text, or none, then the unit alone counts.
+  std::pair<double, std::string> quantity(const std::string& name, const std::optional<std::string>& text) const;
+  Types types;
+  Scene scene;
+};
+
+/// A scene from a ReadScene, a path, a JSON text (it begins with "{") or a dictionary. Throws SceneError, FileError, TypeError.
 Scene scene_of(const py::object& source, Types& types);
+
+/// The columns of a table with their extremes, as arrays without a copy.
+py::list columns_of(const std::shared_ptr<Table>&, std::span<const ColumnRange>);
 
 /// A Simulation with the types that its scene names, and the rows that Python holds.
 class Run {
@@ -47,6 +60,8 @@ class Run {
   void judge() { warn_once(simulation().verdict().findings); }
   /// The columns so far, as arrays without a copy: they stay as they are while the run goes on.
   py::list columns();
+  /// By column after the time: last value, least and its time, largest and its time.
+  py::array_t<double> extremes();
   std::string report_page();
   /// Gives the rows back to the recorder, before it changes or writes them.
   void take_rows_back();

@@ -96,7 +96,19 @@ def joints():
     print(f"a joint of Python over the same formula: {by['python'] / by['formula']:.1f} times the run")
 
 
+def sweeps():
+    print("a sweep of 2000 runs of 10 ms: us a run; of that its start and steps, making the mechanism, and the sweep itself")
+    for name, values in (("pendulum", {"length": 0.7}), ("four_bar", {"crank": 0.11})):
+        n, few = 2000, 400
+        whole = timed(lambda: ls.sweep(scene(name), [values] * n, until=0.01)) / n
+        read, made = ls.Scene(scene(name), ls.Types()), []
+        making = timed(lambda: made.extend(ls.Simulation(read, set=values, report=False) for _ in range(few))) / few
+        run = timed(lambda: [each.advance_to(0.01) for each in made]) / few
+        print(f"  {name:20} {1e6 * whole:6.0f} = {1e6 * run:5.0f} + {1e6 * making:5.0f} + {1e6 * (whole - run - making):5.0f}")
+
+
 if __name__ == "__main__":
+    sweeps()
     runs()
     laws()
     joints()

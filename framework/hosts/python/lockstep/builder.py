@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
+from typing import Any
 
 from lockstep._core import Types
 from lockstep.simulation import Simulation
@@ -34,7 +35,7 @@ class Named:
         return f"<{self.name}>"
 
 
-def _plain(value):
+def _plain(value: Any) -> Any:
     """A value of a scene, with names in place of what it names."""
     if isinstance(value, Named):
         return value.name
@@ -57,70 +58,71 @@ class Mechanism:
         pin = m.revolute("pin", rod, at=(0, 0, 0))
         run = m.simulation(until="2 s", record=[pin["rz"]])
 
-    Joints and forces of all types are methods: m.revolute(name, p, s, **keys), m.spring_damper(...); without s the
+    Joints and forces of all types are methods: m.revolute(name, p, s, **keys: Any), m.spring_damper(...); without s the
     second end is the ground. Errors are those of scenes.
     """
 
     ground = Named("ground")
 
-    def __init__(self, title: str = "", *, gravity=(0.0, 0.0, 0.0), **keys) -> None:
-        self._scene = {"lockstep": 1, "title": title, "gravity": list(gravity),
+    def __init__(self, title: str = "", *, gravity: Sequence[float | str] = (0.0, 0.0, 0.0), **keys: Any) -> None:
+        self._scene: dict[str, Any] = {"lockstep": 1, "title": title, "gravity": list(gravity),
                        **{_key(k): _plain(v) for k, v in keys.items()}}
 
-    def _add(self, group: str, name: str, **keys) -> Named:
+    def _add(self, group: str, name: str, **keys: Any) -> Named:
         entry = {"name": name, **{_key(k): _plain(v) for k, v in keys.items()}}
         self._scene.setdefault(group, []).append(entry)
         return Named(name)
 
-    def body(self, name: str, **keys) -> Named:
+    def body(self, name: str, **keys: Any) -> Named:
         """A body by the keys of scenes: mass, center, inertia, position, orientation, velocity, ..."""
         return self._add("bodies", name, **keys)
 
-    def _shape(self, shape: str, name: str, *, position=None, orientation=None, velocity=None, visual=None,
-               omega_world=None, omega_body=None, **keys) -> Named:
+    def _shape(self, shape: str, name: str, *, position: Any = None, orientation: Any = None, velocity: Any = None,
+               visual: Any = None, omega_world: Any = None, omega_body: Any = None, **keys: Any) -> Named:
         places = {"position": position, "orientation": orientation, "velocity": velocity, "visual": visual,
                   "omega_world": omega_world, "omega_body": omega_body}
         return self.body(name, **{shape: keys}, **{k: v for k, v in places.items() if v is not None})
 
-    def particle(self, name: str, mass, position, **keys) -> Named:
+    def particle(self, name: str, mass: Any, position: Any, **keys: Any) -> Named:
         """A particle: mass, kg, and position, m."""
         return self.body(name, particle=mass, position=position, **keys)
 
-    def fixed(self, name: str, **keys) -> Named:
+    def fixed(self, name: str, **keys: Any) -> Named:
         """A body that never moves."""
         return self.body(name, fixed=True, **keys)
 
-    def marker(self, name: str, body, **keys) -> Named:
+    def marker(self, name: str, body: Any, **keys: Any) -> Named:
         """A frame on a body: at and orientation in its axes, or world_at and world_orientation."""
         return self._add("markers", name, body=body, **keys)
 
-    def joint(self, type, name: str, p=None, s=None, **keys) -> Named:
+    def joint(self, type: Any, name: str, p: Any = None, s: Any = None, **keys: Any) -> Named:
         """A joint of a type: a name, or a function by ls.joint. Couplings take pairs=[...] in place of p and s."""
         ends = {} if "pairs" in keys else {"p": p, "s": s or self.ground}
         return self._add("joints", name, type=type, **ends, **keys)
 
-    def force(self, type, name: str, p=None, s=None, **keys) -> Named:
+    def force(self, type: Any, name: str, p: Any = None, s: Any = None, **keys: Any) -> Named:
         """A force of a type: a name, or a function by ls.force."""
         ends = {k: v for k, v in (("p", p), ("s", s)) if v is not None}
         return self._add("forces", name, type=type, **ends, **keys)
 
-    def event(self, name: str, **keys) -> Named:
+    def event(self, name: str, **keys: Any) -> Named:
         """An event by the keys of scenes."""
         return self._add("events", name, **keys)
 
-    def parameter(self, name: str, value) -> str:
+    def parameter(self, name: str, value: Any) -> str:
         """A parameter, which formulas read and Simulation(..., name=value) sets. Returns its formula."""
         self._scene.setdefault("parameters", {})[name] = value
         return f"={name}"
 
-    def scene(self) -> dict:
+    def scene(self) -> dict[str, Any]:
         """The scene as a dictionary."""
         return self._scene
 
-    def simulation(self, *, report: bool | None = None, types: Types | None = None, **run) -> Simulation:
-        """A run with these run settings: until, output, integrator, tolerance, step, record, ..."""
+    def simulation(self, *, record: Sequence[str] | Mapping[str, str] = (), report: bool | None = None,
+                   types: Types | None = None, **run: Any) -> Simulation:
+        """A run with these run settings: until, output, integrator, tolerance, step, ...; the others are Simulation's."""
         settings = {**self._scene.get("run", {}), **{_key(k): _plain(v) for k, v in run.items()}}
-        return Simulation({**self._scene, "run": settings}, report=report, types=types)
+        return Simulation({**self._scene, "run": settings}, record=record, report=report, types=types)
 
     def __getattr__(self, name: str) -> Callable[..., Named]:
         if name.startswith("_"):

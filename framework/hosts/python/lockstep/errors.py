@@ -3,8 +3,12 @@
 
 from __future__ import annotations
 
+import threading
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 
 class Error(Exception):
@@ -28,11 +32,11 @@ class Error(Exception):
     t: float | None = None
     """Simulated time, s."""
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return _restored, (type(self), str(self), dict(self.__dict__))
 
 
-def _restored(kind, sentence, facts):
+def _restored(kind: type[Error], sentence: str, facts: dict[str, Any]) -> Error:
     error = kind(sentence)
     error.__dict__.update(facts)
     return error
@@ -85,7 +89,7 @@ _KINDS = {
 }
 
 
-def error_of(kind: str, sentence: str, facts: dict) -> Error:
+def error_of(kind: str, sentence: str, facts: dict[str, Any]) -> Error:
     """The exception of an error of the library."""
     return _restored(_KINDS.get(kind, Error), sentence, facts)
 
@@ -119,7 +123,7 @@ class Finding:
 class FindingWarning(UserWarning):
     """Base of the warnings of lockstep; `finding` has the facts."""
 
-    def __init__(self, finding: Finding):
+    def __init__(self, finding: Finding) -> None:
         super().__init__(finding.text)
         self.finding = finding
 
@@ -143,8 +147,25 @@ class WrongResult(FindingWarning):
 _WARNINGS = {"warning": ModelWarning, "doubt": DoubtfulResult, "wrong": WrongResult}
 
 
+_heard = threading.local()
+
+
+@contextmanager
+def heard() -> Iterator[list[Finding]]:
+    """Findings of this thread are collected in a list in place of warnings."""
+    before, _heard.findings = getattr(_heard, "findings", None), []
+    try:
+        yield _heard.findings
+    finally:
+        _heard.findings = before
+
+
 def warn(findings: list[Finding]) -> None:
     """Warns of all findings above notes."""
+    collected = getattr(_heard, "findings", None)
+    if collected is not None:
+        collected.extend(findings)
+        return
     for finding in findings:
         if finding.severity in _WARNINGS:
             warnings.warn(_WARNINGS[finding.severity](finding), stacklevel=3)

@@ -3,13 +3,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 
-def _function(name: str):
+def _function(name: str) -> Callable[[Any], Any]:
     of_numbers = getattr(np, name)
 
-    def function(x):
+    def function(x: Any) -> Any:
         method = getattr(x, name, None)
         return of_numbers(x) if method is None or isinstance(x, np.ndarray) else method()
 
@@ -23,14 +26,14 @@ sinh, cosh, tanh = (_function(n) for n in ("sinh", "cosh", "tanh"))
 arcsin, arccos, arctan = (_function(n) for n in ("arcsin", "arccos", "arctan"))
 
 
-def arctan2(y, x):
+def arctan2(y: Any, x: Any) -> Any:
     """Angle of the point (x, y), rad, in [-pi, pi]; of numbers or jets."""
     if hasattr(y, "arctan2"):
         return y.arctan2(x)
     return type(x)(y).arctan2(x) if hasattr(x, "arctan2") else np.arctan2(y, x)
 
 
-def norm(v):
+def norm(v: Any) -> Any:
     """Length of a vector of numbers or jets."""
     square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
     return sqrt(square) if square > 0 else 0.0 * square

@@ -5,30 +5,52 @@ from __future__ import annotations
 
 import html
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
+from typing import TYPE_CHECKING, Any, Union
+
+import numpy as np
+from numpy.typing import NDArray
 
 from lockstep._core import Run as _Run
-from lockstep._core import Types
+from lockstep._core import Sample, Scene, State, Types
 from lockstep._core import seconds as _seconds
 from lockstep.errors import Finding
-from lockstep.table import Column, Table
+from lockstep.table import Table
 
+if TYPE_CHECKING:
+    from lockstep.builder import Mechanism
+
+Array = NDArray[np.float64]
 Quantity = str | float
 """A number in SI, or a text with a unit: "120 mm"."""
 
 
+Source = Union[str, "os.PathLike[str]", dict[str, Any], Scene, "Mechanism"]
+"""A scene: a path, a JSON text, a dictionary, one that was read by Scene(), or a Mechanism."""
+
+
+def scene_of(source: Source) -> Any:
+    """A scene as the module _core takes it."""
+    return source.scene() if hasattr(source, "scene") else source
+
+
 @cache
-def _built_in() -> Types:
+def built_in() -> Types:
     """The types of the library. Runs share them, and copy them to add their own."""
     return Types()
 
 
-def text_of(value) -> str:
+def text_of(value: Quantity) -> str:
     """A value of a scene as the program takes it."""
     if isinstance(value, bool):
         return "true" if value else "false"
     return value if isinstance(value, str) else repr(float(value))
+
+
+def pairs_of(values: Mapping[str, Quantity]) -> list[tuple[str, str]]:
+    """Values of a scene by name, as texts."""
+    return [(name, text_of(value)) for name, value in values.items()]
 
 
 def seconds(t: Quantity) -> float:
@@ -38,12 +60,12 @@ def seconds(t: Quantity) -> float:
 
 def in_notebook() -> bool:
     try:
-        return get_ipython().__class__.__name__ == "ZMQInteractiveShell"  # type: ignore[name-defined]
+        return bool(get_ipython().__class__.__name__ == "ZMQInteractiveShell")  # type: ignore[name-defined]
     except NameError:
         return False
 
 
-def _pairs(channels: Sequence[str] | Mapping[str, str]) -> list[tuple[str, str]]:
+def pairs_of_columns(channels: Sequence[str] | Mapping[str, str]) -> list[tuple[str, str]]:
     """Names of columns and their channels."""
     return list(channels.items()) if isinstance(channels, Mapping) else [(c, c) for c in channels]
 
@@ -56,19 +78,19 @@ class Simulation:
     channels or formulas. `report`: whether poses are kept for a report; default: in a notebook.
     """
 
-    def __init__(self, scene, *, set: Mapping[str, Quantity] | None = None,
+    def __init__(self, scene: Source, *, set: Mapping[str, Quantity] | None = None,
                  record: Sequence[str] | Mapping[str, str] = (), report: bool | None = None,
                  types: Types | None = None, **parameters: Quantity) -> None:
-        scene = scene.scene() if hasattr(scene, "scene") else scene
-        values = {**(set or {}), **parameters}
+        self.scene = scene_of(scene)
+        types = types or (self.scene.types if isinstance(self.scene, Scene) else built_in())
+        self._subject = self.scene, types, pairs_of({**(set or {}), **parameters})
         self._report = in_notebook() if report is None else report
-        self._run = _Run(scene, types or _built_in(), [(k, text_of(v)) for k, v in values.items()], _pairs(record),
-                         self._report)
-        self._scene, self._values, self._began = scene, values, False
+        self._run = _Run(*self._subject, pairs_of_columns(record), self._report)
+        self._began = False
 
     def record(self, channels: Sequence[str] | Mapping[str, str]) -> None:
         """Adds columns before the run begins: channels, or names with channels or formulas."""
-        self._run.record(_pairs(channels))
+        self._run.record(pairs_of_columns(channels))
 
     def begin(self) -> None:
         """Assembles the start. Called by whatever needs it."""
@@ -78,15 +100,27 @@ class Simulation:
 
     def until(self, t: Quantity) -> Table:
         """Runs to the time t, and returns the table so far. May be called again."""
-        self.begin()
-        self._run.until(seconds(t))
+        self.advance_to(seconds(t))
         return self.table
 
     def run(self) -> Table:
         """Runs to the end that the scene gives."""
-        self.begin()
-        self._run.run()
+        self.advance_to(None)
         return self.table
+
+    def advance_to(self, t: float | None) -> None:
+        """Runs to the time t, s, or None: to the end that the scene gives."""
+        self.begin()
+        self._run.run() if t is None else self._run.until(t)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Of the recorded columns, the time first."""
+        return dict(self._run.units())
+
+    def extremes(self) -> Array:
+        """By recorded column after the time: last value, least value and its time, largest value and its time."""
+        return self._run.extremes()
 
     def advance(self, h: Quantity) -> None:
         """Runs on by exactly h, s, as a controller in a loop does."""
@@ -101,8 +135,7 @@ class Simulation:
     @property
     def table(self) -> Table:
         """The columns so far. They stay as they are when the run goes on."""
-        return Table([Column(values, name, unit, extremes) for name, unit, values, extremes in self._run.columns()],
-                     self._run.title)
+        return Table.of(self._run.columns(), self._run.title)
 
     @property
     def t(self) -> float:
@@ -120,15 +153,15 @@ class Simulation:
     def steps(self) -> int:
         """Accepted steps."""
         self.begin()
-        return self._run.report()["steps"]
+        return int(self._run.report()["steps"])
 
     @property
     def stopped_by(self) -> str:
         """Names of the events that ended the run; "" if none did."""
         self.begin()
-        return self._run.report()["stopped_by"]
+        return str(self._run.report()["stopped_by"])
 
-    def body(self, name: str) -> dict:
+    def body(self, name: str) -> dict[str, Any]:
         """Pose and twist of a body now: x (m), q, v (m/s), w (body axes, rad/s)."""
         self.begin()
         return self._run.body(name)
@@ -138,9 +171,9 @@ class Simulation:
         """Numbers that forces and laws read: run.inputs["u"] = 0.3. A value acts from the next step on."""
         return Inputs(self._run)
 
-    def on(self, name: str, *, when: Callable | None = None, at: float | None = None, crossing: str = "any",
+    def on(self, name: str, *, when: Callable[[Sample], float] | None = None, at: float | None = None, crossing: str = "any",
            stop: bool = False, once: bool = True, activate: Sequence[str] = (), deactivate: Sequence[str] = (),
-           change: Callable | None = None, tolerance: float = 1e-9) -> None:
+           change: Callable[[State], object] | None = None, tolerance: float = 1e-9) -> None:
         """Adds an event: at a time, s, or when a function of a Sample passes zero ("rising", "falling", "any").
 
         `change` may set velocities of the State that it is called with. `stop` ends the run.
@@ -164,12 +197,17 @@ class Simulation:
         self.begin()
         self._run.deactivate(name)
 
-    def save(self, file: str | os.PathLike) -> None:
+    def subject(self) -> tuple[Any, Types, list[tuple[str, str]], _Run]:
+        """Its scene, types and values, and the run itself, for analyses at its present state."""
+        self.begin()
+        return *self._subject, self._run
+
+    def save(self, file: str | os.PathLike[str]) -> None:
         """Writes a checkpoint, from which load() continues to the last bit."""
         self.begin()
         self._run.save(os.fspath(file))
 
-    def load(self, file: str | os.PathLike) -> None:
+    def load(self, file: str | os.PathLike[str]) -> None:
         """Continues from a checkpoint of the same scene."""
         self._run.load(os.fspath(file))
         self._began = True
@@ -179,7 +217,7 @@ class Simulation:
         """What may be recorded, with units."""
         return {name: unit for name, unit, _ in self._run.channels()}
 
-    def report(self, file: str | os.PathLike) -> None:
+    def report(self, file: str | os.PathLike[str]) -> None:
         """Writes the run as one HTML page; needs Simulation(..., report=True)."""
         with open(file, "w", encoding="utf-8") as out:
             out.write(self._run.report_page())
@@ -207,7 +245,7 @@ class Inputs:
     def __setitem__(self, name: str, value: float) -> None:
         self._run.set_input(name, float(value))
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self._run.inputs())
 
     def __repr__(self) -> str:

@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 
 class Range(NamedTuple):
@@ -17,45 +18,48 @@ class Range(NamedTuple):
     t: float
     """When, s."""
 
+    def __repr__(self) -> str:
+        return f"{self.value:.9g} at t = {self.t:.9g} s"
 
-class Column(np.ndarray):
+
+class Column(np.ndarray[Any, np.dtype[np.float64]]):
     """A column: an array with name, unit, and the extremes of the motion, also between rows."""
 
     name: str
     unit: str
     """"N"; "" without dimension."""
 
-    def __new__(cls, values, name: str = "", unit: str = "", extremes=None) -> Column:
+    def __new__(cls, values: ArrayLike, name: str = "", unit: str = "", extremes: Any = None) -> Column:
         column = np.asarray(values, dtype=float).view(cls)
         column.name, column.unit, column._extremes = name, unit, extremes
         return column
 
-    def __array_finalize__(self, of) -> None:
+    def __array_finalize__(self, of: Any) -> None:
         self.name, self.unit = getattr(of, "name", ""), getattr(of, "unit", "")
         self._extremes = None
 
-    def __array_wrap__(self, array, context=None):
+    def __array_wrap__(self, array: Any, context: Any = None) -> Any:
         return array.view(np.ndarray)[()] if array.ndim == 0 else array.view(np.ndarray)
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return Column, (np.array(self), self.name, self.unit, self._extremes)
 
     @property
     def min_of_motion(self) -> Range:
         """The least value over the motion and its time."""
-        return self._range(0, 1, np.argmin)
+        return self._range(0, 1)
 
     @property
     def max_of_motion(self) -> Range:
         """The largest value over the motion and its time."""
-        return self._range(2, 3, np.argmax)
+        return self._range(2, 3)
 
     @property
     def is_resolved(self) -> bool:
         """False: between the instants at which the column was computed it may be smaller or larger."""
         return self._extremes is not None and bool(self._extremes[4])
 
-    def _range(self, value: int, t: int, _) -> Range:
+    def _range(self, value: int, t: int) -> Range:
         if self._extremes is None:
             raise ValueError(f'"{self.name}" is a part of a column, or computed; ask the column of the table')
         return Range(self._extremes[value], self._extremes[t])
@@ -72,6 +76,11 @@ class Table:
     def __init__(self, columns: list[Column], title: str = "") -> None:
         self._columns = {c.name: c for c in columns}
         self.title = title
+
+    @classmethod
+    def of(cls, columns: list[tuple[str, str, Any, Any]], title: str = "") -> Table:
+        """A table of columns as the module _core returns them."""
+        return cls([Column(values, name, unit, extremes) for name, unit, values, extremes in columns], title)
 
     @property
     def names(self) -> list[str]:
@@ -113,12 +122,12 @@ class Table:
             for row in zip(*(c.tolist() for c in self._columns.values())):
                 out.write(",".join(map(repr, row)) + "\n")
 
-    def to_pandas(self):
+    def to_pandas(self) -> Any:
         """A DataFrame of pandas, indexed by the time."""
         import pandas
         return pandas.DataFrame({n: np.asarray(c) for n, c in self._columns.items()}).set_index("t")
 
-    def plot(self, *names: str, x: str = "t", axes=None):
+    def plot(self, *names: str, x: str = "t", axes: Any = None) -> Any:
         """Plots columns by matplotlib, one panel per unit; all if none is named. Returns the figure."""
         import matplotlib.pyplot as plt
         chosen = [self[n] for n in names or self.names if n != x]

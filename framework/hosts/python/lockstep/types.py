@@ -6,6 +6,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any, Protocol, overload
 
 
 @dataclass(frozen=True, eq=False)
@@ -13,30 +14,30 @@ class Type:
     """A type of scenes by a function or a class. Calling it calls that."""
 
     kind: str
-    function: Callable
+    function: Callable[..., Any]
     name: str
     help: str
-    keys: list = field(default_factory=list)
+    keys: list[tuple[str, float | None]] = field(default_factory=list)
     """Its parameters in scenes: name, and default or None."""
     breaks: Sequence[float] = ()
     rows: int = 1
     mask: str = ""
     order: int = 1
 
-    def __call__(self, *args, **kwargs):
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
         return self.function(*args, **kwargs)
 
 
-def _type(kind: str, function: Callable, first: int, **more) -> Type:
+def _type(kind: str, function: Callable[..., Any], first: int, **more: Any) -> Type:
     name = getattr(function, "__name__", type(function).__name__)
     lines = (inspect.getdoc(function) or "").splitlines()
     return Type(kind, function, kind if name == "<lambda>" else name, lines[0] if lines else f"{kind} of Python",
                 _keys(function, first), **more)
 
 
-def _keys(function: Callable, first: int) -> list:
+def _keys(function: Callable[..., Any], first: int) -> list[tuple[str, float | None]]:
     """The parameters of a function after its first ones."""
-    keys = []
+    keys: list[tuple[str, float | None]] = []
     for p in list(inspect.signature(function).parameters.values())[first:]:
         if p.kind in (p.VAR_POSITIONAL, p.VAR_KEYWORD):
             continue
@@ -44,10 +45,17 @@ def _keys(function: Callable, first: int) -> list:
     return keys
 
 
-def _decorator(make):
+class _Decorator(Protocol):
+    @overload
+    def __call__(self, function: Callable[..., Any], **options: Any) -> Type: ...
+    @overload
+    def __call__(self, **options: Any) -> Callable[[Callable[..., Any]], Type]: ...
+
+
+def _decorator(make: Callable[..., Type]) -> _Decorator:
     """Lets `make(function, **options)` be used with and without options."""
 
-    def decorated(function=None, **options):
+    def decorated(function: Callable[..., Any] | None = None, **options: Any) -> Any:
         if function is None:
             return lambda f: make(f, **options)
         return make(function, **options)
@@ -58,7 +66,7 @@ def _decorator(make):
 
 
 @_decorator
-def law(function: Callable, *, breaks: Sequence[float] = ()) -> Type:
+def law(function: Callable[..., Any], *, breaks: Sequence[float] = ()) -> Type:
     """A law of motion: a function of the time, s, in the unit of what it drives.
 
     It is called with a jet, by which its rates are exact, or returns the value and both its derivatives as a tuple.
@@ -68,7 +76,7 @@ def law(function: Callable, *, breaks: Sequence[float] = ()) -> Type:
 
 
 @_decorator
-def joint(function: Callable, *, rows: int = 1, mask: str = "", pairs: int = 1) -> Type:
+def joint(function: Callable[..., Any], *, rows: int = 1, mask: str = "", pairs: int = 1) -> Type:
     """A joint that holds a function of the pose of P relative to S at zero: ls.joint(lambda y: y.x**2 + y.y**2 - 1).
 
     y has x, y, z (m), e0 ... e3, angle_z (rad, counted) and t (s). A function of `rows` 2 or 3 returns as many numbers.
@@ -80,7 +88,7 @@ def joint(function: Callable, *, rows: int = 1, mask: str = "", pairs: int = 1) 
 
 
 @_decorator
-def force(function: Callable) -> Type:
+def force(function: Callable[..., Any]) -> Type:
     """A force on P's body at the origin of P, and its opposite on S's body: a function of the markers.
 
     at.P and at.S have x (m), v (m/s), w (rad/s) in the world, and A; at.t is the time. It returns the force (world, N), or
@@ -100,6 +108,6 @@ def integrator(function: type, *, order: int = 1) -> Type:
     return _type("integrator", function, 0, order=order)
 
 
-def type_of(given) -> Type:
+def type_of(given: Callable[..., Any]) -> Type:
     """A Type, or a function of time as a law."""
     return given if isinstance(given, Type) else law(given)

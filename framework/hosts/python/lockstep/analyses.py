@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Analyses of a mechanism: statics, kinematics, inverse dynamics, modes, linear equations.
+
+Each takes a scene, as Simulation does, with values for its parameters, and analyses its start. A Simulation in its place
+is analysed at its present state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lockstep import _core
+from lockstep.errors import Finding
+from lockstep.simulation import Array, Quantity, Simulation, Source, built_in, pairs_of, pairs_of_columns, scene_of
+from lockstep.table import Table
+
+Complex = NDArray[np.complex128]
+
+
+def _subject(scene: Source | Simulation, values: Mapping[str, Quantity], types: _core.Types | None
+             ) -> tuple[Any, _core.Types, list[tuple[str, str]], _core.Run | None]:
+    """What the functions of the module _core begin with."""
+    if isinstance(scene, Simulation):
+        if values:
+            raise TypeError("a Simulation has its values; give parameters with a scene")
+        return scene.subject()
+    return scene_of(scene), types or built_in(), pairs_of(values), None
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """What a joint, or its drive, exerts on a body at marker P."""
+
+    body: str
+    force: Array
+    """World, N."""
+    moment: Array
+    """World, N m."""
+    is_unique: bool
+    """False: the joints are redundant, and other reactions are equally possible."""
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where a body is."""
+
+    x: Array
+    """Origin, world, m."""
+    q: Array
+    """Quaternion, scalar first."""
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A mechanism at rest."""
+
+    bodies: dict[str, Pose]
+    reactions: dict[str, Reaction]
+    """By joint: "A"; of its drive: "A.drive"."""
+    t: float
+    """Time at which laws are taken, s."""
+    stability: str
+    """"stable", "neutral", "unstable", "sticking", "not judged" or "no free motion"."""
+    freedoms: int
+    """Degrees of freedom that no drive holds."""
+    softest: float
+    """The lowest stiffness over mass, 1/s^2; negative: a motion grows."""
+    unstable: list[tuple[str, float]]
+    """Motions that grow, in words, with stiffness over mass, 1/s^2."""
+    neutral: list[tuple[str, float]]
+    """Motions without stiffness."""
+    energy: float
+    """Potential energy, J."""
+    method: str
+    """How it was found."""
+    held_by_friction: bool
+    unbalanced: float
+    """Largest unbalanced force, relative to the largest force on a body."""
+    largest_move: float
+    """Of a centre of mass from the given start, m."""
+    is_singular: bool
+    """Whether constraints nearly lose rank there; reactions may then be very large."""
+    findings: list[Finding]
+
+    def __repr__(self) -> str:
+        lines = [f"Equilibrium, {self.stability}, degrees of freedom: {self.freedoms}, found by {self.method}"]
+        for name, r in self.reactions.items():
+            lines.append(f"  {name} on {r.body}: force {_numbers(r.force)} N, moment {_numbers(r.moment)} N m"
+                         + ("" if r.is_unique else ", not unique"))
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A motion in which all bodies move as exp(eigenvalue t)."""
+
+    kind: str
+    """"oscillation", "decay", "growth", or "rigid": without restoring force."""
+    eigenvalue: complex
+    """1/s; of a pair that with the positive imaginary part."""
+    frequency: float
+    """Hz, of the damped motion."""
+    damping: float
+    """Damping ratio: 0 without damping, negative: it grows."""
+    bound: float
+    """Error of the eigenvalue by round-off, 1/s."""
+    shape: dict[str, tuple[Complex, Complex]]
+    """By body: translation of its centre of mass (world, m) and rotation (world axes, rad)."""
+
+
+@dataclass(frozen=True)
+class Modes:
+    """The modes of a mechanism: rigid ones first, then by rising size of the eigenvalue."""
+
+    modes: list[Mode]
+    eigenvalues: Complex
+    """All of them, 1/s; pairs as two."""
+    freedoms: int
+    is_complete: bool
+    """Whether these are all modes."""
+    findings: list[Finding]
+
+    @property
+    def frequencies(self) -> Array:
+        """Of each mode, Hz."""
+        return np.array([m.frequency for m in self.modes])
+
+    @property
+    def damping(self) -> Array:
+        """Damping ratio of each mode."""
+        return np.array([m.damping for m in self.modes])
+
+    def __len__(self) -> int:
+        return len(self.modes)
+
+    def __getitem__(self, k: int) -> Mode:
+        return self.modes[k]
+
+    def __iter__(self) -> Iterator[Mode]:
+        return iter(self.modes)
+
+    def __repr__(self) -> str:
+        lines = [f"Modes: {len(self)}, degrees of freedom: {self.freedoms}"]
+        for k, m in enumerate(self.modes):
+            value = f"{m.frequency:.6g} Hz" if m.kind == "oscillation" else f"{m.eigenvalue.real:.6g} 1/s"
+            lines.append(f"  {k}: {m.kind}, {value}, damping ratio {m.damping:.4g}")
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class LinearSystem:
+    """x' = A x + B u, y = C x + D u, deviations from a state. scipy.signal.StateSpace(*system) takes it."""
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    states: list[str]
+    """"rod.turn_z": displacements, one a degree of freedom, then their rates."""
+    inputs: list[str]
+    """A drive has three columns: "A.rz", and its rates "A.rz_d" and "A.rz_dd"."""
+    outputs: list[str]
+    units: dict[str, str]
+    """Of states, inputs and outputs by name."""
+    accuracy: float
+    """Relative error of B, C and D."""
+    findings: list[Finding]
+
+    def __iter__(self) -> Iterator[Array]:
+        return iter((self.A, self.B, self.C, self.D))
+
+    def __repr__(self) -> str:
+        def named(names: list[str]) -> str:
+            return ", ".join(f"{n} [{self.units[n]}]" if self.units[n] else n for n in names) or "none"
+        return (f"LinearSystem\n  states {named(self.states)}\n  inputs {named(self.inputs)}\n"
+                f"  outputs {named(self.outputs)}")
+
+
+def _numbers(values: Array) -> str:
+    return "[" + ", ".join(f"{x:.6g}" for x in values) + "]"
+
+
+def statics(scene: Source | Simulation, *, friction: bool = True, nearest: bool = False,
+            set: Mapping[str, Quantity] | None = None, types: _core.Types | None = None,
+            **parameters: Quantity) -> Equilibrium:
+    """Finds the equilibrium near the start, with drives held and velocities zero.
+
+    `friction`: whether it may hold the start. `nearest`: accepts an unstable one.
+    """
+    found = _core.statics(*_subject(scene, {**(set or {}), **parameters}, types), friction, nearest)
+    found["bodies"] = {name: Pose(*pose) for name, pose in found["bodies"].items()}
+    found["reactions"] = {name: Reaction(*r) for name, r in found["reactions"].items()}
+    return Equilibrium(**found)
+
+
+def _driven(inverse: bool, scene: Source | Simulation, times: ArrayLike | None,
+            record: Sequence[str] | Mapping[str, str], values: Mapping[str, Quantity],
+            types: _core.Types | None) -> Table:
+    at = [] if times is None else np.asarray(times, dtype=float).ravel().tolist()
+    if times is not None and not at:
+        raise ValueError("times is empty; give at least one time, s")
+    title, columns = _core.driven(*_subject(scene, values, types), at, pairs_of_columns(record), inverse)
+    return Table.of(columns, title)
+
+
+def kinematics(scene: Source | Simulation, *, times: ArrayLike | None = None,
+               record: Sequence[str] | Mapping[str, str] = (), set: Mapping[str, Quantity] | None = None,
+               types: _core.Types | None = None, **parameters: Quantity) -> Table:
+    """The motion of a fully driven mechanism at these times, s, without integration. Masses may be missing.
+
+    The columns are those that the scene records, and those of `record`. Default of times: those of the scene.
+    """
+    return _driven(False, scene, times, record, {**(set or {}), **parameters}, types)
+
+
+def inverse(scene: Source | Simulation, *, times: ArrayLike | None = None,
+            record: Sequence[str] | Mapping[str, str] = (), set: Mapping[str, Quantity] | None = None,
+            types: _core.Types | None = None, **parameters: Quantity) -> Table:
+    """The same with columns of the forces and torques of all drives and of all reactions: inverse dynamics."""
+    return _driven(True, scene, times, record, {**(set or {}), **parameters}, types)
+
+
+def modes(scene: Source | Simulation, *, equilibrium: bool = False, count: int = 0, spin: ArrayLike | None = None,
+          frozen: bool = False, set: Mapping[str, Quantity] | None = None, types: _core.Types | None = None,
+          **parameters: Quantity) -> Modes:
+    """Frequencies, damping ratios and shapes about an equilibrium or a steady rotation.
+
+    `equilibrium`: finds the static equilibrium first. `count`: only so many, the lowest. `spin`: angular velocity of the
+    axes of a steady rotation, rad/s; default: found. `frozen`: takes a state that is neither.
+    """
+    found = _core.modes(*_subject(scene, {**(set or {}), **parameters}, types), spin, frozen, equilibrium, count)
+    found["modes"] = [Mode(*m) for m in found["modes"]]
+    return Modes(**found)
+
+
+def linearize(scene: Source | Simulation, *, inputs: Sequence[str] = (), outputs: Sequence[str] = (),
+              equilibrium: bool = False, spin: ArrayLike | None = None, frozen: bool = False,
+              set: Mapping[str, Quantity] | None = None, types: _core.Types | None = None,
+              **parameters: Quantity) -> LinearSystem:
+    """The linear equations of motion about an equilibrium or a steady rotation.
+
+    `inputs`: joints with a drive, forces ("motor", "push.x") and laws ("rope.length"). `outputs`: recorded columns or
+    channels. The others are as for modes().
+    """
+    found = _core.linearize(*_subject(scene, {**(set or {}), **parameters}, types), spin, frozen, equilibrium,
+                            list(inputs), list(outputs))
+    signals = {key: found[key] for key in ("states", "inputs", "outputs")}
+    units = {name: unit for each in signals.values() for name, unit in each}
+    names = {key: [name for name, _ in each] for key, each in signals.items()}
+    return LinearSystem(**{**found, **names}, units=units)

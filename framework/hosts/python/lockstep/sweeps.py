@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Many runs of one scene, one row each, by any executor of concurrent.futures."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Executor, Future, as_completed
+from typing import Any
+
+import numpy as np
+
+from lockstep import _core
+from lockstep.errors import Error, Finding, heard
+from lockstep.simulation import Quantity, Simulation, Source, built_in, scene_of, seconds, text_of
+from lockstep.table import Column, Table
+
+Row = dict[str, Quantity]
+Vary = Mapping[str, Sequence[Quantity]] | Sequence[Row] | Any
+Measure = Callable[[Simulation], Any]
+Units = dict[str, str]
+Result = tuple[Any, Units | None, Exception | None, list[Finding]]
+"""Extremes with the units of the columns, or what `measure` returned; an error; findings."""
+_OF_COLUMN = ("last", "min", "t_min", "max", "t_max")
+
+
+class Runs(Table):
+    """One row per run. runs["crank"] are the values of a parameter, in SI units.
+
+    For each recorded column "x" of the runs there are "x.last", "x.min" and "x.max", and "x.t_min" and "x.t_max", the
+    times of the extremes, s. Numbers that a `measure` returned have its names. Rows of runs that failed are NaN.
+    """
+
+    def __init__(self, columns: list[Column], varied: list[str], errors: list[Exception | None],
+                 findings: list[list[Finding]], measured: list[Any]) -> None:
+        super().__init__(columns)
+        self.varied = varied
+        """Names of the parameters."""
+        self.errors = errors
+        """By run: what it raised, or None."""
+        self.findings = findings
+        """By run."""
+        self.measured = measured
+        """By run: what `measure` returned."""
+
+    @property
+    def failed(self) -> list[int]:
+        """Indices of the runs that raised."""
+        return [k for k, error in enumerate(self.errors) if error is not None]
+
+    def __len__(self) -> int:
+        return len(self.errors)
+
+    def to_pandas(self) -> Any:
+        """A DataFrame of pandas."""
+        import pandas
+        return pandas.DataFrame({n: np.asarray(self[n]) for n in self.names})
+
+    def __repr__(self) -> str:
+        lines = [f"{len(self)} runs" + (f", {len(self.failed)} failed" if self.failed else ""),
+                 f"{'':32} {'least':>14} {'mean':>14} {'largest':>14} {'deviation':>14}"]
+        for c in (self[n] for n in self.names):
+            values = np.asarray(c)[~np.isnan(c)]
+            if len(values):
+                numbers = (values.min(), values.mean(), values.max(), values.std())
+                lines.append(f"{c.label:32} " + " ".join(f"{x:14.6g}" for x in numbers))
+        return "\n".join(lines)
+
+
+def rows_of(vary: Vary) -> list[Row]:
+    """The values of each run: all combinations of a dictionary of lists, rows of a list or of a DataFrame."""
+    if hasattr(vary, "to_dict"):
+        return list(vary.to_dict("records"))
+    if isinstance(vary, Mapping):
+        lists = [[v] if isinstance(v, (str, float, int)) else list(v) for v in vary.values()]
+        return [dict(zip(vary, row)) for row in itertools.product(*lists)]
+    return [dict(row) for row in vary]
+
+
+def _one(scene: _core.Scene, units: Units, row: Row, until: float | None, columns: Any,
+         measure: Measure | None) -> Result:
+    """A run. `units` are taken from the first that has ended."""
+    with heard() as findings:
+        try:
+            run = Simulation(scene, set=row, record=columns, report=False)
+            run.advance_to(until)
+            if measure is not None:
+                return measure(run), None, None, findings
+            if not units:
+                units |= run.units
+            return run.extremes(), units, None, findings
+        except Exception as error:
+            return None, None, error, findings
+
+
+def _chunk(source: Any, rows: list[Row], *options: Any) -> list[Result]:
+    """The runs of some rows. The scene is read once."""
+    scene = source if isinstance(source, _core.Scene) else _core.Scene(source, built_in())
+    units: Units = {}
+    return [_one(scene, units, row, *options) for row in rows]
+
+
+def _parts(work: tuple[Any, ...], rows: list[Row], size: int,
+           executor: Executor | None) -> Iterable[tuple[int, list[Result]]]:
+    """Results with the number of their first row, in the order of their ends."""
+    source, options = work[0], work[1:]
+    starts = range(0, len(rows), size)
+    if executor is None:
+        scene = _core.Scene(source, built_in())
+        for k in starts:
+            yield k, _chunk(scene, rows[k:k + size], *options)
+        return
+    futures: dict[Future[list[Result]], int] = {
+        executor.submit(_chunk, source, rows[k:k + size], *options): k for k in starts}
+    try:
+        for future in as_completed(futures):
+            yield futures[future], future.result()
+    finally:
+        for future in futures:
+            future.cancel()
+
+
+def _of_extremes(results: list[Result]) -> list[Column]:
+    """The columns of runs without a measure."""
+    known: Units = next((units for _, units, *_ in results if units), {})
+    recorded = list(known.items())[1:]
+    missing = np.full((len(recorded), len(_OF_COLUMN)), math.nan)
+    numbers = np.array([missing if units is None else values for values, units, *_ in results])
+    return [Column(numbers[:, k, j].copy(), f"{name}.{what}", "s" if what.startswith("t_") else unit)
+            for k, (name, unit) in enumerate(recorded) for j, what in enumerate(_OF_COLUMN)]
+
+
+def _of_measures(results: list[Result], measure: Measure) -> list[Column]:
+    """The numbers that a measure returned."""
+    single = getattr(measure, "__name__", "measure")
+    rows = [{} if error else given if isinstance(given, Mapping) else {single: given} for given, _, error, _ in results]
+    columns = []
+    for name in dict.fromkeys(itertools.chain.from_iterable(rows)):
+        try:
+            columns.append(Column([float(row.get(name, math.nan)) for row in rows], name))
+        except (TypeError, ValueError):  # no number; `measured` has it
+            continue
+    return columns
+
+
+def _parameters(scene: Any, rows: list[Row]) -> list[Column]:
+    """The values that were varied, in SI units; NaN for words, and for values that their runs reject."""
+    read = _core.Scene(scene, built_in())
+    columns = []
+    for name in dict.fromkeys(itertools.chain.from_iterable(rows)):
+        given = [row.get(name, math.nan) for row in rows]
+        known: dict[Any, float] = {}
+        unit = ""
+        for value in dict.fromkeys([given[0], *(v for v in given if isinstance(v, str))]):
+            try:
+                known[value], unit = read.quantity(name, text_of(value))
+            except Error:
+                known[value] = math.nan
+        columns.append(Column([known[v] if isinstance(v, str) else float(v) for v in given], name, unit))
+    return columns
+
+
+def sweep(scene: Source, vary: Vary, *, executor: Executor | None = None, until: Quantity | None = None,
+          columns: Sequence[str] | Mapping[str, str] = (), measure: Measure | None = None,
+          progress: bool | Callable[[int, int], object] = False, chunk: int | None = None) -> Runs:
+    """Runs the scene once for each choice of values, and returns one row per run.
+
+    `vary`: {"crank": ["80 mm", "100 mm"], ...} for all combinations, or a list of dictionaries, or a DataFrame.
+    `executor`: threads, processes, Dask's; None: one run after another. For processes `measure` is a function of a module.
+    `until`: end of the runs; default: that of the scene. `columns`: to record in addition to those of the scene.
+    `measure`: a function of the finished Simulation, whose result, a number or a dictionary, is the row.
+    `progress`: True for a line on the error stream, or a function of the runs done and all runs. `chunk`: runs at a time.
+    A run that raises is a row of NaN, and its exception is in `errors`.
+    """
+    rows, source = rows_of(vary), scene_of(scene)
+    size = chunk or max(1, len(rows) // (8 * (os.cpu_count() or 1)))
+    work = source, None if until is None else seconds(until), columns, measure
+    results: list[Result] = [(None, None, None, [])] * len(rows)
+    done = 0
+    for first, part in _parts(work, rows, size, executor):
+        results[first:first + len(part)] = part
+        done += len(part)
+        if callable(progress):
+            progress(done, len(rows))
+        elif progress:
+            print(f"\r{done} of {len(rows)} runs", end="\n" if done == len(rows) else "", file=sys.stderr, flush=True)
+    parameters = _parameters(source, rows)
+    found = _of_extremes(results) if measure is None else _of_measures(results, measure)
+    return Runs(parameters + found, [c.name for c in parameters], [error for _, _, error, _ in results],
+                [findings for *_, findings in results], [given for given, *_ in results] if measure else [])

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sweeps: against closed forms, the same by every executor, and failures as rows."""
+
+import concurrent.futures
+import io
+import contextlib
+import math
+import multiprocessing
+import os
+import pickle
+import unittest
+import warnings
+
+import numpy as np
+
+import lockstep as ls
+
+
+def oscillator(**run):
+    """A mass of 2 kg on a spring: x = 0.1 cos(w t), w^2 = k/m."""
+    return {
+        "lockstep": 1, "parameters": {"k": "50 N/m", "m": "2 kg"},
+        "bodies": [{"name": "m", "particle": "=m", "position": [1.1, 0, 0]}],
+        "joints": [{"name": "guide", "type": "point_on_line", "p": "m", "s": "ground", "at_p": [1.1, 0, 0],
+                    "at_s": [1.1, 0, 0], "axis": "x"}],
+        "forces": [{"name": "spring", "type": "spring_damper", "p": "m", "s": "ground", "at_s": [0, 0, 0],
+                    "stiffness": "=k", "free_length": 1.0}],
+        "run": {"integrator": "dop853", "tolerance": 1e-11, "until": 0.2, "output": 0.1, "record": [{"x": "m.x"}], **run},
+    }
+
+
+def exact(k, m, t=0.2):
+    return 1 + 0.1 * np.cos(np.sqrt(k / m) * t)
+
+
+def last(run):
+    return float(run.table["x"][-1])
+
+
+def both(run):
+    return {"x": last(run), "steps": run.steps}
+
+
+def raises(run):
+    raise ZeroDivisionError("in measure")
+
+
+class Sweeps(unittest.TestCase):
+    def check_grid(self, executor=None, **more):
+        runs = ls.sweep(oscillator(), {"k": ["40 N/m", "0.05 kN/m"], "m": [1.0, 2.0, 3.0]}, executor=executor, **more)
+        self.assertEqual(len(runs), 6)
+        np.testing.assert_array_equal(runs["k"], [40, 40, 40, 50, 50, 50])
+        np.testing.assert_array_equal(runs["m"], [1, 2, 3] * 2)
+        self.assertEqual((runs["k"].unit, runs["m"].unit, runs["x.last"].unit), ("N/m", "kg", "m"))
+        np.testing.assert_allclose(runs["x.last"], exact(runs["k"], runs["m"]), atol=1e-9)
+        return runs
+
+    def test_all_combinations(self):
+        runs = self.check_grid()
+        np.testing.assert_allclose(runs["x.max"], 1.1, atol=1e-12)
+        np.testing.assert_array_equal(runs["x.t_max"], 0)
+        self.assertEqual(runs["x.t_min"].unit, "s")
+        self.assertIn("6 runs", repr(runs))
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(runs))["x.last"], runs["x.last"])
+
+    def test_threads(self):
+        with concurrent.futures.ThreadPoolExecutor(2) as pool:
+            threads = self.check_grid(pool, chunk=1)
+        np.testing.assert_array_equal(threads["x.last"], self.check_grid()["x.last"])
+
+    def test_processes(self):
+        with concurrent.futures.ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
+            self.check_grid(pool)
+            runs = ls.sweep(oscillator(), [{"k": 30.0}, {"k": 60.0}], executor=pool, measure=both)
+        np.testing.assert_allclose(runs["x"], exact(np.array([30, 60]), 2), atol=1e-9)
+        self.assertGreater(runs["steps"].min(), 0)
+
+    def test_dask(self):
+        try:
+            from dask.distributed import Client, LocalCluster
+        except ImportError:
+            self.skipTest("python3-distributed is missing")
+        with LocalCluster(n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None) as cluster:
+            with Client(cluster) as client:
+                self.check_grid(client.get_executor(), chunk=2)
+
+    def test_lists_and_measures(self):
+        runs = ls.sweep(oscillator(), [{"k": 30.0}, {"k": "0.06 kN/m", "m": "4 kg"}], measure=last, until="0.1 s")
+        np.testing.assert_allclose(runs["last"], exact(np.array([30, 60]), np.array([2, 4]), 0.1), atol=1e-9)
+        self.assertTrue(math.isnan(runs["m"][0]))
+        self.assertEqual(runs["m"][1], 4)
+        self.assertEqual(runs.varied, ["k", "m"])
+
+    def test_failures_are_rows(self):
+        runs = ls.sweep(oscillator(), {"m": [1.0, -1.0, 2.0]})
+        self.assertEqual(runs.failed, [1])
+        self.assertIsInstance(runs.errors[1], ls.SceneError)
+        self.assertTrue(math.isnan(runs["x.last"][1]))
+        np.testing.assert_allclose(runs["x.last"][[0, 2]], exact(50, np.array([1, 2])), atol=1e-9)
+        self.assertIn("1 failed", repr(runs))
+        self.assertEqual([type(e) for e in ls.sweep(oscillator(), {"m": [1.0]}, measure=raises).errors],
+                         [ZeroDivisionError])
+
+    def test_an_unknown_name_is_an_error_of_each_run(self):
+        runs = ls.sweep(oscillator(), {"kk": [1.0, 2.0]})
+        self.assertEqual(runs.failed, [0, 1])
+        self.assertIn('"kk"', str(runs.errors[0]))
+
+    def test_findings_belong_to_their_rows(self):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            runs = ls.sweep(oscillator(integrator="rk4", step=0.4, until=8), {"k": [0.01, 50.0]})
+        self.assertNotIn("energy-not-conserved", [f.code for f in runs.findings[0]])
+        self.assertIn("energy-not-conserved", [f.code for f in runs.findings[1]])
+
+    def test_progress(self):
+        seen = []
+        ls.sweep(oscillator(), {"k": [1.0] * 10}, chunk=4, progress=lambda done, of: seen.append((done, of)))
+        self.assertEqual(seen, [(4, 10), (8, 10), (10, 10)])
+        with contextlib.redirect_stderr(io.StringIO()) as text:
+            ls.sweep(oscillator(), {"k": [1.0]}, progress=True)
+        self.assertIn("1 of 1 runs", text.getvalue())
+
+    def test_columns_and_files(self):
+        scene = os.path.join(os.environ["LOCKSTEP_ROOT"], "samples", "scenes", "four_bar.json")
+        runs = ls.sweep(scene, {"crank": ["80 mm", "100 mm"]}, until=0.7, columns=["rocker.omega_world_z"])
+        np.testing.assert_allclose(runs["crank"], [0.08, 0.1], rtol=1e-15)
+        self.assertEqual(runs["rocker.omega_world_z.max"].unit, "rad/s")
+        np.testing.assert_array_equal(runs["rocker.omega_world_z.max"], runs["rocker_d.max"])
+
+
+if __name__ == "__main__":
+    unittest.main()
