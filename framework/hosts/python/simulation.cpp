@@ -137,9 +137,8 @@ bool Run::goes_on() {
     const py::gil_scoped_acquire lock;
     if (!on_step()) return false;
   }
-  constexpr auto kSwitch = std::chrono::milliseconds(5);  // the interval of the interpreter
   const auto now = std::chrono::steady_clock::now();
-  if (now - looked_ < kSwitch) return true;
+  if (now - looked_ < interval_) return true;
   looked_ = now;
   if (types.has_functions()) const py::gil_scoped_release others;
   const py::gil_scoped_acquire lock;

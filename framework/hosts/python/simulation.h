@@ -84,6 +84,8 @@ class Run {
   std::set<std::string> warned_;
   std::shared_ptr<Table> rows_;  // null: the recorder has them
   std::chrono::steady_clock::time_point looked_{};
+  std::chrono::duration<double> interval_{
+      py::module_::import("sys").attr("getswitchinterval")().cast<double>()};  // after which threads take turns
   std::thread::id runner_{};  // none: no call advances it
   Simulation simulation_;
 };
