@@ -27,7 +27,7 @@ compiles() {  # compiles FILE WHAT
 mapfile -t headers < <(cd "$include" && find lockstep -name '*.h' | sort)
 strange="$(cd "$include" && find . -type f -not -path './lockstep/*.h')"
 if [ -n "$strange" ]; then printf 'installed beside the public headers:\n%s\n' "$strange"; failed=1; fi
-if [ "${#headers[@]}" -gt 74 ]; then echo "${#headers[@]} headers are installed; about seventy are meant to be"; failed=1; fi
+if [ "${#headers[@]}" -gt 73 ]; then echo "${#headers[@]} headers are installed; about seventy are meant to be"; failed=1; fi
 for header in "${headers[@]}"; do
   case "$header" in  # those of few users, and dear: named by who needs them
     lockstep/lockstep.h | lockstep/c.h | lockstep/author/* | lockstep/detail/*) continue ;;

@@ -6,13 +6,13 @@
 
 #include <lockstep/author/check.h>
 #include <lockstep/author/loader.h>
-#include <lockstep/author/numeric_phi.h>
 #include <lockstep/author/relative.h>
 #include <lockstep/author/stepping.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/json.h"
 #include "framework/description/scene/write.h"
 #include "framework/hosts/c/json.h"
+#include "framework/hosts/c/numeric_phi.h"
 #include "framework/hosts/c/registry.h"
 #include "framework/hosts/c/state.h"
 #include "framework/hosts/c/user_code.h"
