@@ -18,13 +18,14 @@ class Input final : public MotionLaw {
 }  // namespace
 
 void add_input(LawTypes& types) {
-  types.laws.add({"input",
-                  "y = an input of the mechanism, which a host program sets between steps; laws of one name share it",
-                  {{"name", Form::text, Unit::none, kRequired, "name of the input; its channel is NAME.value"},
-                   value_key("value", Form::number, 0, "the value until it is set, in the unit of the driven quantity")}},
-                 [](const Params& p) -> LawPtr<MotionLaw> {
-                   return std::make_shared<const Input>(InputScope::find(p.text("name"), p.number("value")));
-                 });
+  types.laws.add(
+      {"input",
+       "y = an input of the mechanism, which a host program sets between steps; laws of one name share it",
+       {{"name", Form::text, Unit::none, kRequired, "name of the input; its channel is NAME.value"},
+        value_key("value", Form::number, 0, "the value until it is set, in the unit of the driven quantity")}},
+      [](const Params& p) -> LawPtr<MotionLaw> {
+        return std::make_shared<const Input>(InputScope::find(p.text("name"), p.number("value")));
+      });
 }
 
 }  // namespace lockstep

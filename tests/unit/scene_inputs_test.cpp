@@ -20,9 +20,13 @@ Mechanism slider(const std::string& law, const std::string& other = "0") {
   return read_mechanism(scene_from_text(R"({"lockstep": 1,
     "bodies": [{"name": "m", "sphere": {"mass": 2, "radius": 0.1}}],
     "joints": [{"name": "A", "type": "prismatic", "p": "m", "s": "ground", "at": [0, 0, 0], "axis": "z"}],
-    "forces": [{"name": "motor", "type": "force_motor", "p": "m", "s": "ground", "at": [0, 0, 0], "force": )" + law + R"(},
-               {"name": "second", "type": "force_motor", "p": "m", "s": "ground", "at": [0, 0, 0], "force": )" + other + R"(}],
-    "run": {"tolerance": 1e-10, "output": 0.01, "record": ["m.z", "u.value"]}})", "slider.json"), builtin_registry());
+    "forces": [{"name": "motor", "type": "force_motor", "p": "m", "s": "ground", "at": [0, 0, 0], "force": )" +
+                                            law + R"(},
+               {"name": "second", "type": "force_motor", "p": "m", "s": "ground", "at": [0, 0, 0], "force": )" +
+                                            other + R"(}],
+    "run": {"tolerance": 1e-10, "output": 0.01, "record": ["m.z", "u.value"]}})",
+                                        "slider.json"),
+                        builtin_registry());
 }
 
 TEST_CASE("a force of a scene acts by an input", "[unit][scene]") {
@@ -50,7 +54,8 @@ TEST_CASE("laws of one name share an input", "[unit][scene]") {
 
 TEST_CASE("inputs that contradict one another are errors", "[unit][scene]") {
   const std::string u = R"({"type": "input", "name": "u", "value": 1})";
-  CHECK_THROWS_WITH(slider(u, R"({"type": "input", "name": "u", "value": 2})"), says("input 'u'") && says("give one value"));
+  CHECK_THROWS_WITH(slider(u, R"({"type": "input", "name": "u", "value": 2})"),
+                    says("input 'u'") && says("give one value"));
   CHECK_THROWS_AS(slider(R"({"type": "input", "name": "m"})"), SceneError);  // a body
   CHECK(builtin_registry().scalar_law(Value::object({{"type", "input"}, {"name", "u"}, {"value", 3.0}}))->at(7).y == 3);
 }

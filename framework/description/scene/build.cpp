@@ -221,7 +221,8 @@ InputScope::Reader Builder::input(const std::string& name, double value) {
   const auto at = std::ranges::find(all, name, &ControlInput::name);
   const ControlInput& input = at != all.end() ? *at : system_.add_input(name, value);
   if (input.value() != value)
-    throw ModelError(fmt::format("input '{}' is {} here and {} in another law; give one value", name, value, input.value()));
+    throw ModelError(
+        fmt::format("input '{}' is {} here and {} in another law; give one value", name, value, input.value()));
   return [&input] { return input.value(); };
 }
 

@@ -32,11 +32,12 @@ void bind_analyses(py::module_&);
 /// A Python object that C++ keeps: it may be released in any thread.
 class Held {
  public:
-  explicit Held(py::object object) : object_(new py::object(std::move(object)), [](py::object* o) {
-    if (Py_IsInitialized() == 0) return;  // the interpreter has ended, and the object with it
-    const py::gil_scoped_acquire lock;
-    delete o;
-  }) {}
+  explicit Held(py::object object)
+      : object_(new py::object(std::move(object)), [](py::object* o) {
+          if (Py_IsInitialized() == 0) return;  // the interpreter has ended, and the object with it
+          const py::gil_scoped_acquire lock;
+          delete o;
+        }) {}
   const py::object& operator*() const { return *object_; }
   const py::object* operator->() const { return object_.get(); }
 

@@ -49,10 +49,10 @@ void raise(const Error& e) {
 }
 
 py::object object_of(const Finding& f) {
-  return python_errors().attr("Finding")(
-      std::string(f.code()), to_string(f.severity()), text_or_none(f.thing), f.message, text_or_none(f.advice),
-      number_or_none(f.value), number_or_none(f.limit), text_or_none(f.unit), number_or_none(f.t), text_or_none(f.place),
-      f.text());
+  return python_errors().attr("Finding")(std::string(f.code()), to_string(f.severity()), text_or_none(f.thing),
+                                         f.message, text_or_none(f.advice), number_or_none(f.value),
+                                         number_or_none(f.limit), text_or_none(f.unit), number_or_none(f.t),
+                                         text_or_none(f.place), f.text());
 }
 
 }  // namespace

@@ -90,27 +90,38 @@ void add_integrator(Registry& registry, const TypeInfo& info, const Held& type) 
 void bind_integrators(py::module_& m) {
   py::class_<StateRate>(m, "Rates", "Time derivatives of a state; they add, and are multiplied by numbers.")
       .def("__add__", &sum, py::is_operator())
-      .def("__sub__", [](const StateRate& a, const StateRate& b) { return sum(a, times(b, -1)); }, py::is_operator())
+      .def(
+          "__sub__", [](const StateRate& a, const StateRate& b) { return sum(a, times(b, -1)); }, py::is_operator())
       .def("__mul__", &times, py::is_operator())
       .def("__rmul__", &times, py::is_operator())
-      .def("__truediv__", [](const StateRate& a, double k) { return times(a, 1 / k); }, py::is_operator())
+      .def(
+          "__truediv__", [](const StateRate& a, double k) { return times(a, 1 / k); }, py::is_operator())
       .def("__neg__", [](const StateRate& a) { return times(a, -1); })
-      .def_property_readonly("q", [](const StateRate& k) { return array_of(k.q); }, "7 per rigid group: m/s, 1/s.")
-      .def_property_readonly("v", [](const StateRate& k) { return array_of(k.v); }, "6 per rigid group: m/s^2, rad/s^2.")
-      .def_property_readonly("s", [](const StateRate& k) { return array_of(k.s); }, "Of the integrated states.");
+      .def_property_readonly(
+          "q", [](const StateRate& k) { return array_of(k.q); }, "7 per rigid group: m/s, 1/s.")
+      .def_property_readonly(
+          "v", [](const StateRate& k) { return array_of(k.v); }, "6 per rigid group: m/s^2, rad/s^2.")
+      .def_property_readonly(
+          "s", [](const StateRate& k) { return array_of(k.s); }, "Of the integrated states.");
   py::class_<State>(m, "MechanismState", "Positions and velocities of a mechanism, for integrators.")
       .def_readonly("t", &State::t, "Time, s.")
-      .def_property("q", [](const State& y) { return array_of(y.q); }, &set_part<&State::q>,
-                    "7 per rigid group: centre of mass (world, m), quaternion (scalar first).")
-      .def_property("v", [](const State& y) { return array_of(y.v); }, &set_part<&State::v>,
-                    "6 per rigid group: velocity (world, m/s), angular velocity (own axes, rad/s).")
-      .def_property("s", [](const State& y) { return array_of(y.s); }, &set_part<&State::s>, "Integrated states.")
+      .def_property(
+          "q", [](const State& y) { return array_of(y.q); }, &set_part<&State::q>,
+          "7 per rigid group: centre of mass (world, m), quaternion (scalar first).")
+      .def_property(
+          "v", [](const State& y) { return array_of(y.v); }, &set_part<&State::v>,
+          "6 per rigid group: velocity (world, m/s), angular velocity (own axes, rad/s).")
+      .def_property(
+          "s", [](const State& y) { return array_of(y.s); }, &set_part<&State::s>, "Integrated states.")
       .def("__copy__", [](const State& y) { return y; })
-      .def("moved", [](const State& y, double h, const StateRate& k) {
-        State end = y;
-        end.t += h, end.q += h * k.q, end.v += h * k.v, end.s += h * k.s;
-        return end;
-      }, py::arg("h"), py::arg("rates"), "The state after h, s, at constant rates.");
+      .def(
+          "moved",
+          [](const State& y, double h, const StateRate& k) {
+            State end = y;
+            end.t += h, end.q += h * k.q, end.v += h * k.v, end.s += h * k.s;
+            return end;
+          },
+          py::arg("h"), py::arg("rates"), "The state after h, s, at constant rates.");
   py::class_<SystemView>(m, "System", "The mechanism in a step of an integrator.")
       .def("rates", &SystemView::rates, py::arg("state"), "Solves the equations of motion at a state.");
 }

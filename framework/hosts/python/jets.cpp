@@ -23,34 +23,54 @@ void bind_jet(py::module_& m, const char* name) {
   jet.def(py::init<double>(), py::arg("value"))
       .def_readonly("value", &J::v)
       .def_property_readonly("gradient", [](const J& a) { return array_of(VecX(a.g)); })
-      .def("__float__", [](const J& a) -> double {
-        throw py::type_error(fmt::format("a jet of value {} became a plain number, which has no derivatives; call the functions of lockstep or numpy, not those of math", a.v));
-      })
+      .def("__float__",
+           [](const J& a) -> double {
+             throw py::type_error(
+                 fmt::format("a jet of value {} became a plain number, which has no derivatives; call the functions of "
+                             "lockstep or numpy, not those of math",
+                             a.v));
+           })
       .def("__repr__", [](const J& a) { return fmt::format("Jet({})", a.v); })
       .def(py::self + py::self, py::is_operator())
       .def(py::self - py::self)
       .def(py::self * py::self)
       .def(py::self / py::self)
-      .def("__add__", [](const J& a, double b) { return a + b; }, py::is_operator())
-      .def("__sub__", [](const J& a, double b) { return a - b; }, py::is_operator())
-      .def("__mul__", [](const J& a, double b) { return a * b; }, py::is_operator())
-      .def("__truediv__", [](const J& a, double b) { return a / b; }, py::is_operator())
-      .def("__radd__", [](const J& a, double b) { return b + a; }, py::is_operator())
-      .def("__rsub__", [](const J& a, double b) { return b - a; }, py::is_operator())
-      .def("__rmul__", [](const J& a, double b) { return b * a; }, py::is_operator())
-      .def("__rtruediv__", [](const J& a, double b) { return b / a; }, py::is_operator())
-      .def("__pow__", [](const J& a, double p) { return p == 2 ? a * a : p == 0.5 ? sqrt(a) : pow(a, p); }, py::is_operator())
+      .def(
+          "__add__", [](const J& a, double b) { return a + b; }, py::is_operator())
+      .def(
+          "__sub__", [](const J& a, double b) { return a - b; }, py::is_operator())
+      .def(
+          "__mul__", [](const J& a, double b) { return a * b; }, py::is_operator())
+      .def(
+          "__truediv__", [](const J& a, double b) { return a / b; }, py::is_operator())
+      .def(
+          "__radd__", [](const J& a, double b) { return b + a; }, py::is_operator())
+      .def(
+          "__rsub__", [](const J& a, double b) { return b - a; }, py::is_operator())
+      .def(
+          "__rmul__", [](const J& a, double b) { return b * a; }, py::is_operator())
+      .def(
+          "__rtruediv__", [](const J& a, double b) { return b / a; }, py::is_operator())
+      .def(
+          "__pow__", [](const J& a, double p) { return p == 2     ? a * a
+                                                       : p == 0.5 ? sqrt(a)
+                                                                  : pow(a, p); },
+          py::is_operator())
       .def("__pow__", &power<J>, py::is_operator())
-      .def("__rpow__", [](const J& a, double b) { return exp(std::log(b) * a); }, py::is_operator())
+      .def(
+          "__rpow__", [](const J& a, double b) { return exp(std::log(b) * a); }, py::is_operator())
       .def("__neg__", [](const J& a) { return -a; })
       .def("__pos__", [](const J& a) { return a; })
       .def("__abs__", [](const J& a) { return abs(a); });
   if constexpr (!std::same_as<J, SlotJet>)
-    jet.def_property_readonly("rate", [](const J& a) { return a.d; })
-        .def_property_readonly("second", [](const J& a) { return a.h; });
+    jet.def_property_readonly("rate", [](const J& a) { return a.d; }).def_property_readonly("second", [](const J& a) {
+      return a.h;
+    });
   const auto compare = [&](const char* op, auto with) {
-    jet.def(op, [with](const J& a, const J& b) { return with(a.v, b.v); }, py::is_operator());
-    jet.def(op, [with](const J& a, double b) { return with(a.v, b); }, py::is_operator());
+    jet.def(
+        op, [with](const J& a, const J& b) { return with(a.v, b.v); }, py::is_operator());
+    jet.def(
+        op, [with](const J& a, double b) { return with(a.v, b); }, py::is_operator());
   };
   compare("__lt__", std::less<>());
   compare("__le__", std::less_equal<>());

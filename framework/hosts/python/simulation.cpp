@@ -43,7 +43,8 @@ py::dict pose_of(const Body& body, const State& state) {
 struct SampleView {
   const Sample* sample = nullptr;
   const Sample& get() const {
-    if (sample == nullptr) throw ModelError("a sample is used after the call that it was given to; copy numbers out of it");
+    if (sample == nullptr)
+      throw ModelError("a sample is used after the call that it was given to; copy numbers out of it");
     return *sample;
   }
 };
@@ -78,7 +79,9 @@ Event event_of(Run& run, const py::dict& given) {
   if (const py::object at = take("at")) e.at = at.cast<double>();
   if (const py::object crossing = take("crossing")) {
     const auto word = crossing.cast<std::string>();
-    e.crossing = word == "rising" ? Event::Crossing::rising : word == "falling" ? Event::Crossing::falling : Event::Crossing::any;
+    e.crossing = word == "rising"    ? Event::Crossing::rising
+                 : word == "falling" ? Event::Crossing::falling
+                                     : Event::Crossing::any;
   }
   if (const py::object tolerance = take("tolerance")) e.tolerance = tolerance.cast<double>();
   if (const py::object once = take("once")) e.once = once.cast<bool>();
@@ -104,7 +107,8 @@ ReadScene::ReadScene(const py::object& source, Types given) : types(std::move(gi
   computing([&] { scene = with_values(std::move(scene), types.changed(), {}); });
 }
 
-std::pair<double, std::string> ReadScene::quantity(const std::string& name, const std::optional<std::string>& text) const {
+std::pair<double, std::string> ReadScene::quantity(const std::string& name,
+                                                   const std::optional<std::string>& text) const {
   const Variable v = read_variable(name + "=" + text.value_or("0"), scene, types.registry());
   const double* number = v.values.front().number();
   return {number != nullptr ? *number : NAN, v.unit};
@@ -168,7 +172,8 @@ py::list columns_of(const std::shared_ptr<Table>& rows, std::span<const ColumnRa
   py::list all;
   for (std::size_t k = 0; k < rows->n_columns(); ++k) {
     const Column& c = rows->columns()[k];
-    const py::capsule keeps(new std::shared_ptr<Table>(rows), [](void* p) { delete static_cast<std::shared_ptr<Table>*>(p); });
+    const py::capsule keeps(new std::shared_ptr<Table>(rows),
+                            [](void* p) { delete static_cast<std::shared_ptr<Table>*>(p); });
     py::array_t<double> values(static_cast<py::ssize_t>(c.values.size()), c.values.data(), keeps);
     values.attr("flags").attr("writeable") = false;
     py::object range = py::none();
@@ -216,27 +221,39 @@ std::string Run::report_page() {
 }
 
 void bind_simulation(py::module_& m) {
-  m.def("seconds", [](const std::string& text) {
-    const TypeInfo time{"time", "a time", {{"t", Form::number, Unit::time, kRequired, "s"}}};
-    return Params(Value::object({{"t", text}}), time, "time").number("t");
-  }, "A time of a text with a unit, s.");
+  m.def(
+      "seconds",
+      [](const std::string& text) {
+        const TypeInfo time{"time", "a time", {{"t", Form::number, Unit::time, kRequired, "s"}}};
+        return Params(Value::object({{"t", text}}), time, "time").number("t");
+      },
+      "A time of a text with a unit, s.");
   py::class_<SampleView>(m, "Sample", "A state of a run, valid during the call of a function.")
-      .def_property_readonly("t", [](const SampleView& s) { return s.get().state.t; }, "Time, s.")
-      .def("body", [](const SampleView& s, const std::string& name) {
-        return pose_of(s.get().system().body(name), s.get().state);
-      }, py::arg("name"), "Pose and twist of a body: x (m), q, v (m/s), w (body axes, rad/s).");
+      .def_property_readonly(
+          "t", [](const SampleView& s) { return s.get().state.t; }, "Time, s.")
+      .def(
+          "body",
+          [](const SampleView& s, const std::string& name) {
+            return pose_of(s.get().system().body(name), s.get().state);
+          },
+          py::arg("name"), "Pose and twist of a body: x (m), q, v (m/s), w (body axes, rad/s).");
   py::class_<EditorView>(m, "State", "The state at an event, which its function may change during its call.")
-      .def_property_readonly("t", [](const EditorView& s) { return s.get().t; }, "Time, s.")
-      .def("body", [](const EditorView& s, const std::string& name) { return pose_of(s.system->body(name), s.get()); },
-           py::arg("name"), "Pose and twist of a body.")
-      .def("set_twist", [](const EditorView& s, const std::string& name, const py::object& v, const py::object& w) {
-        const Body& body = s.system->body(name);
-        Twist twist = body_twist(body, s.get());
-        if (!v.is_none()) twist.v = vec3_of(v, "v");
-        if (!w.is_none()) twist.w = vec3_of(w, "w");
-        StateEditor(s.get()).set_twist(body, twist);
-      }, py::arg("name"), py::arg("v") = py::none(), py::arg("w") = py::none(),
-           "Sets the velocity of a body's origin (world, m/s) and its angular velocity (body axes, rad/s).");
+      .def_property_readonly(
+          "t", [](const EditorView& s) { return s.get().t; }, "Time, s.")
+      .def(
+          "body", [](const EditorView& s, const std::string& name) { return pose_of(s.system->body(name), s.get()); },
+          py::arg("name"), "Pose and twist of a body.")
+      .def(
+          "set_twist",
+          [](const EditorView& s, const std::string& name, const py::object& v, const py::object& w) {
+            const Body& body = s.system->body(name);
+            Twist twist = body_twist(body, s.get());
+            if (!v.is_none()) twist.v = vec3_of(v, "v");
+            if (!w.is_none()) twist.w = vec3_of(w, "w");
+            StateEditor(s.get()).set_twist(body, twist);
+          },
+          py::arg("name"), py::arg("v") = py::none(), py::arg("w") = py::none(),
+          "Sets the velocity of a body's origin (world, m/s) and its angular velocity (body axes, rad/s).");
 
   py::class_<ReadScene>(m, "Scene", "A scene that was read once, for many runs: a source, and types that it names.")
       .def(py::init<py::object, Types>(), py::arg("source"), py::arg("types"))
@@ -246,69 +263,79 @@ void bind_simulation(py::module_& m) {
   py::class_<Run>(m, "Run")
       .def(py::init([](const py::object& source, const Types& types, const Settings& set, const Settings& record,
                        bool report) { return std::make_unique<Run>(source, types, set, record, report); }))
-      .def("record", [](Run& r, const Settings& channels) {
-        std::vector<Request> requests;
-        for (const auto& [name, channel] : channels) requests.emplace_back(name, channel);
-        r.simulation().record(std::move(requests));
-      })
-      .def("begin", [](Run& r) {
-        computing([&] { r.simulation().loop(); });
-        if (r.report) r.simulation().add_observer(*r.report);
-      })
+      .def("record",
+           [](Run& r, const Settings& channels) {
+             std::vector<Request> requests;
+             for (const auto& [name, channel] : channels) requests.emplace_back(name, channel);
+             r.simulation().record(std::move(requests));
+           })
+      .def("begin",
+           [](Run& r) {
+             computing([&] { r.simulation().loop(); });
+             if (r.report) r.simulation().add_observer(*r.report);
+           })
       .def("until", [](Run& r, double t) { r.advancing([&] { r.simulation().run_until(t); }), r.judge(); })
       .def("run", [](Run& r) { r.advancing([&] { r.simulation().run(); }), r.judge(); })
       .def("advance", [](Run& r, double h) { r.advancing([&] { r.simulation().advance(h); }); })
-      .def("step", [](Run& r, double h) {
-        StepReport made;
-        r.advancing([&] { made = r.simulation().loop().step(h); });
-        return made.h;
-      })
+      .def("step",
+           [](Run& r, double h) {
+             StepReport made;
+             r.advancing([&] { made = r.simulation().loop().step(h); });
+             return made.h;
+           })
       .def("columns", &Run::columns)
       .def("extremes", &Run::extremes)
       .def_property_readonly("title", [](const Run& r) { return r.text.title; })
-      .def("units", [](Run& r) {
-        std::vector<std::pair<std::string, std::string>> all;
-        for (const Column& c : r.simulation().table().columns()) all.emplace_back(c.name, c.unit);
-        return all;
-      })
+      .def("units",
+           [](Run& r) {
+             std::vector<std::pair<std::string, std::string>> all;
+             for (const Column& c : r.simulation().table().columns()) all.emplace_back(c.name, c.unit);
+             return all;
+           })
       .def_property_readonly("t", [](Run& r) { return r.simulation().state().t; })
-      .def_property_readonly("settings_until", [](Run& r) {
-        return r.simulation().settings().until;
-      })
-      .def("body", [](Run& r, const std::string& name) {
-        return pose_of(r.simulation().system().body(name), r.simulation().state());
-      })
-      .def("inputs", [](Run& r) {
-        std::vector<std::string> names;
-        for (const ControlInput& input : r.simulation().system().control_inputs()) names.push_back(input.name());
-        return names;
-      })
+      .def_property_readonly("settings_until", [](Run& r) { return r.simulation().settings().until; })
+      .def("body",
+           [](Run& r, const std::string& name) {
+             return pose_of(r.simulation().system().body(name), r.simulation().state());
+           })
+      .def("inputs",
+           [](Run& r) {
+             std::vector<std::string> names;
+             for (const ControlInput& input : r.simulation().system().control_inputs()) names.push_back(input.name());
+             return names;
+           })
       .def("input", [](Run& r, const std::string& name) { return r.simulation().input(name).value(); })
       .def("set_input", [](Run& r, const std::string& name, double value) { r.simulation().input(name).set(value); })
       .def("activate", [](Run& r, const std::string& name) { r.advancing([&] { r.simulation().activate(name); }); })
       .def("deactivate", [](Run& r, const std::string& name) { r.advancing([&] { r.simulation().deactivate(name); }); })
       .def("add_event", [](Run& r, const py::dict& event) { r.simulation().add_event(event_of(r, event)); })
-      .def("set_on_step", [](Run& r, const py::object& f) {
-        if (f.is_none())
-          r.on_step = nullptr;
-        else
-          r.on_step = [f = Held(f)] { return !((*f)().is(py::bool_(false))); };
-      })
-      .def("save", [](Run& r, const std::string& file) { r.take_rows_back(), computing([&] { r.simulation().save(file); }); })
-      .def("load", [](Run& r, const std::string& file) { r.take_rows_back(), computing([&] { r.simulation().load(file); }); })
+      .def("set_on_step",
+           [](Run& r, const py::object& f) {
+             if (f.is_none())
+               r.on_step = nullptr;
+             else
+               r.on_step = [f = Held(f)] { return !((*f)().is(py::bool_(false))); };
+           })
+      .def("save",
+           [](Run& r, const std::string& file) { r.take_rows_back(), computing([&] { r.simulation().save(file); }); })
+      .def("load",
+           [](Run& r, const std::string& file) { r.take_rows_back(), computing([&] { r.simulation().load(file); }); })
       .def("findings", [](Run& r) { return objects_of(r.simulation().verdict().findings); })
-      .def("report", [](Run& r) {
-        const SimulationReport& made = r.simulation().loop().report();
-        return py::dict(py::arg("steps") = made.steps, py::arg("rejected") = made.rejected,
-                        py::arg("impacts") = made.impacts, py::arg("largest_violation") = made.largest_violation,
-                        py::arg("stopped_by") = made.stopped_by);
-      })
-      .def("channels", [](Run& r) {
-        r.simulation().loop();
-        py::list all;
-        for (const ChannelHelp& c : channel_help(r.simulation().system())) all.append(py::make_tuple(c.name, c.unit, c.help));
-        return all;
-      })
+      .def("report",
+           [](Run& r) {
+             const SimulationReport& made = r.simulation().loop().report();
+             return py::dict(py::arg("steps") = made.steps, py::arg("rejected") = made.rejected,
+                             py::arg("impacts") = made.impacts, py::arg("largest_violation") = made.largest_violation,
+                             py::arg("stopped_by") = made.stopped_by);
+           })
+      .def("channels",
+           [](Run& r) {
+             r.simulation().loop();
+             py::list all;
+             for (const ChannelHelp& c : channel_help(r.simulation().system()))
+               all.append(py::make_tuple(c.name, c.unit, c.help));
+             return all;
+           })
       .def("report_page", &Run::report_page);
 }
 

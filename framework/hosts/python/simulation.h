@@ -71,7 +71,7 @@ class Run {
 
   Types types;
   std::optional<Report> report{};
-  ReportText text{};  ///< of the report
+  ReportText text{};                ///< of the report
   std::function<bool()> on_step{};  ///< called after each step; false ends the run
 
  private:
@@ -86,7 +86,7 @@ class Run {
   std::chrono::steady_clock::time_point looked_{};
   std::chrono::duration<double> interval_{
       py::module_::import("sys").attr("getswitchinterval")().cast<double>()};  // after which threads take turns
-  std::thread::id runner_{};  // none: no call advances it
+  std::thread::id runner_{};                                                   // none: no call advances it
   Simulation simulation_;
 };
 

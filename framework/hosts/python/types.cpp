@@ -98,7 +98,8 @@ struct Coordinates {
 template <class T>
 void bind_coordinates(py::module_& m, const char* name) {
   using C = Coordinates<T>;
-  py::class_<C> c(m, name, "The pose of marker P relative to S: x, y, z (m), e0 ... e3, angle_z (rad) and the time t (s).");
+  py::class_<C> c(m, name,
+                  "The pose of marker P relative to S: x, y, z (m), e0 ... e3, angle_z (rad) and the time t (s).");
   const auto one = [&](const char* of, T LockCoords<T>::*member, unsigned what) {
     c.def_property_readonly(of, [member, what](const C& y) { return y.note(what), y.of.*member; });
   };
@@ -201,8 +202,7 @@ std::unique_ptr<Lock> make_joint(const Attachment& a, const JointSpec& spec, Fun
     throw ModelError(fmt::format("joint '{}' has {} rows; a function of several pairs has one", a.name, spec.rows));
   using Two = PythonRows<2, 1, Reads::both, true>;
   using Three = PythonRows<3, 1, Reads::both, true>;
-  if (a.pairs.size() == 2)
-    return std::make_unique<PythonJoint<Two>>(spec.type, CoupledPairs(a), Two{std::move(f)});
+  if (a.pairs.size() == 2) return std::make_unique<PythonJoint<Two>>(spec.type, CoupledPairs(a), Two{std::move(f)});
   return std::make_unique<PythonJoint<Three>>(spec.type, CoupledPairs(a), Three{std::move(f)});
 }
 
@@ -238,10 +238,14 @@ template <class T>
 void bind_ends(py::module_& m, const char* marker, const char* ends) {
   using M = MarkerView<T>;
   py::class_<M>(m, marker, "A marker in the world.")
-      .def_property_readonly("x", [](const M& a) { return as_array(a.x); }, "Origin, world, m.")
-      .def_property_readonly("v", [](const M& a) { return as_array(a.v); }, "Velocity of the origin, world, m/s.")
-      .def_property_readonly("w", [](const M& a) { return as_array(a.w); }, "Angular velocity, world, rad/s.")
-      .def_property_readonly("A", [](const M& a) { return as_array(a.A); }, "Rotation: marker axes to world axes.");
+      .def_property_readonly(
+          "x", [](const M& a) { return as_array(a.x); }, "Origin, world, m.")
+      .def_property_readonly(
+          "v", [](const M& a) { return as_array(a.v); }, "Velocity of the origin, world, m/s.")
+      .def_property_readonly(
+          "w", [](const M& a) { return as_array(a.w); }, "Angular velocity, world, rad/s.")
+      .def_property_readonly(
+          "A", [](const M& a) { return as_array(a.A); }, "Rotation: marker axes to world axes.");
   py::class_<EndsView<T>>(m, ends, "The two markers of a force, and the time.")
       .def_readonly("P", &EndsView<T>::P, "Marker P.")
       .def_readonly("S", &EndsView<T>::S, "Marker S; the origin of the world without one.")
@@ -346,7 +350,8 @@ std::string Types::add(const py::handle& given) {
     });
   } else if (kind == "joint") {
     const JointSpec spec{name, type.attr("mask").cast<std::string>(), type.attr("rows").cast<int>()};
-    registry.links.add(info, [f, spec](const Attachment& a, const Params& p) { return make_joint(a, spec, with_keys(f, p)); });
+    registry.links.add(
+        info, [f, spec](const Attachment& a, const Params& p) { return make_joint(a, spec, with_keys(f, p)); });
   } else if (kind == "force") {
     registry.forces.add(info, [f, name](const Attachment& a, const Params& p) -> std::unique_ptr<Force> {
       return std::make_unique<PythonForce>(name, a.name, p_of(a, p), has_s(a) ? &s_of(a, p) : nullptr, with_keys(f, p));
@@ -370,13 +375,16 @@ void bind_types(py::module_& m) {
       .def(py::init<>())
       .def("load_plugin", &Types::load_plugin, py::arg("name"), "Loads a plugin by its name or path.")
       .def("add", &Types::add, py::arg("type"), "Adds a law, joint, force or integrator of Python; returns its name.")
-      .def("names", [](const Types& types) {
-        const Registry& r = types.registry();
-        return py::dict(py::arg("laws") = py::cast(r.laws.names()), py::arg("joints") = py::cast(r.links.names()),
-                        py::arg("forces") = py::cast(r.forces.names()),
-                        py::arg("integrators") = py::cast(r.integrators.names()),
-                        py::arg("solvers") = py::cast(r.solvers.names()));
-      }, "Names of all types, by kind.")
+      .def(
+          "names",
+          [](const Types& types) {
+            const Registry& r = types.registry();
+            return py::dict(py::arg("laws") = py::cast(r.laws.names()), py::arg("joints") = py::cast(r.links.names()),
+                            py::arg("forces") = py::cast(r.forces.names()),
+                            py::arg("integrators") = py::cast(r.integrators.names()),
+                            py::arg("solvers") = py::cast(r.solvers.names()));
+          },
+          "Names of all types, by kind.")
       .def("__copy__", [](const Types& types) { return types; });
 }
 

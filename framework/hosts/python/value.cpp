@@ -13,8 +13,8 @@ Value object_from(const py::dict& members, Types& types, const std::string& plac
   Value::Object all;
   for (const auto& [key, value] : members) {
     if (!py::isinstance<py::str>(key))
-      throw py::type_error(fmt::format("{}: the key {} is no text; keys of a scene are texts", place,
-                                       std::string(py::repr(key))));
+      throw py::type_error(
+          fmt::format("{}: the key {} is no text; keys of a scene are texts", place, std::string(py::repr(key))));
     const std::string name = py::str(key);
     const bool names_type = name == "type" && (is_type(value) || PyCallable_Check(value.ptr()) != 0);
     all.push_back({name, names_type ? Value(types.add(value)) : value_of(value, types, place + "." + name), {}});
@@ -30,7 +30,8 @@ Value value_of(const py::handle& o, Types& types, const std::string& place) {
   if (py::isinstance<py::str>(o)) return o.cast<std::string>();
   if (py::isinstance<py::dict>(o)) return object_from(py::reinterpret_borrow<py::dict>(o), types, place);
   if (is_type(o)) return Value::object({{"type", types.add(o)}});
-  if (PyNumber_Check(o.ptr()) != 0 && !py::hasattr(o, "__len__")) return py::float_(py::reinterpret_borrow<py::object>(o)).cast<double>();
+  if (PyNumber_Check(o.ptr()) != 0 && !py::hasattr(o, "__len__"))
+    return py::float_(py::reinterpret_borrow<py::object>(o)).cast<double>();
   if (PyCallable_Check(o.ptr()) != 0) return Value::object({{"type", types.add(o)}});  // a function of time
   if (py::isinstance<py::sequence>(o) || py::isinstance<py::array>(o)) {
     Value::List items;
@@ -38,8 +39,9 @@ Value value_of(const py::handle& o, Types& types, const std::string& place) {
       items.push_back(value_of(item, types, fmt::format("{}[{}]", place, items.size())));
     return items;
   }
-  throw py::type_error(fmt::format("{}: {} cannot be a part of a scene; give a number, a text, a list, a dictionary or a function",
-                                   place, std::string(py::repr(py::type::of(o)))));
+  throw py::type_error(
+      fmt::format("{}: {} cannot be a part of a scene; give a number, a text, a list, a dictionary or a function",
+                  place, std::string(py::repr(py::type::of(o)))));
 }
 
 py::object object_of(const Value& v) {
