@@ -39,8 +39,19 @@ void take_states(const System& from, const State& given, const System& to, State
         state.s.segment(mine->first(), mine->size()) = given.s.segment(other->first(), other->size());
 }
 
+/// Calls `act`, alone with the run if there is one.
+template <class Act>
+void analysing(Run* run, Act&& act) {
+  if (run != nullptr)
+    run->alone(std::forward<Act>(act));
+  else
+    computing(std::forward<Act>(act));
+}
+
 /// The assembled start in the slots' own coordinates, or the present state of a run of the same scene.
 State state_of(Dynamics& dynamics, Mechanism& m, Run* run) {
+  if (run != nullptr)
+    for (ControlInput& input : system_of(m).control_inputs()) input.set(run->simulation().input(input.name()).value());
   State state = assembled_start(dynamics, m);
   dynamics.to_slots(state);
   if (run == nullptr) return state;
@@ -73,7 +84,7 @@ py::dict statics(const py::object& source, Types types, const Settings& set, Run
   EquilibriumReport report;
   std::vector<std::pair<std::string, NamedReaction>> reactions;
   UniquenessReport unique;
-  computing([&] {
+  analysing(run, [&] {
     m = build_mechanism(of.scene, of.registry);
     dynamics.reset(new Dynamics(make_dynamics(m, of.registry)));
     state = state_of(*dynamics, m, run);
@@ -116,7 +127,7 @@ py::tuple driven(const py::object& source, Types types, const Settings& set, Run
   Subject of(source, types, set);
   const auto table = std::make_shared<Table>();
   std::vector<ColumnRange> ranges;
-  computing([&] {
+  analysing(run, [&] {
     const std::vector<std::string> without = inverse ? std::vector<std::string>{} : fill_masses(of.scene);
     Mechanism m = build_mechanism(of.scene, of.registry);
     for (const auto& [name, channel] : record) m.run.record.push_back({channel, name == channel ? "" : name, {}});
@@ -192,7 +203,7 @@ py::dict modes(const py::object& source, Types types, const Settings& set, Run* 
   Subject of(source, types, set);
   const ModesOptions options{.motion = motion_options(spin, frozen), .count = count};
   Modes found;
-  computing([&] {
+  analysing(run, [&] {
     Mechanism m = build_mechanism(of.scene, of.registry);
     const std::unique_ptr<Dynamics> dynamics = plain_dynamics(m, of.registry);
     const State state = linear_state(*dynamics, m, run, equilibrium);
@@ -225,7 +236,7 @@ py::dict linearized(const py::object& source, Types types, const Settings& set, 
   Subject of(source, types, set);
   const LinearMotionOptions options = motion_options(spin, frozen);
   StateSpace s;
-  computing([&] {
+  analysing(run, [&] {
     const MechanismWithInputs built = build_with_inputs(of.scene, of.registry, inputs);
     Mechanism& m = *built.mechanism;
     std::vector<Channel> channels;

@@ -79,6 +79,8 @@ Event event_of(Run& run, const py::dict& given) {
   if (const py::object at = take("at")) e.at = at.cast<double>();
   if (const py::object crossing = take("crossing")) {
     const auto word = crossing.cast<std::string>();
+    if (word != "rising" && word != "falling" && word != "any")
+      throw py::value_error("crossing is \"" + word + "\"; must be rising, falling or any");
     e.crossing = word == "rising"    ? Event::Crossing::rising
                  : word == "falling" ? Event::Crossing::falling
                                      : Event::Crossing::any;
@@ -150,8 +152,19 @@ bool Run::goes_on() {
   return true;
 }
 
+void Run::begin() {
+  simulation();
+  if (begun_) return;
+  alone([&] {
+    simulation().loop().progress = [this](const State&) { return goes_on(); };
+    if (report) simulation().add_observer(*report);
+  });
+  begun_ = true;
+}
+
 void Run::warn_once(std::vector<Finding> findings) {
-  std::erase_if(findings, [this](const Finding& f) { return !warned_.insert(f.text()).second; });
+  std::erase_if(findings,
+                [this](const Finding& f) { return !warned_.insert(std::string(f.code()) + " " + f.thing).second; });
   warn(findings);
 }
 
@@ -241,22 +254,31 @@ void bind_simulation(py::module_& m) {
       .def_property_readonly(
           "t", [](const EditorView& s) { return s.get().t; }, "Time, s.")
       .def(
-          "body", [](const EditorView& s, const std::string& name) { return pose_of(s.system->body(name), s.get()); },
+          "body",
+          [](const EditorView& s, const std::string& name) {
+            const State& state = s.get();
+            return pose_of(s.system->body(name), state);
+          },
           py::arg("name"), "Pose and twist of a body.")
       .def(
           "set_twist",
           [](const EditorView& s, const std::string& name, const py::object& v, const py::object& w) {
+            State& state = s.get();
             const Body& body = s.system->body(name);
-            Twist twist = body_twist(body, s.get());
+            Twist twist = body_twist(body, state);
             if (!v.is_none()) twist.v = vec3_of(v, "v");
             if (!w.is_none()) twist.w = vec3_of(w, "w");
-            StateEditor(s.get()).set_twist(body, twist);
+            StateEditor(state).set_twist(body, twist);
           },
           py::arg("name"), py::arg("v") = py::none(), py::arg("w") = py::none(),
           "Sets the velocity of a body's origin (world, m/s) and its angular velocity (body axes, rad/s).");
 
   py::class_<ReadScene>(m, "Scene", "A scene that was read once, for many runs: a source, and types that it names.")
-      .def(py::init<py::object, Types>(), py::arg("source"), py::arg("types"))
+      .def(py::init([](const py::object& source, const std::optional<Types>& types) {
+             const bool is_made = py::hasattr(source, "scene");  // by a builder
+             return ReadScene(is_made ? py::object(source.attr("scene")()) : source, types ? *types : Types());
+           }),
+           py::arg("source"), py::arg("types") = py::none())
       .def_readonly("types", &ReadScene::types, "The types that it names.")
       .def("quantity", &ReadScene::quantity, py::arg("name"), py::arg("text"),
            "A value of the scene from a text, in SI, and its unit; None: the present value.");
@@ -267,13 +289,10 @@ void bind_simulation(py::module_& m) {
            [](Run& r, const Settings& channels) {
              std::vector<Request> requests;
              for (const auto& [name, channel] : channels) requests.emplace_back(name, channel);
+             r.simulation(), r.take_rows_back();
              r.simulation().record(std::move(requests));
            })
-      .def("begin",
-           [](Run& r) {
-             computing([&] { r.simulation().loop(); });
-             if (r.report) r.simulation().add_observer(*r.report);
-           })
+      .def("begin", &Run::begin)
       .def("until", [](Run& r, double t) { r.advancing([&] { r.simulation().run_until(t); }), r.judge(); })
       .def("run", [](Run& r) { r.advancing([&] { r.simulation().run(); }), r.judge(); })
       .def("advance", [](Run& r, double h) { r.advancing([&] { r.simulation().advance(h); }); })
@@ -314,12 +333,15 @@ void bind_simulation(py::module_& m) {
              if (f.is_none())
                r.on_step = nullptr;
              else
-               r.on_step = [f = Held(f)] { return !((*f)().is(py::bool_(false))); };
+               r.on_step = [f = Held(f)] {
+                 const py::object goes_on = (*f)();
+                 return goes_on.is_none() || py::bool_(goes_on);
+               };
            })
       .def("save",
-           [](Run& r, const std::string& file) { r.take_rows_back(), computing([&] { r.simulation().save(file); }); })
+           [](Run& r, const std::string& file) { r.advancing([&] { r.simulation().save(file); }); })
       .def("load",
-           [](Run& r, const std::string& file) { r.take_rows_back(), computing([&] { r.simulation().load(file); }); })
+           [](Run& r, const std::string& file) { r.advancing([&] { r.simulation().load(file); }); })
       .def("findings", [](Run& r) { return objects_of(r.simulation().verdict().findings); })
       .def("report",
            [](Run& r) {

@@ -46,15 +46,22 @@ class Run {
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 
-  /// Calls `act`; an interrupt (Ctrl-C) ends it after a step. If it calls functions of Python it keeps the interpreter's
-  /// lock, and lends it to other threads as often as the interpreter does.
+  /// Calls `act` while no other thread may use the run. If it calls functions of Python it keeps the interpreter's lock,
+  /// and lends it to other threads as often as the interpreter does.
   template <class Act>
-  void advancing(Act&& act) {
-    take_rows_back();
-    StepLoop& loop = simulation().loop();
-    loop.progress = [this](const State&) { return goes_on(); };
+  void alone(Act&& act) {
+    simulation();
     const Ended ended{runner_, std::exchange(runner_, std::this_thread::get_id())};
     warn_once(found_by(std::forward<Act>(act), types.has_functions()));
+  }
+  /// Begins the run. From then on an interrupt (Ctrl-C) ends it after a step.
+  void begin();
+  /// As alone(), for what makes rows.
+  template <class Act>
+  void advancing(Act&& act) {
+    simulation();
+    take_rows_back();
+    alone(std::forward<Act>(act));
   }
   /// Warns of what the verdict on the run finds.
   void judge() { warn_once(simulation().verdict().findings); }
@@ -82,6 +89,7 @@ class Run {
   bool goes_on();
   void warn_once(std::vector<Finding>);
   std::set<std::string> warned_;
+  bool begun_ = false;
   std::shared_ptr<Table> rows_;  // null: the recorder has them
   std::chrono::steady_clock::time_point looked_{};
   std::chrono::duration<double> interval_{

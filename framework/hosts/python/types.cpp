@@ -90,8 +90,12 @@ struct Coordinates {
   LockCoords<T> of;
   std::shared_ptr<unsigned> read{};  // null: nobody asks
   enum : unsigned { kTranslation = 1, kRotation = 2, kAngle = 4 };
+  unsigned known = kTranslation | kRotation | kAngle;  // what the joint computes
   void note(unsigned what) const {
     if (read) *read |= what;
+    if ((what & ~known) != 0)
+      throw ModelError("a function of a joint reads a coordinate that it did not read in the pose in which the markers "
+                       "coincide; read all of its coordinates in every pose");
   }
 };
 
@@ -127,9 +131,9 @@ auto rows_from(const py::object& rows) {
 
 /// The rows of a function at coordinates. Not inlined: rows of a function are compiled flat, with all that they call.
 template <int n, class T, class... More>
-[[gnu::noinline]] auto called(const Function& f, const LockCoords<T>& first, const More&... more) {
+[[gnu::noinline]] auto called(const Function& f, unsigned known, const LockCoords<T>& first, const More&... more) {
   const py::gil_scoped_acquire lock;
-  return rows_from<T, n>(f(Coordinates<T>{first}, Coordinates<T>{more}...));
+  return rows_from<T, n>(f(Coordinates<T>{first, {}, known}, Coordinates<T>{more, {}, known}...));
 }
 
 /// phi = a function of Python of the relative coordinates of its pairs.
@@ -139,7 +143,11 @@ struct PythonRows {
   static constexpr PhiSpec spec{.pairs = pairs, .rows = n, .reads = reads, .counts_turns = counts};
   template <class T, class... More>
   auto operator()(const LockCoords<T>& first, const More&... more) const {
-    return called<n>(f, first, more...);
+    using C = Coordinates<T>;
+    constexpr unsigned kKnown = (lockstep::reads(reads, Reads::translation) ? unsigned(C::kTranslation) : 0) |
+                                (lockstep::reads(reads, Reads::rotation) ? unsigned(C::kRotation) : 0) |
+                                (counts ? unsigned(C::kAngle) : 0);
+    return called<n>(f, kKnown, first, more...);
   }
 };
 
@@ -171,7 +179,7 @@ unsigned probe(const Function& f) {
   try {
     f(y);
   } catch (py::error_already_set& error) {  // a pose that it cannot take
-    error.discard_as_unraisable("lockstep");
+    if (!error.matches(PyExc_Exception)) throw;
     return C::kTranslation | C::kRotation | *y.read;
   }
   return *y.read;

@@ -25,6 +25,10 @@ Value object_from(const py::dict& members, Types& types, const std::string& plac
 }  // namespace
 
 Value value_of(const py::handle& o, Types& types, const std::string& place) {
+  if (Py_EnterRecursiveCall(" in a scene") != 0) throw py::error_already_set();
+  struct Leave {
+    ~Leave() { Py_LeaveRecursiveCall(); }
+  } const leave;
   if (o.is_none()) return {};
   if (py::isinstance<py::bool_>(o)) return o.cast<bool>();
   if (py::isinstance<py::str>(o)) return o.cast<std::string>();

@@ -45,6 +45,10 @@ class Jets(unittest.TestCase):
         self.assertAlmostEqual(y.second, (f(0.7 + h) - 2 * f(0.7) + f(0.7 - h)) / h**2, 5)
         self.assertEqual(t.value, 0.7)
 
+    def test_whole_powers_at_zero(self):
+        table = ls.Simulation(slider(lambda t: sum(c * t**k for k, c in enumerate((0.0, 1.0, 2.0, 3.0))))).until(1)
+        np.testing.assert_allclose(table["m.az"], 4 + 18 * np.asarray(table.t), atol=1e-9)
+
     def test_functions_of_math_are_refused(self):
         with self.assertRaises(ls.UserCodeError) as raised:
             ls.Simulation(slider(lambda t: math.sin(t))).until(0.1)
@@ -125,6 +129,14 @@ class Joints(unittest.TestCase):
             np.testing.assert_allclose(by_python[name], by_formula[name], atol=1e-12)
         self.assertLess(np.ptp(by_python["energy.total"]), 1e-8)
         np.testing.assert_allclose((by_python["bead.x"] / a) ** 2 + (by_python["bead.y"] / b) ** 2, 1, atol=1e-10)
+
+    def test_a_coordinate_that_is_read_later_is_an_error(self):
+        joint = ls.joint(lambda y: y.x * y.x + y.y * y.y - 4 + (0.0 if y.x > 1.9 else 0 * y.e3), mask="z")
+        scene = self.bead(joint)
+        scene["bodies"][0] = {"name": "bead", "sphere": {"mass": 1, "radius": 0.1}, "position": [2, 0, 0]}
+        with self.assertRaises(ls.Error) as raised:
+            ls.Simulation(scene).run()
+        self.assertIn("reads", str(raised.exception) + str(raised.exception.__cause__))
 
     def test_two_rows(self):
         joint = ls.joint(lambda y: (y.x * y.x + y.y * y.y - 4, y.z), rows=2)
@@ -230,6 +242,19 @@ class Events(unittest.TestCase):
         with self.assertRaises(ls.ModelError):
             kept[0].t
 
+    def test_a_state_ends_with_its_call(self):
+        run = ls.Simulation(self.ball())
+        kept = []
+        run.on("keep", at="0.1 s", change=kept.append)
+        run.until(0.5)
+        for act in (lambda: kept[0].t, lambda: kept[0].body("ball"), lambda: kept[0].set_twist("ball", v=[0, 0, 0])):
+            with self.assertRaises(ls.ModelError):
+                act()
+
+    def test_an_unknown_crossing_is_an_error(self):
+        with self.assertRaisesRegex(ValueError, "upwards"):
+            ls.Simulation(self.ball()).on("e", when=lambda s: 1.0, crossing="upwards")
+
     def test_an_observer_ends_the_run(self):
         run = ls.Simulation(self.ball())
         calls = []
@@ -261,6 +286,16 @@ class Integrators(unittest.TestCase):
 
 
 class Inputs(unittest.TestCase):
+    def test_analyses_of_a_run_take_its_inputs(self):
+        scene = slider(forces=[{"name": "motor", "type": "force_motor", "p": "m", "s": "ground", "at": [0, 0, 0],
+                                "force": {"type": "input", "name": "u"}},
+                               {"name": "spring", "type": "spring_damper", "p": "m", "s": "ground", "at_p": [0, 0, 0],
+                                "at_s": [0, 0, -1], "stiffness": 100, "free_length": 1, "damping": 30}])
+        run = ls.Simulation(scene)
+        run.inputs["u"] = 10
+        run.until(1)
+        self.assertAlmostEqual(ls.statics(run).bodies["m"].x[2], 0.1, 9)
+
     def test_a_controller_in_the_loop(self):
         scene = slider(forces=[{"name": "motor", "type": "force_motor", "p": "m", "s": "ground", "at": [0, 0, 0],
                                 "force": {"type": "input", "name": "u"}}])

@@ -161,6 +161,38 @@ class Runs(unittest.TestCase):
         self.assertEqual(sorted(seen), seen)
         np.testing.assert_allclose(whole["x"], 1 + 0.1 * np.cos(5 * whole.t), atol=1e-9)
 
+    def test_two_threads_begin_one_run(self):
+        for _ in range(20):
+            run = ls.Simulation(oscillator())
+            caught = []
+
+            def use(run=run, caught=caught):
+                try:
+                    run.t
+                except ls.ModelError as error:
+                    caught.append(str(error))
+
+            threads = [threading.Thread(target=use) for _ in range(4)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            self.assertTrue(all("another thread" in text for text in caught))
+            self.assertEqual(len(run.until(1)), 11)
+
+    def test_a_numpy_false_of_an_observer_ends_the_run(self):
+        run = ls.Simulation(oscillator())
+        run.on_step(lambda: run.body("m")["x"][0] > 1)
+        run.until(5)
+        self.assertLess(run.t, 1)
+        self.assertEqual(run.stopped_by, "the caller")
+
+    def test_columns_are_added_after_a_look_at_the_table(self):
+        run = ls.Simulation(oscillator())
+        self.assertEqual(len(run.table), 0)
+        run.record(["m.vx"])
+        self.assertEqual(run.until(1).names, ["t", "x", "m.vx"])
+
     def test_a_function_cannot_run_its_own_run(self):
         run = ls.Simulation(oscillator())
         run.on_step(lambda: run.advance(0.1))
@@ -207,6 +239,21 @@ class Messages(unittest.TestCase):
             again = pickle.loads(pickle.dumps(raised.exception))
             self.assertEqual(again.line, 2)
             self.assertEqual(str(again), str(raised.exception))
+
+    def test_a_scene_that_contains_itself(self):
+        scene = oscillator()
+        scene["bodies"][0]["visual"] = scene
+        with self.assertRaises(RecursionError):
+            ls.Simulation(scene)
+
+    def test_warnings_name_the_code_of_the_user_once(self):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            run = ls.Simulation(oscillator(integrator="rk4", step=0.5))
+            for k in range(1, 6):
+                run.until(k)
+        self.assertEqual({w.filename for w in caught}, {__file__})
+        self.assertEqual(sum(w.category is ls.WrongResult for w in caught), 1)
 
     def test_what_no_scene_can_hold(self):
         scene = oscillator()
@@ -266,6 +313,12 @@ class Building(unittest.TestCase):
         for F in (30.0, 40.0):
             table = ls.Simulation(scene, F=F, record=["ball.y"]).until(1)
             self.assertAlmostEqual(table["ball.y"][-1], 0.5 * (F / 2 - 9.81), 7)
+
+    def test_names_are_no_lists_of_channels(self):
+        m = self.pendulum()
+        for record in ("pin.rz", self.pin):
+            with self.assertRaises(TypeError):
+                m.simulation(until=1, record=record)
 
     def test_copies_are_independent(self):
         m = self.pendulum()

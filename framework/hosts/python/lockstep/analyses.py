@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lockstep import _core
 from lockstep.errors import Finding
-from lockstep.simulation import Array, Quantity, Simulation, Source, built_in, pairs_of, pairs_of_columns, scene_of
+from lockstep.simulation import Array, Quantity, Simulation, Source, pairs_of, pairs_of_columns, scene_of, types_of
 from lockstep.table import Table
 
 Complex = NDArray[np.complex128]
@@ -29,7 +29,8 @@ def _subject(scene: Source | Simulation, values: Mapping[str, Quantity], types: 
         if values:
             raise TypeError("a Simulation has its values; give parameters with a scene")
         return scene.subject()
-    return scene_of(scene), types or built_in(), pairs_of(values), None
+    source = scene_of(scene)
+    return source, types_of(source, types), pairs_of(values), None
 
 
 @dataclass(frozen=True)

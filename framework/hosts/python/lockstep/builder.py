@@ -25,6 +25,8 @@ class Named:
     def __init__(self, name: str) -> None:
         self.name = name
 
+    __iter__ = None  # a name has no items
+
     def __str__(self) -> str:
         return self.name
 
@@ -88,8 +90,8 @@ class Mechanism:
         return self.body(name, particle=mass, position=position, **keys)
 
     def fixed(self, name: str, **keys: Any) -> Named:
-        """A body that never moves."""
-        return self.body(name, fixed=True, **keys)
+        """A body that never moves; with p, a joint of the type "fixed"."""
+        return self.joint("fixed", name, **keys) if "p" in keys else self.body(name, fixed=True, **keys)
 
     def marker(self, name: str, body: Any, **keys: Any) -> Named:
         """A frame on a body: at and orientation in its axes, or world_at and world_orientation."""
@@ -115,8 +117,9 @@ class Mechanism:
         return f"={name}"
 
     def scene(self) -> dict[str, Any]:
-        """The scene as a dictionary."""
-        return self._scene
+        """The scene as a dictionary, a copy."""
+        copied: dict[str, Any] = _plain(self._scene)
+        return copied
 
     def simulation(self, *, record: Sequence[str] | Mapping[str, str] = (), report: bool | None = None,
                    types: Types | None = None, **run: Any) -> Simulation:

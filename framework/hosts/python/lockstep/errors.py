@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import threading
+import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -166,6 +167,9 @@ def warn(findings: list[Finding]) -> None:
     if collected is not None:
         collected.extend(findings)
         return
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").split(".")[0] == __package__:
+        level, frame = level + 1, frame.f_back  # to the code of the user
     for finding in findings:
         if finding.severity in _WARNINGS:
-            warnings.warn(_WARNINGS[finding.severity](finding), stacklevel=3)
+            warnings.warn(_WARNINGS[finding.severity](finding), stacklevel=level)

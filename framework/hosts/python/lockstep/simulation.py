@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import html
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any, Union
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from lockstep._core import Run as _Run
 from lockstep._core import Sample, Scene, State, Types
 from lockstep._core import seconds as _seconds
-from lockstep.errors import Finding
+from lockstep.errors import Finding, ModelError
 from lockstep.table import Table
 
 if TYPE_CHECKING:
@@ -39,6 +39,11 @@ def scene_of(source: Source) -> Any:
 def built_in() -> Types:
     """The types of the library. Runs share them, and copy them to add their own."""
     return Types()
+
+
+def types_of(scene: Any, types: Types | None) -> Types:
+    """The types that a scene may name: those given, those it was read with, or those of the library."""
+    return types or (scene.types if isinstance(scene, Scene) else built_in())
 
 
 def text_of(value: Quantity) -> str:
@@ -67,6 +72,8 @@ def in_notebook() -> bool:
 
 def pairs_of_columns(channels: Sequence[str] | Mapping[str, str]) -> list[tuple[str, str]]:
     """Names of columns and their channels."""
+    if isinstance(channels, str) or not isinstance(channels, Iterable):
+        raise TypeError(f"record is {channels!r}; give a list of channels, or a dictionary of names and channels")
     return list(channels.items()) if isinstance(channels, Mapping) else [(c, c) for c in channels]
 
 
@@ -82,8 +89,7 @@ class Simulation:
                  record: Sequence[str] | Mapping[str, str] = (), report: bool | None = None,
                  types: Types | None = None, **parameters: Quantity) -> None:
         self.scene = scene_of(scene)
-        types = types or (self.scene.types if isinstance(self.scene, Scene) else built_in())
-        self._subject = self.scene, types, pairs_of({**(set or {}), **parameters})
+        self._subject = self.scene, types_of(self.scene, types), pairs_of({**(set or {}), **parameters})
         self._report = in_notebook() if report is None else report
         self._run = _Run(*self._subject, pairs_of_columns(record), self._report)
         self._began = False
@@ -171,7 +177,8 @@ class Simulation:
         """Numbers that forces and laws read: run.inputs["u"] = 0.3. A value acts from the next step on."""
         return Inputs(self._run)
 
-    def on(self, name: str, *, when: Callable[[Sample], float] | None = None, at: float | None = None, crossing: str = "any",
+    def on(self, name: str, *, when: Callable[[Sample], float] | None = None,
+           at: Quantity | None = None, crossing: str = "any",
            stop: bool = False, once: bool = True, activate: Sequence[str] = (), deactivate: Sequence[str] = (),
            change: Callable[[State], object] | None = None, tolerance: float = 1e-9) -> None:
         """Adds an event: at a time, s, or when a function of a Sample passes zero ("rising", "falling", "any").
@@ -179,7 +186,8 @@ class Simulation:
         `change` may set velocities of the State that it is called with. `stop` ends the run.
         """
         self.begin()
-        self._run.add_event({"name": name, "when": when, "at": at, "crossing": crossing, "stop": stop, "once": once,
+        self._run.add_event({"name": name, "when": when, "at": None if at is None else seconds(at),
+                             "crossing": crossing, "stop": stop, "once": once,
                              "activate": list(activate), "deactivate": list(deactivate), "change": change,
                              "tolerance": tolerance})
 
@@ -205,12 +213,14 @@ class Simulation:
     def save(self, file: str | os.PathLike[str]) -> None:
         """Writes a checkpoint, from which load() continues to the last bit."""
         self.begin()
+        if self._report:
+            raise ModelError("a run that keeps poses for its report has no checkpoints; give Simulation(..., report=False)")
         self._run.save(os.fspath(file))
 
     def load(self, file: str | os.PathLike[str]) -> None:
         """Continues from a checkpoint of the same scene."""
+        self.begin()
         self._run.load(os.fspath(file))
-        self._began = True
 
     @property
     def channels(self) -> dict[str, str]:
@@ -219,13 +229,17 @@ class Simulation:
 
     def report(self, file: str | os.PathLike[str]) -> None:
         """Writes the run as one HTML page; needs Simulation(..., report=True)."""
+        page = self._run.report_page()
         with open(file, "w", encoding="utf-8") as out:
-            out.write(self._run.report_page())
+            out.write(page)
 
     def _repr_html_(self) -> str:
         if not (self._report and self._began):
             return f"<pre>{html.escape(repr(self))}</pre>"
-        page = html.escape(self._run.report_page(), quote=True)
+        try:
+            page = html.escape(self._run.report_page(), quote=True)
+        except ModelError:  # nothing ran yet
+            return f"<pre>{html.escape(repr(self))}</pre>"
         return f'<iframe srcdoc="{page}" style="width: 100%; height: 720px; border: 0"></iframe>'
 
     def __repr__(self) -> str:

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import itertools
 import math
+import numbers
 import os
+import pickle
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor, Future, as_completed
@@ -75,9 +77,13 @@ def rows_of(vary: Vary) -> list[Row]:
     if hasattr(vary, "to_dict"):
         return list(vary.to_dict("records"))
     if isinstance(vary, Mapping):
-        lists = [[v] if isinstance(v, (str, float, int)) else list(v) for v in vary.values()]
+        lists = [[v] if isinstance(v, (str, int, float, np.number)) else list(v) for v in vary.values()]
         return [dict(zip(vary, row)) for row in itertools.product(*lists)]
     return [dict(row) for row in vary]
+
+
+def _read(source: Any) -> _core.Scene:
+    return source if isinstance(source, _core.Scene) else _core.Scene(source, built_in())
 
 
 def _one(scene: _core.Scene, units: Units, row: Row, until: float | None, columns: Any,
@@ -98,9 +104,20 @@ def _one(scene: _core.Scene, units: Units, row: Row, until: float | None, column
 
 def _chunk(source: Any, rows: list[Row], *options: Any) -> list[Result]:
     """The runs of some rows. The scene is read once."""
-    scene = source if isinstance(source, _core.Scene) else _core.Scene(source, built_in())
+    scene = _read(source)
     units: Units = {}
     return [_one(scene, units, row, *options) for row in rows]
+
+
+def _remote(source: Any, rows: list[Row], *options: Any) -> list[Result]:
+    """The same in a worker, which may send back only what pickles."""
+    results = _chunk(source, rows, *options)
+    for k, (given, units, error, findings) in enumerate(results):
+        try:
+            pickle.loads(pickle.dumps((given, error)))
+        except Exception as problem:
+            results[k] = None, None, Error(f"{error!r}" if error else f"the result of the run: {problem}"), findings
+    return results
 
 
 def _parts(work: tuple[Any, ...], rows: list[Row], size: int,
@@ -109,12 +126,12 @@ def _parts(work: tuple[Any, ...], rows: list[Row], size: int,
     source, options = work[0], work[1:]
     starts = range(0, len(rows), size)
     if executor is None:
-        scene = _core.Scene(source, built_in())
+        scene = _read(source)
         for k in starts:
             yield k, _chunk(scene, rows[k:k + size], *options)
         return
     futures: dict[Future[list[Result]], int] = {
-        executor.submit(_chunk, source, rows[k:k + size], *options): k for k in starts}
+        executor.submit(_remote, source, rows[k:k + size], *options): k for k in starts}
     try:
         for future in as_completed(futures):
             yield futures[future], future.result()
@@ -148,18 +165,20 @@ def _of_measures(results: list[Result], measure: Measure) -> list[Column]:
 
 def _parameters(scene: Any, rows: list[Row]) -> list[Column]:
     """The values that were varied, in SI units; NaN for words, and for values that their runs reject."""
-    read = _core.Scene(scene, built_in())
+    read = _read(scene)
     columns = []
     for name in dict.fromkeys(itertools.chain.from_iterable(rows)):
         given = [row.get(name, math.nan) for row in rows]
         known: dict[Any, float] = {}
         unit = ""
-        for value in dict.fromkeys([given[0], *(v for v in given if isinstance(v, str))]):
+        first = [v for v in given[:1] if isinstance(v, numbers.Real)]
+        for value in dict.fromkeys([*first, *(v for v in given if isinstance(v, str))]):
             try:
                 known[value], unit = read.quantity(name, text_of(value))
-            except Error:
+            except (Error, TypeError, ValueError):
                 known[value] = math.nan
-        columns.append(Column([known[v] if isinstance(v, str) else float(v) for v in given], name, unit))
+        columns.append(Column([known[v] if isinstance(v, str) else float(v) if isinstance(v, numbers.Real) else math.nan
+                               for v in given], name, unit))
     return columns
 
 
@@ -175,6 +194,8 @@ def sweep(scene: Source, vary: Vary, *, executor: Executor | None = None, until:
     `progress`: True for a line on the error stream, or a function of the runs done and all runs. `chunk`: runs at a time.
     A run that raises is a row of NaN, and its exception is in `errors`.
     """
+    if chunk is not None and chunk < 1:
+        raise ValueError(f"chunk is {chunk}; give 1 or more runs")
     rows, source = rows_of(vary), scene_of(scene)
     size = chunk or max(1, len(rows) // (8 * (os.cpu_count() or 1)))
     work = source, None if until is None else seconds(until), columns, measure

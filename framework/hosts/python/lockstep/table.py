@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -43,6 +44,12 @@ class Column(np.ndarray[Any, np.dtype[np.float64]]):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Column, (np.array(self), self.name, self.unit, self._extremes)
+
+    def __copy__(self) -> Column:
+        return Column(np.array(self), self.name, self.unit, self._extremes)
+
+    def __deepcopy__(self, memo: Any) -> Column:
+        return self.__copy__()
 
     @property
     def min_of_motion(self) -> Range:
@@ -118,7 +125,7 @@ class Table:
     def to_csv(self, file: str) -> None:
         """Writes all columns, with units in the header; numbers read back as the same doubles."""
         with open(file, "w", encoding="utf-8", newline="") as out:
-            out.write(",".join(c.label for c in self._columns.values()) + "\n")
+            csv.writer(out, lineterminator="\n").writerow(c.label for c in self._columns.values())
             for row in zip(*(c.tolist() for c in self._columns.values())):
                 out.write(",".join(map(repr, row)) + "\n")
 

@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import importlib
 import inspect
+import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any, Protocol, overload
 
 
@@ -26,6 +28,16 @@ class Type:
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         return self.function(*args, **kwargs)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        module, name = getattr(self.function, "__module__", ""), getattr(self.function, "__qualname__", "")
+        if getattr(sys.modules.get(module), name, None) is self:  # a decorated function of a module
+            return _named, (module, name)
+        return Type, tuple(getattr(self, f.name) for f in fields(self))
+
+
+def _named(module: str, name: str) -> Any:
+    return getattr(importlib.import_module(module), name)
 
 
 def _type(kind: str, function: Callable[..., Any], first: int, **more: Any) -> Type:
