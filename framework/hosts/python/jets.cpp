@@ -52,7 +52,10 @@ void bind_jet(py::module_& m, const char* name) {
       .def(
           "__rtruediv__", [](const J& a, double b) { return b / a; }, py::is_operator())
       .def(
-          "__pow__", [](const J& a, double p) { return p == 0 ? J(1) : p == 1 ? a : p == 2 ? a * a : p == 0.5 ? sqrt(a) : pow(a, p); },
+          "__pow__",
+          [](const J& a, double p) {
+            return p == 0 ? J(1) : p == 1 ? a : p == 2 ? a * a : p == 0.5 ? sqrt(a) : pow(a, p);
+          },
           py::is_operator())
       .def("__pow__", &power<J>, py::is_operator())
       .def(

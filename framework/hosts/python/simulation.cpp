@@ -338,10 +338,8 @@ void bind_simulation(py::module_& m) {
                  return goes_on.is_none() || py::bool_(goes_on);
                };
            })
-      .def("save",
-           [](Run& r, const std::string& file) { r.advancing([&] { r.simulation().save(file); }); })
-      .def("load",
-           [](Run& r, const std::string& file) { r.advancing([&] { r.simulation().load(file); }); })
+      .def("save", [](Run& r, const std::string& file) { r.advancing([&] { r.simulation().save(file); }); })
+      .def("load", [](Run& r, const std::string& file) { r.advancing([&] { r.simulation().load(file); }); })
       .def("findings", [](Run& r) { return objects_of(r.simulation().verdict().findings); })
       .def("report",
            [](Run& r) {

@@ -94,8 +94,9 @@ struct Coordinates {
   void note(unsigned what) const {
     if (read) *read |= what;
     if ((what & ~known) != 0)
-      throw ModelError("a function of a joint reads a coordinate that it did not read in the pose in which the markers "
-                       "coincide; read all of its coordinates in every pose");
+      throw ModelError(
+          "a function of a joint reads a coordinate that it did not read in the pose in which the markers "
+          "coincide; read all of its coordinates in every pose");
   }
 };
 
@@ -144,10 +145,10 @@ struct PythonRows {
   template <class T, class... More>
   auto operator()(const LockCoords<T>& first, const More&... more) const {
     using C = Coordinates<T>;
-    constexpr unsigned kKnown = (lockstep::reads(reads, Reads::translation) ? unsigned(C::kTranslation) : 0) |
-                                (lockstep::reads(reads, Reads::rotation) ? unsigned(C::kRotation) : 0) |
-                                (counts ? unsigned(C::kAngle) : 0);
-    return called<n>(f, kKnown, first, more...);
+    const unsigned known = (lockstep::reads(reads, Reads::translation) ? unsigned(C::kTranslation) : 0) |
+                           (lockstep::reads(reads, Reads::rotation) ? unsigned(C::kRotation) : 0) |
+                           (counts ? unsigned(C::kAngle) : 0);
+    return called<n>(f, known, first, more...);
   }
 };
 
