@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The callbacks of a run, its events, and the states that it takes and gives.
+#include <cmath>
+
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
 #include "framework/hosts/c/run.h"
@@ -66,6 +68,7 @@ int lockstep_add_event(lockstep_run* run, const char* name, const char* channel,
     return call_run(run, [&](Run& r, Simulation& s) {
       if (channel != nullptr && condition != nullptr)
         refuse(LOCKSTEP_USAGE, "an event has a channel or a condition; give null for one of them");
+      if (!std::isfinite(value)) refuse(LOCKSTEP_USAGE, "value of an event is not a finite number");
       Event event{.name = needed_text(name, "name"),
                   .crossing = crossing_of(crossing),
                   .once = once != 0,

@@ -83,8 +83,8 @@ T& needed(T* pointer, const char* name) {
 }
 inline const char* needed_text(const char* text, const char* name) { return &needed(text, name); }
 
-/// Calls `act` with the object of a handle, an H, which no other call may use meanwhile.
-template <class H, class Act>
+/// Calls `act` with the object of a handle, an H, which no other call may use meanwhile; with_also: nor what it uses too.
+template <class H, bool with_also = true, class Act>
 int call(const void* handle, Act&& act) noexcept {
   if (handle == nullptr) return LOCKSTEP_NULL;
   const std::shared_ptr<Object> object = object_of(handle);
@@ -93,7 +93,7 @@ int call(const void* handle, Act&& act) noexcept {
   const Object::Hold hold(*self);
   if (!hold.got()) return LOCKSTEP_BUSY;
   if (!self->made) return LOCKSTEP_CLOSED;
-  if (self->also == nullptr) return self->attempt([&] { act(*self); });
+  if (!with_also || self->also == nullptr) return self->attempt([&] { act(*self); });
   const Object::Hold both(*self->also);
   return both.got() ? self->attempt([&] { act(*self); }) : int(LOCKSTEP_BUSY);
 }

@@ -27,8 +27,11 @@ void Run::add(const std::vector<Finding>& more) noexcept {
 }
 
 std::vector<Finding> Run::all_findings() {
-  if (begun) add(simulation->verdict().findings);
-  return found;
+  std::vector<Finding> all = found;
+  if (begun)
+    for (Finding& f : simulation->verdict().findings)
+      if (std::ranges::find(found, f.text(), &Finding::text) == found.end()) all.push_back(std::move(f));
+  return all;
 }
 
 std::size_t Run::checked(int index, std::size_t count, const char* of) {

@@ -56,7 +56,7 @@ void each_part(Part& of, Numbers numbers, auto act) {
 extern "C" {
 
 int lockstep_body(const lockstep_state* state, const char* name, double* pose, double* twist) {
-  return call<StateObject>(state, [&](StateObject& s) {
+  return call<StateObject, false>(state, [&](StateObject& s) {
     const Body& body = s.dynamics.system().body(needed_text(name, "name"));
     if (pose != nullptr) {
       const Pose at = body_pose(body, s.given());
@@ -70,22 +70,25 @@ int lockstep_body(const lockstep_state* state, const char* name, double* pose, d
 }
 
 int lockstep_set_body(lockstep_state* state, const char* name, const double* pose, const double* twist) {
-  return call<StateObject>(state, [&](StateObject& s) {
+  return call<StateObject, false>(state, [&](StateObject& s) {
     s.require(May::change);
     const Body& body = s.dynamics.system().body(needed_text(name, "name"));
     if (pose != nullptr) check_finite(pose, 7, "pose");
     if (twist != nullptr) check_finite(twist, 6, "twist");
-    if (pose != nullptr && !(std::hypot(std::hypot(pose[3], pose[4]), std::hypot(pose[5], pose[6])) > 0))
-      refuse(LOCKSTEP_USAGE, "the quaternion pose[3] to pose[6] is zero; give its scalar part first");
+    const double n = pose != nullptr ? std::hypot(std::hypot(pose[3], pose[4]), std::hypot(pose[5], pose[6])) : 1.0;
+    if (!(n > 0 && std::isfinite(n)))
+      refuse(LOCKSTEP_USAGE,
+             "the quaternion pose[3] to pose[6] has no finite length above zero; its scalar part is first");
     StateEditor edit(s.changed());
     if (pose != nullptr)
-      edit.set_pose(body, {{pose[0], pose[1], pose[2]}, normalized(Quat{pose[3], pose[4], pose[5], pose[6]})});
+      edit.set_pose(
+          body, {{pose[0], pose[1], pose[2]}, normalized(Quat{pose[3] / n, pose[4] / n, pose[5] / n, pose[6] / n})});
     if (twist != nullptr) edit.set_twist(body, {{twist[0], twist[1], twist[2]}, {twist[3], twist[4], twist[5]}});
   });
 }
 
 int lockstep_sizes(const lockstep_state* state, double* t, int* n_q, int* n_v, int* n_s) {
-  return call<StateObject>(state, [&](StateObject& object) {
+  return call<StateObject, false>(state, [&](StateObject& object) {
     const State& s = object.in_slots();
     if (t != nullptr) *t = s.t;
     if (n_q != nullptr) *n_q = static_cast<int>(s.q.size());
@@ -95,7 +98,7 @@ int lockstep_sizes(const lockstep_state* state, double* t, int* n_q, int* n_v, i
 }
 
 int lockstep_numbers(const lockstep_state* state, double* numbers, int size) {
-  return call<StateObject>(state, [&](StateObject& object) {
+  return call<StateObject, false>(state, [&](StateObject& object) {
     needed(numbers, "numbers");
     const State& s = object.in_slots();
     check_size(size, size_of(s));
@@ -104,7 +107,7 @@ int lockstep_numbers(const lockstep_state* state, double* numbers, int size) {
 }
 
 int lockstep_set_numbers(lockstep_state* state, double t, const double* numbers, int size) {
-  return call<StateObject>(state, [&](StateObject& object) {
+  return call<StateObject, false>(state, [&](StateObject& object) {
     needed(numbers, "numbers");
     object.require(May::change);
     State& s = object.changed();

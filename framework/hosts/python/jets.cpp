@@ -31,26 +31,18 @@ void bind_jet(py::module_& m, const char* name) {
                              a.v));
            })
       .def("__repr__", [](const J& a) { return fmt::format("Jet({})", a.v); })
-      .def(py::self + py::self, py::is_operator())
+      .def(py::self + py::self)
       .def(py::self - py::self)
       .def(py::self * py::self)
       .def(py::self / py::self)
-      .def(
-          "__add__", [](const J& a, double b) { return a + b; }, py::is_operator())
-      .def(
-          "__sub__", [](const J& a, double b) { return a - b; }, py::is_operator())
-      .def(
-          "__mul__", [](const J& a, double b) { return a * b; }, py::is_operator())
-      .def(
-          "__truediv__", [](const J& a, double b) { return a / b; }, py::is_operator())
-      .def(
-          "__radd__", [](const J& a, double b) { return b + a; }, py::is_operator())
-      .def(
-          "__rsub__", [](const J& a, double b) { return b - a; }, py::is_operator())
-      .def(
-          "__rmul__", [](const J& a, double b) { return b * a; }, py::is_operator())
-      .def(
-          "__rtruediv__", [](const J& a, double b) { return b / a; }, py::is_operator())
+      .def(py::self + double())
+      .def(double() + py::self)
+      .def(py::self - double())
+      .def(double() - py::self)
+      .def(py::self * double())
+      .def(double() * py::self)
+      .def(py::self / double())
+      .def(double() / py::self)
       .def(
           "__pow__",
           [](const J& a, double p) {

@@ -52,7 +52,7 @@ enum {
   LOCKSTEP_BUSY = 16         /**< the handle is in use; its error stays as it was */
 };
 
-/** A callback of a run that returns this ends the run after the present step; that is no error. */
+/** An observer that returns this ends the run after the present step; that is no error. */
 enum { LOCKSTEP_STOP = -1 };
 
 /** The name of a code, "scene"; "" for another number. */
@@ -232,8 +232,8 @@ LOCKSTEP_C_API int lockstep_matrix(lockstep_run* run, int which, const double** 
 /** Its signals as a JSON object: states, inputs, outputs (lists of name and unit), and accuracy of B, C and D. */
 LOCKSTEP_C_API int lockstep_signals(lockstep_run* run, const char** json);
 
-/* -- callbacks of a run. Each receives `user`, and a state that is valid during the call. A result other than 0 and
-   LOCKSTEP_STOP is an error, as above. */
+/* -- callbacks of a run. Each receives `user`, and a state that is valid during the call. A result other than 0 is an
+   error, as above; LOCKSTEP_STOP of an observer is none. */
 
 /** Called after each step. */
 typedef int (*lockstep_observer)(void* user, const lockstep_state* state);
@@ -247,7 +247,7 @@ LOCKSTEP_C_API int lockstep_on_row(lockstep_run* run, lockstep_row row, int keep
                                    lockstep_free_user free_user);
 /** Writes the value of a condition at a state. */
 typedef int (*lockstep_condition)(void* user, const lockstep_state* state, double* value);
-/** Acts at an event; may change the state. LOCKSTEP_STOP ends the run after it. */
+/** Acts at an event; may change the state. To end a run at an event, add one without an action. */
 typedef int (*lockstep_action)(void* user, lockstep_state* state);
 /** Adds an event; begins the run. With `channel` it happens if the channel crosses `value`; with `condition` if that
     crosses `value`; with neither at the time `value`, s. `crossing`: 1 rising, -1 falling, 0 either. `once`: 0 at every
