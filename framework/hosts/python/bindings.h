@@ -65,8 +65,8 @@ class Types {
 /// A piece of a scene from numbers, texts, lists, dictionaries and arrays. Functions and Types in it become types of
 /// `types`. Throws TypeError for anything else, with its place.
 Value value_of(const py::handle&, Types& types, const std::string& place = "scene");
-/// The same as Python objects.
-py::object object_of(const Value&);
+/// The values of checked parameters by name, all numbers.
+py::dict numbers_of(const Params&);
 
 /// Findings as Python objects.
 py::list objects_of(const std::vector<Finding>&);
@@ -100,9 +100,6 @@ void computing(Act&& act) {
 inline py::array_t<double> array_of(const Vec3& v) { return py::array_t<double>(3, v.data()); }
 /// A vector of numbers as an array of its own.
 inline py::array_t<double> array_of(const VecX& v) { return py::array_t<double>(v.size(), v.data()); }
-inline py::array_t<double> array_of(const std::vector<double>& v) {
-  return py::array_t<double>(static_cast<py::ssize_t>(v.size()), v.data());
-}
 /// A matrix as an array of rows.
 template <class M>
 py::array_t<double> matrix_of(const M& m) {

@@ -81,9 +81,7 @@ void add_integrator(Registry& registry, const TypeInfo& info, const Held& type) 
   const int order = type->attr("order").cast<int>();
   registry.integrators.add(info, [name = info.name, order, type](const Params& p) -> std::unique_ptr<Integrator> {
     const py::gil_scoped_acquire lock;
-    py::dict given;
-    for (const Key& key : p.keys()) given[py::str(key.name)] = p.number(key.name);
-    return std::make_unique<PythonIntegrator>(name, order, Held(type->attr("function")(**given)));
+    return std::make_unique<PythonIntegrator>(name, order, Held(type->attr("function")(**numbers_of(p))));
   });
 }
 

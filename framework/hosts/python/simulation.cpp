@@ -312,7 +312,6 @@ void bind_simulation(py::module_& m) {
              return all;
            })
       .def_property_readonly("t", [](Run& r) { return r.simulation().state().t; })
-      .def_property_readonly("settings_until", [](Run& r) { return r.simulation().settings().until; })
       .def("body",
            [](Run& r, const std::string& name) {
              return pose_of(r.simulation().system().body(name), r.simulation().state());

@@ -320,12 +320,16 @@ Keys keys_of(const py::object& type) {
 
 Function with_keys(const Held& f, const Params& p) {
   const py::gil_scoped_acquire lock;
-  py::dict given;
-  for (const Key& key : p.keys()) given[py::str(key.name)] = p.number(key.name);
-  return {f, given};
+  return {f, numbers_of(p)};
 }
 
 }  // namespace
+
+py::dict numbers_of(const Params& p) {
+  py::dict given;
+  for (const Key& key : p.keys()) given[py::str(key.name)] = p.number(key.name);
+  return given;
+}
 
 Types::Types() : registry_(std::make_shared<Registry>(builtin_registry())) {}
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pieces of scenes from Python objects, and back.
+// Pieces of scenes from Python objects.
 #include <spdlog/fmt/fmt.h>
 
 #include "framework/hosts/python/bindings.h"
@@ -46,23 +46,6 @@ Value value_of(const py::handle& o, Types& types, const std::string& place) {
   throw py::type_error(
       fmt::format("{}: {} cannot be a part of a scene; give a number, a text, a list, a dictionary or a function",
                   place, std::string(py::repr(py::type::of(o)))));
-}
-
-py::object object_of(const Value& v) {
-  if (const bool* b = v.boolean()) return py::bool_(*b);
-  if (const double* x = v.number()) return py::float_(*x);
-  if (const std::string* text = v.text()) return py::str(*text);
-  if (const Value::List* items = v.list()) {
-    py::list all;
-    for (const Value& item : *items) all.append(object_of(item));
-    return all;
-  }
-  if (const Value::Object* members = v.object()) {
-    py::dict all;
-    for (const Value::Member& m : *members) all[py::str(m.key)] = object_of(m.value);
-    return all;
-  }
-  return py::none();
 }
 
 Vec3 vec3_of(const py::handle& o, const char* what) {

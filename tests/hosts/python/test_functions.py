@@ -110,6 +110,23 @@ class Laws(unittest.TestCase):
         self.assertAlmostEqual(table["m.z"][-1], 0.5, 12)
 
 
+class Plugins(unittest.TestCase):
+    def test_a_plugin_brings_its_types(self):
+        types = ls.Types()
+        self.assertNotIn("drag", types.names()["forces"])
+        types.load_plugin("drag")
+        scene = {"lockstep": 1, "gravity": [0, 0, -10],
+                 "bodies": [{"name": "m", "particle": 1.0}],
+                 "forces": [{"name": "air", "type": "drag", "p": "m", "at": [0, 0, 0], "coefficient": 0.1}],
+                 "run": {"until": 5, "tolerance": 1e-10, "record": ["m.vz"]}}
+        table = ls.Simulation(scene, types=types).run()
+        self.assertAlmostEqual(table["m.vz"][-1], -10 * math.tanh(5), 7)
+        with self.assertRaises(ls.SceneError):
+            ls.Simulation(scene)
+        with self.assertRaises(ls.PluginError):
+            types.load_plugin("no_such_plugin")
+
+
 class Joints(unittest.TestCase):
     def bead(self, joint, **keys):
         return {
