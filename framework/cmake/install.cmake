@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # What a client includes is <lockstep/...>, here and installed alike.
-# Components, which packages.cmake makes Debian packages of: library, development, program, plugins, doc, c.
+# Components, which packages.cmake makes Debian packages of: library, development, program, plugins, doc, c, python.
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lockstep)
 set(data_folder ${CMAKE_INSTALL_DATADIR}/lockstep)
@@ -22,6 +22,11 @@ install(FILES ${PROJECT_BINARY_DIR}/generated/lockstep/version.h
 
 install(DIRECTORY samples/scenes DESTINATION ${data_folder} COMPONENT program
         FILES_MATCHING PATTERN "*.json" PATTERN "*.csv")
+# The samples name their scenes from the root of a clone: the documentation folder has the same paths.
+cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_DATADIR BASE_DIRECTORY ${CMAKE_INSTALL_FULL_DOCDIR}/samples OUTPUT_VARIABLE up)
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/samples_link)
+file(CREATE_LINK ${up}/lockstep/scenes ${PROJECT_BINARY_DIR}/samples_link/scenes SYMBOLIC)
+install(FILES ${PROJECT_BINARY_DIR}/samples_link/scenes DESTINATION ${CMAKE_INSTALL_DOCDIR}/samples COMPONENT program)
 if(NOT CMAKE_CROSSCOMPILING)  # the program writes it when it is built
   install(FILES ${PROJECT_BINARY_DIR}/scene.schema.json DESTINATION ${data_folder} COMPONENT program)
   install(FILES ${PROJECT_BINARY_DIR}/lockstep.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
@@ -51,6 +56,10 @@ endforeach()
 install(DIRECTORY samples/host_app DESTINATION ${CMAKE_INSTALL_DOCDIR}/samples COMPONENT development)
 install(DIRECTORY samples/hosts/c samples/hosts/fortran DESTINATION ${CMAKE_INSTALL_DOCDIR}/samples/hosts COMPONENT c
         FILES_MATCHING PATTERN "*.c" PATTERN "*.f90")
+if(TARGET lockstep_python)
+  install(DIRECTORY samples/hosts/python DESTINATION ${CMAKE_INSTALL_DOCDIR}/samples/hosts COMPONENT python
+          FILES_MATCHING PATTERN "*.py" PATTERN "*.ipynb")
+endif()
 
 install(EXPORT lockstepTargets NAMESPACE lockstep:: DESTINATION ${package_folder} COMPONENT development)
 configure_package_config_file(framework/cmake/lockstepConfig.cmake.in ${PROJECT_BINARY_DIR}/lockstepConfig.cmake

@@ -67,10 +67,12 @@ if [ -d "$root/usr/lib/python3" ]; then
 import lockstep as ls
 table = ls.Simulation('$root/usr/share/lockstep/scenes/four_bar.json', crank='0.12 m').run()
 assert len(table) == 71 and abs(table['theta'][-1] - table['theta'][0] - 7) < 1e-8"
+  test -s "$root/usr/share/doc/lockstep/samples/hosts/python/controller.py"
 fi
 "$program" describe bump --plugin bump | grep bump >/dev/null  # from the installed folder
 for kept in usr/share/doc/lockstep/plugins/README.md usr/share/doc/lockstep/samples/host_app/main.cpp usr/include/lockstep/lockstep.h usr/lib/pkgconfig/lockstep.pc \
-  usr/include/lockstep/c.h usr/lib/pkgconfig/lockstep-c.pc usr/share/doc/lockstep/samples/hosts/c/pendulum.c; do test -s "$root/$kept"; done
+  usr/include/lockstep/c.h usr/lib/pkgconfig/lockstep-c.pc usr/share/doc/lockstep/samples/hosts/c/pendulum.c \
+  usr/share/doc/lockstep/samples/scenes/pendulum.json; do test -s "$root/$kept"; done
 
 for name in "${names[@]}"; do for file in copyright changelog.gz; do test -s "$root/usr/share/doc/$name/$file"; done; done
 gzip -cd "$root/usr/share/man/man1/lockstep.1.gz" | grep -F '.SS "lockstep demo' >/dev/null
