@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The program, called as a person calls it.
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -286,6 +287,13 @@ TEST_CASE("wrong words are answered with the nearest right ones", "[runner]") {
   CHECK(contains(text_of("run '" + kFourBar + "' more"), "unexpected word"));
   const std::string free = scene_file("free", kArm + R"("run": {"until": 1})");
   CHECK(contains(text_of("run '" + free + "' --integrator rk4"), "--step"));
+}
+
+TEST_CASE("a column that has no number at an instant is reported with it", "[runner]") {
+  const std::string scene = scene_file("quotient", kArm + R"("run": {"until": 1, "integrator": "rk4", "step": 0.5,
+    "record": [{"q": "=0/(t - 0.5) + 1"}]})");
+  CHECK(contains(call("run '" + scene + "' --record quotient.csv").text, "results    q  no number at t = 0.5 s\n"));
+  CHECK(std::isnan(read_csv(kFolder + "/quotient.csv").columns()[1].values[1]));
 }
 
 TEST_CASE("words without effect give a warning, empty values are not printed", "[runner]") {

@@ -253,7 +253,7 @@ TEST_CASE("optimize: the counterweight of least shaking force balances half of t
   CHECK(j["best"]["unit"] == "N");
   // With a limit of 2.5 kg at the limit, by the method for conditions.
   const Json limited =
-      json_of("optimize " + engine() + " --vary counterweight=\"0.1 kg:10 kg\" --minimize \"rms(shaking)\"" +
+      json_of("optimize " + engine() + " --vary counterweight=\"0.1 kg:10 kg\" --minimize \"=rms(shaking)\"" +
               " --subject-to \"counterweight < 2.5 kg\" --json");
   CHECK(std::abs(limited["best"]["values"]["counterweight"].get<double>() - 2.5) <= 1e-4);
 }

@@ -113,6 +113,7 @@ std::vector<ColumnEnds> columns_of(const EndedRun& run) {
   for (const ColumnRange& range : run.recorder.ranges()) {
     const Column& column = run.recorder.table().columns()[all.size() + 1];
     all.push_back({range, column.name, column.unit});
+    if (std::isnan(range.least)) all.back().at_least = fmt::format(" at t = {:.4g} s", range.t_least);
   }
   return all;
 }
@@ -208,6 +209,7 @@ void drop_rounding(std::vector<ColumnEnds>& columns, double tolerance) {
 }
 
 std::string range_text(const ColumnEnds& c) {
+  if (!(c.least <= c.most)) return "no number" + c.at_least;
   const std::string least = fmt::format("{:.4g}", c.least), most = fmt::format("{:.4g}", c.most);
   const std::string words = least == most ? least : least + c.at_least + " ... " + most + c.at_most;
   return c.resolved || least == most ? words : words + " at least";

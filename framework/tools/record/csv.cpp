@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <istream>
@@ -63,7 +64,9 @@ void append_csv_row(std::string& text, const Table& table, std::size_t i) {
   for (const Column& c : table.columns()) {
     if (text.size() > begin) text += ',';
     char number[32];
-    text.append(number, std::to_chars(number, number + sizeof number, c.values[i]).ptr);
+    const double x = c.values[i];
+    text.append(number,
+                std::to_chars(number, number + sizeof number, std::isnan(x) ? std::abs(x) : x).ptr);  // no "-nan"
   }
   text += '\n';
 }
