@@ -4,6 +4,7 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
+#include <lockstep/text.h>
 #include "framework/hosts/c/run.h"
 #include "framework/hosts/c/state.h"
 #include "framework/hosts/c/user_code.h"
@@ -12,8 +13,7 @@ namespace lockstep::c {
 namespace {
 
 Event::Crossing crossing_of(int sign) {
-  if (sign < -1 || sign > 1) refuse(LOCKSTEP_USAGE, "crossing is " + std::to_string(sign) + "; must be -1, 0 or 1");
-  return sign == 0 ? Event::Crossing::any : sign > 0 ? Event::Crossing::rising : Event::Crossing::falling;
+  return within(sign, -1, 1, "crossing") == 0 ? Event::Crossing::any : sign > 0 ? Event::Crossing::rising : Event::Crossing::falling;
 }
 
 std::function<double(const Sample&)> condition_of(lockstep_condition condition, double crosses, const User& user) {
@@ -56,7 +56,7 @@ int lockstep_on_row(lockstep_run* run, lockstep_row row, int keep, void* user, l
       if (row == nullptr) return s.on_row(nullptr);
       s.on_row([owner,
                 row](std::span<const double> of) { invoke(row, owner.get(), of.data(), static_cast<int>(of.size())); },
-               keep != 0);
+               flag(keep, "keep"));
     });
   });
 }
@@ -68,13 +68,13 @@ int lockstep_add_event(lockstep_run* run, const char* name, const char* channel,
     return call_run(run, [&](Run& r, Simulation& s) {
       if (channel != nullptr && condition != nullptr)
         refuse(LOCKSTEP_USAGE, "an event has a channel or a condition; give null for one of them");
-      if (!std::isfinite(value)) refuse(LOCKSTEP_USAGE, "value of an event is not a finite number");
+      if (!std::isfinite(value)) refuse(LOCKSTEP_USAGE, "value is " + text::number(value) + "; must be finite");
       Event event{.name = needed_text(name, "name"),
                   .crossing = crossing_of(crossing),
-                  .once = once != 0,
+                  .once = flag(once, "once"),
                   .stop = action == nullptr};
       if (channel != nullptr)
-        event.value = channel_of(r, s, channel, value);
+        event.value = channel_of(r, s, needed_text(channel, "channel"), value);
       else if (condition != nullptr)
         event.value = condition_of(condition, value, owner);
       else
@@ -83,7 +83,7 @@ int lockstep_add_event(lockstep_run* run, const char* name, const char* channel,
         event.change = [owner, action, &s](State& state) {
           invoke(action, owner.get(), Lent(state, s.dynamics(), StateObject::May::change).handle());
         };
-      s.loop(), r.begun = true;
+      r.begin();
       s.add_event(std::move(event));
     });
   });
@@ -100,13 +100,13 @@ int lockstep_get_state(lockstep_run* run, lockstep_state** made) {
 }
 
 int lockstep_set_state(lockstep_run* run, lockstep_state* state) {
-  return call_begun(run, [&](Run&, Simulation& s) {
+  return call_begun(run, [&](Run& r, Simulation& s) {
     const std::shared_ptr<Object> object = object_of(&needed(state, "state"));
     auto* const of = dynamic_cast<StateObject*>(object.get());
     if (of == nullptr) refuse(LOCKSTEP_CLOSED, "argument \"state\" is no live state; take one by lockstep_get_state");
     const Object::Hold hold(*of);
-    if (!hold.got()) refuse(LOCKSTEP_BUSY, "argument \"state\" is in use");
-    s.set_state(of->in_slots());
+    if (hold.code != LOCKSTEP_DONE) refuse(hold.code, "argument \"state\" is in use, or was freed");
+    s.set_state(of->in_slots()), r.started = s.state();
   });
 }
 }

@@ -2,11 +2,15 @@
 #include "framework/hosts/c/handle.h"
 
 #include <array>
+#include <boost/locale/utf.hpp>
 #include <mutex>
 #include <new>
+#include <string_view>
 #include <thread>
 #include <unordered_map>
 #include <utility>
+
+#include <spdlog/fmt/fmt.h>
 
 #include <lockstep/version.h>
 #include "framework/foundation/support/thrown.h"
@@ -72,6 +76,7 @@ bool remove_handle(const void* handle) noexcept {
 
 void Object::close() {
   while (busy_.exchange(true)) std::this_thread::yield();
+  closed_ = true, busy_ = false;
 }
 
 int Object::keep_error() noexcept {
@@ -94,8 +99,21 @@ int Object::keep_error() noexcept {
 }
 
 void refuse(int code, const std::string& problem) { throw Refusal(code, problem); }
-void refuse_null(const char* name) {
-  refuse(LOCKSTEP_NULL, std::string("argument \"") + name + "\" is null; give a pointer");
+void refuse_null(const char* name) { refuse(LOCKSTEP_NULL, fmt::format("argument \"{}\" is null; give a pointer", name)); }
+
+const char* needed_text(const char* text, const char* name) {
+  using Utf8 = boost::locale::utf::utf_traits<char>;
+  const std::string_view all = &needed(text, name);
+  for (auto at = all.begin(); at != all.end();)
+    if (const auto from = at; !boost::locale::utf::is_valid_codepoint(Utf8::decode(at, all.end())))
+      refuse(LOCKSTEP_USAGE, fmt::format("argument \"{}\" is not UTF-8 from its byte {} on, 0x{:02x}; convert it", name,
+                                         from - all.begin(), static_cast<unsigned char>(*from)));
+  return text;
+}
+
+int within(int value, int least, int most, const std::string& name) {
+  if (value >= least && value <= most) return value;
+  refuse(LOCKSTEP_USAGE, fmt::format("{} is {}; must be {} to {}", name, value, least, most));
 }
 
 }  // namespace lockstep::c
@@ -110,7 +128,7 @@ Result of_error(const void* handle, Get&& get, Result if_closed, Result if_busy)
   const std::shared_ptr<Object> object = object_of(handle);
   if (object == nullptr) return if_closed;
   const Object::Hold hold(*object);
-  return hold.got() ? get(*object) : if_busy;
+  return hold.code == LOCKSTEP_DONE ? get(*object) : hold.code == LOCKSTEP_BUSY ? if_busy : if_closed;
 }
 
 }  // namespace
@@ -126,9 +144,9 @@ int lockstep_free(void* handle) {
   if (handle == nullptr) return LOCKSTEP_DONE;
   std::shared_ptr<Object> object = object_of(handle);  // destroyed here, after the hold
   if (object == nullptr) return LOCKSTEP_CLOSED;
-  const Object::Hold hold(*object);
-  if (!hold.got()) return LOCKSTEP_BUSY;
-  return remove_handle(handle) ? LOCKSTEP_DONE : LOCKSTEP_CLOSED;
+  Object::Hold hold(*object);
+  if (hold.code == LOCKSTEP_DONE) hold.close(), remove_handle(handle);
+  return hold.code;
 }
 
 int lockstep_error_code(const void* handle) {

@@ -25,17 +25,22 @@ class Object {
   /// While it exists, no other call may use the object.
   class Hold {
    public:
-    explicit Hold(Object& of) : of_(of), got_(!of.busy_.exchange(true)) {}
+    explicit Hold(Object& of)
+        : of_(of), code(of.busy_.exchange(true) ? LOCKSTEP_BUSY : of.closed_ ? LOCKSTEP_CLOSED : LOCKSTEP_DONE) {}
     ~Hold() {
-      if (got_) of_.busy_ = false;
+      if (code != LOCKSTEP_BUSY) of_.busy_ = false;
     }
     Hold(const Hold&) = delete;
     Hold& operator=(const Hold&) = delete;
-    bool got() const { return got_; }
+    /// Lets no call come after this one.
+    void close() { of_.closed_ = true; }
 
    private:
     Object& of_;
-    const bool got_;
+
+   public:
+    /// LOCKSTEP_BUSY: another call has it. LOCKSTEP_CLOSED: it was freed since its handle was looked up. Else 0.
+    const int code;
   };
   /// Waits for a call in progress and lets none come after it.
   void close();
@@ -61,6 +66,7 @@ class Object {
  private:
   int keep_error() noexcept;
   std::atomic<bool> busy_ = false;
+  bool closed_ = false;  ///< read and written by who holds it
   std::string text_;
 };
 
@@ -81,7 +87,15 @@ T& needed(T* pointer, const char* name) {
   if (pointer == nullptr) refuse_null(name);
   return *pointer;
 }
-inline const char* needed_text(const char* text, const char* name) { return &needed(text, name); }
+/// A text. Throws LOCKSTEP_NULL, and LOCKSTEP_USAGE for what is not UTF-8.
+const char* needed_text(const char* text, const char* name);
+/// The same; null stands for another text.
+inline const char* text_or(const char* text, const char* name, const char* otherwise = "") {
+  return text != nullptr ? needed_text(text, name) : otherwise;
+}
+/// A number from `least` to `most`. Throws LOCKSTEP_USAGE.
+int within(int value, int least, int most, const std::string& name);
+inline bool flag(int value, const char* name) { return within(value, 0, 1, name) != 0; }
 
 /// Calls `act` with the object of a handle, an H, which no other call may use meanwhile; with_also: nor what it uses too.
 template <class H, bool with_also = true, class Act>
@@ -91,11 +105,11 @@ int call(const void* handle, Act&& act) noexcept {
   auto* const self = dynamic_cast<H*>(object.get());
   if (self == nullptr) return LOCKSTEP_CLOSED;
   const Object::Hold hold(*self);
-  if (!hold.got()) return LOCKSTEP_BUSY;
+  if (hold.code != LOCKSTEP_DONE) return hold.code;
   if (!self->made) return LOCKSTEP_CLOSED;
   if (!with_also || self->also == nullptr) return self->attempt([&] { act(*self); });
   const Object::Hold both(*self->also);
-  return both.got() ? self->attempt([&] { act(*self); }) : int(LOCKSTEP_BUSY);
+  return both.code != LOCKSTEP_BUSY ? self->attempt([&] { act(*self); }) : int(LOCKSTEP_BUSY);
 }
 
 /// Makes an H, fills it by `fill`, and writes its handle to `made`, also if that fails.

@@ -40,11 +40,13 @@ Value value_of(const Description& d) {
 
 }  // namespace
 
+std::string utf8(const std::string& text) { return *read_json(write_json_line(text), "").text(); }
+
 Value number_or_null(double x) { return std::isfinite(x) ? Value(x) : Value(); }
 
 void write_error(const Error& error, int code, std::string& text, std::string& json) noexcept {
   try {
-    text = error.what();
+    text = utf8(error.what());
     const ErrorData& d = error.data();
     json = write_json_line(Value::object(
         {{"code", code},

@@ -15,6 +15,8 @@ class Registry;
 
 namespace lockstep::c {
 
+/// The text; bytes that are not UTF-8, as files and hosts may give, are replaced.
+std::string utf8(const std::string& text);
 /// A number, or null if it is not finite.
 Value number_or_null(double);
 /// Sentence and data of an error; what finds no memory stays as it was.

@@ -28,7 +28,7 @@ Value report_of(Simulation& s) {
 // About the present state, by dynamics of its own: six velocities a body, without stabilisation.
 StateSpace linearized(Run& run, Simulation& s, const char* names, const LinearMotionOptions& options) {
   std::vector<Request> wanted;
-  for (const std::string& name : lines_of(names)) {
+  for (const std::string& name : lines_of(names, "outputs")) {
     const std::size_t index = static_cast<std::size_t>(&s.table().column(name) - s.table().columns().data());
     if (index == 0) refuse(LOCKSTEP_USAGE, "outputs: \"" + name + "\" is the time, which is no output");
     wanted.push_back(run.columns[index - 1]);
@@ -87,7 +87,7 @@ int lockstep_finding(lockstep_run* run, int index, const char** text, const char
 int lockstep_linearize(lockstep_run* run, const char* outputs, int frozen, const double* spin) {
   return call_begun(run, [&](Run& r, Simulation& s) {
     r.space.reset();
-    LinearMotionOptions options{.frozen = frozen != 0};
+    LinearMotionOptions options{.frozen = flag(frozen, "frozen")};
     if (spin != nullptr) options.spin = Vec3(spin[0], spin[1], spin[2]);
     r.space = linearized(r, s, outputs, options);
     r.add(r.space->notes);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include <lockstep/author/loader.h>
 #include <lockstep/dynamics.h>
@@ -14,6 +15,7 @@
 #include "framework/description/scene/write.h"
 #include "framework/hosts/c/json.h"
 #include "framework/hosts/c/registry.h"
+#include "framework/tools/rank/cause.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep::c {
@@ -34,10 +36,12 @@ std::vector<Finding> Run::all_findings() {
   return all;
 }
 
+void Run::begin() {
+  if (const State& now = simulation->state(); !std::exchange(begun, true)) started = now;
+}
+
 std::size_t Run::checked(int index, std::size_t count, const char* of) {
-  if (index >= 0 && static_cast<std::size_t>(index) < count) return static_cast<std::size_t>(index);
-  refuse(LOCKSTEP_USAGE, std::string("index of ") + of + " is " + std::to_string(index) + "; must be 0 to " +
-                             std::to_string(static_cast<long>(count) - 1));
+  return static_cast<std::size_t>(within(index, 0, static_cast<int>(count) - 1, std::string("index of ") + of));
 }
 
 const Column& Run::column(int index) const {
@@ -50,9 +54,9 @@ ControlInput& Run::input(int index) {
   return all[checked(index, all.size(), "an input")];
 }
 
-std::vector<std::string> lines_of(const char* text) {
+std::vector<std::string> lines_of(const char* text, const char* name) {
   std::vector<std::string> lines;
-  std::istringstream in(text != nullptr ? text : "");
+  std::istringstream in(text_or(text, name));
   for (std::string line; std::getline(in, line);)
     if (const std::string_view words = text::trimmed(line); !words.empty()) lines.emplace_back(words);
   return lines;
@@ -89,11 +93,12 @@ Registry registry_for(const lockstep_registry* given, Run& run, const Scene& sce
 
 void open(Run& run, const lockstep_registry* given, Scene scene, const char* set) {
   const Registry registry = registry_for(given, run, scene);
-  if (const std::vector<std::string> lines = lines_of(set); !lines.empty())
+  if (const std::vector<std::string> lines = lines_of(set, "set"); !lines.empty())
     scene = set_in_scene(scene, lines, registry);
   Mechanism mechanism = build_observed(scene, registry);
   record_places(mechanism);
   for (const ChannelRequest& c : mechanism.run.record) run.columns.emplace_back(c.column(), c.channel);
+  run.step = mechanism.run.step;
   run.simulation.emplace(std::move(mechanism));
   run.simulation->recorder().find_extremes();
 }
@@ -116,7 +121,7 @@ int lockstep_open_text(lockstep_registry* registry, const char* scene, const cha
                        lockstep_run** made) {
   return make<Run>(made, [&](Run& run) {
     run.collecting([&] {
-      open(run, registry, scene_from_text(needed_text(scene, "scene"), name != nullptr ? name : "scene"), set);
+      open(run, registry, scene_from_text(needed_text(scene, "scene"), text_or(name, "name", "scene")), set);
     });
   });
 }
@@ -133,7 +138,7 @@ int lockstep_channels(lockstep_run* run, const char** json) {
 int lockstep_record(lockstep_run* run, const char* channel, const char* name) {
   return call_run(run, [&](Run& r, Simulation& s) {
     const std::string of = needed_text(channel, "channel");
-    const Request request(name != nullptr ? name : of, of);
+    const Request request(text_or(name, "name", channel), of);
     s.record({request});
     r.columns.push_back(request);
   });
@@ -176,9 +181,13 @@ int lockstep_advance(lockstep_run* run, double h) {
   return call_begun(run, [&](Run&, Simulation& s) { s.advance(h); });
 }
 int lockstep_step(lockstep_run* run, double h, double* made) {
-  return call_begun(run, [&](Run&, Simulation& s) {
-    const StepReport report = s.loop().step(h);
-    if (made != nullptr) *made = report.h;
+  return call_begun(run, [&](Run& r, Simulation& s) {
+    try {
+      const StepReport report = s.loop().step(h);
+      if (made != nullptr) *made = report.h;
+    } catch (const Error& error) {
+      rethrow_of_run(s.system(), s.loop(), r.started, r.step, error);
+    }
   });
 }
 int lockstep_time(lockstep_run* run, double* t) {
@@ -187,14 +196,14 @@ int lockstep_time(lockstep_run* run, double* t) {
 int lockstep_switch(lockstep_run* run, const char* name, int active) {
   return call_begun(run, [&](Run&, Simulation& s) {
     const std::string thing = needed_text(name, "name");
-    active != 0 ? s.activate(thing) : s.deactivate(thing);
+    flag(active, "active") ? s.activate(thing) : s.deactivate(thing);
   });
 }
 int lockstep_save(lockstep_run* run, const char* file) {
   return call_begun(run, [&](Run&, Simulation& s) { s.save(needed_text(file, "file")); });
 }
 int lockstep_load(lockstep_run* run, const char* file) {
-  return call_begun(run, [&](Run&, Simulation& s) { s.load(needed_text(file, "file")); });
+  return call_begun(run, [&](Run& r, Simulation& s) { s.load(needed_text(file, "file")), r.started = s.state(); });
 }
 
 int lockstep_table(lockstep_run* run, int* columns, int64_t* rows) {

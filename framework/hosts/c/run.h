@@ -33,6 +33,8 @@ struct Run final : Object {
   std::vector<Finding> all_findings();
   /// Throws LOCKSTEP_USAGE for an index that is not below count.
   static std::size_t checked(int index, std::size_t count, const char* of);
+  /// Begins the run, if it has not begun.
+  void begin();
   const Column& column(int index) const;
   ControlInput& input(int index);
 
@@ -43,13 +45,15 @@ struct Run final : Object {
   std::optional<Simulation> simulation;
   std::vector<Finding> found;
   bool begun = false;
+  State started;   ///< its start, and
+  double step = 0; ///< the step of its settings, s: for the causes of errors
   std::optional<StateSpace> space;
   std::vector<double> matrix;  ///< the last one that was asked for, row by row
   std::string more_text;       ///< a second text beside that of keep()
 };
 
-/// The lines of a text that are not empty; null has none.
-std::vector<std::string> lines_of(const char* text);
+/// The lines of an argument that are not empty; null has none.
+std::vector<std::string> lines_of(const char* text, const char* name);
 
 /// Calls `act` with the simulation of a run.
 template <class Act>
@@ -60,7 +64,7 @@ int call_run(lockstep_run* handle, Act&& act) noexcept {
 template <class Act>
 int call_begun(lockstep_run* handle, Act&& act) noexcept {
   return call_run(handle, [&](Run& run, Simulation& simulation) {
-    simulation.loop(), run.begun = true;
+    run.begin();
     act(run, simulation);
   });
 }

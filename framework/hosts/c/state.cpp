@@ -19,7 +19,7 @@ void StateObject::require(May wanted) const {
 
 const State& StateObject::in_slots() {
   if (state_.coordinates == nullptr) return state_;
-  return converted_ = dynamics.in_slots(state_);
+  return copy_ = dynamics.in_slots(state_);
 }
 
 }  // namespace lockstep::c
@@ -37,12 +37,21 @@ void check_size(int given, int wanted) {
   if (given == wanted) return;
   refuse(LOCKSTEP_USAGE, "size is " + std::to_string(given) + "; must be " + std::to_string(wanted));
 }
-void check_finite(const double* numbers, int count, const char* name) {
+void check_given(const double* numbers, int count, const char* name) {
   const double* const end = numbers + count;
   const double* const bad = std::find_if_not(numbers, end, [](double x) { return std::isfinite(x); });
   if (bad != end)
     refuse(LOCKSTEP_USAGE,
            std::string(name) + "[" + std::to_string(bad - numbers) + "] is " + text::number(*bad) + "; must be finite");
+}
+// The length of the quaternion of a body, numbers[first] and the next three.
+double length_of(const double* numbers, int first, const char* name, const Body& body) {
+  const double* const e = numbers + first;
+  const double length = std::hypot(std::hypot(e[0], e[1]), std::hypot(e[2], e[3]));
+  if (length > 0 && std::isfinite(length)) return length;
+  refuse(LOCKSTEP_USAGE, "body '" + body.name + "': its quaternion, " + name + "[" + std::to_string(first) + "] to [" +
+                             std::to_string(first + 3) + "], has the length " + text::number(length) +
+                             "; must be finite and above zero, with the scalar part first");
 }
 
 // q, v and s one after another.
@@ -71,19 +80,17 @@ int lockstep_body(const lockstep_state* state, const char* name, double* pose, d
 
 int lockstep_set_body(lockstep_state* state, const char* name, const double* pose, const double* twist) {
   return call<StateObject, false>(state, [&](StateObject& s) {
-    s.require(May::change);
     const Body& body = s.dynamics.system().body(needed_text(name, "name"));
-    if (pose != nullptr) check_finite(pose, 7, "pose");
-    if (twist != nullptr) check_finite(twist, 6, "twist");
-    const double n = pose != nullptr ? std::hypot(std::hypot(pose[3], pose[4]), std::hypot(pose[5], pose[6])) : 1.0;
-    if (!(n > 0 && std::isfinite(n)))
-      refuse(LOCKSTEP_USAGE,
-             "the quaternion pose[3] to pose[6] has no finite length above zero; its scalar part is first");
-    StateEditor edit(s.changed());
-    if (pose != nullptr)
-      edit.set_pose(
-          body, {{pose[0], pose[1], pose[2]}, normalized(Quat{pose[3] / n, pose[4] / n, pose[5] / n, pose[6] / n})});
-    if (twist != nullptr) edit.set_twist(body, {{twist[0], twist[1], twist[2]}, {twist[3], twist[4], twist[5]}});
+    if (pose != nullptr) check_given(pose, 7, "pose");
+    if (twist != nullptr) check_given(twist, 6, "twist");
+    const double n = pose != nullptr ? length_of(pose, 3, "pose", body) : 1.0;
+    s.change(May::change, [&](State& changed) {
+      StateEditor edit(changed);
+      if (pose != nullptr)
+        edit.set_pose(
+            body, {{pose[0], pose[1], pose[2]}, normalized(Quat{pose[3] / n, pose[4] / n, pose[5] / n, pose[6] / n})});
+      if (twist != nullptr) edit.set_twist(body, {{twist[0], twist[1], twist[2]}, {twist[3], twist[4], twist[5]}});
+    });
   });
 }
 
@@ -109,13 +116,15 @@ int lockstep_numbers(const lockstep_state* state, double* numbers, int size) {
 int lockstep_set_numbers(lockstep_state* state, double t, const double* numbers, int size) {
   return call<StateObject, false>(state, [&](StateObject& object) {
     needed(numbers, "numbers");
-    object.require(May::change);
-    State& s = object.changed();
-    check_size(size, size_of(s));
-    check_finite(numbers, size, "numbers"), check_finite(&t, 1, "t");
-    if (object.may == May::change && t != s.t) refuse(LOCKSTEP_USAGE, "an event cannot change the time; give its own");
-    s.t = t;
-    each_part(s, numbers, [](VecX& part, const double* from) { std::copy_n(from, part.size(), part.data()); });
+    object.change(May::change, [&](State& s) {
+      const System& system = object.dynamics.system();
+      check_size(size, size_of(s));
+      check_given(numbers, size, "numbers"), check_given(&t, 1, "t");
+      for (int k = 0; k < system.n_slots(); ++k) length_of(numbers, 7 * k + 3, "numbers", system.body_of_slot(k));
+      if (object.may == May::change && t != s.t) refuse(LOCKSTEP_USAGE, "an event cannot change the time; give its own");
+      s.t = t;
+      each_part(s, numbers, [](VecX& part, const double* from) { std::copy_n(from, part.size(), part.data()); });
+    });
   });
 }
 
@@ -126,28 +135,29 @@ int lockstep_rates(const lockstep_state* state, double* rates, int size) {
     check_size(size, size_of(object.given()));
     StateRate rate = sized_like(object.given());
     object.dynamics.rate(object.given(), rate);
+    check_finite(object.dynamics.system(), rate);
     each_part(rate, rates, [](const VecX& part, double* to) { std::copy_n(part.data(), part.size(), to); });
   });
 }
 
 int lockstep_move(lockstep_state* state, double h, const double* v, int size) {
   return call<StateObject>(state, [&](StateObject& object) {
-    object.require(May::evaluate);
-    State& s = object.changed();
-    check_finite(&h, 1, "h");
-    VecX along = s.v;
-    if (v != nullptr) {
-      check_size(size, static_cast<int>(along.size())), check_finite(v, size, "v");
-      std::copy_n(v, size, along.data());
-    }
-    object.dynamics.advance(s, h, along);
+    object.change(May::evaluate, [&](State& s) {
+      check_given(&h, 1, "h");
+      VecX along = s.v;
+      if (v != nullptr) {
+        check_size(size, static_cast<int>(along.size())), check_given(v, size, "v");
+        std::copy_n(v, size, along.data());
+      }
+      object.dynamics.advance(s, h, along);
+    });
   });
 }
 
 int lockstep_project(lockstep_state* state, double* violation) {
   return call<StateObject>(state, [&](StateObject& object) {
-    object.require(May::evaluate);
-    const ProjectReport report = object.dynamics.project(object.changed());
+    ProjectReport report;
+    object.change(May::evaluate, [&](State& s) { report = object.dynamics.project(s); });
     if (violation != nullptr) *violation = report.after;
   });
 }

@@ -6,9 +6,21 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/state.h>
+#include <lockstep/system.h>
 #include "framework/hosts/c/handle.h"
 
 namespace lockstep::c {
+
+/// Throws LOCKSTEP_NON_FINITE, by the name of a body, if not all numbers of a State or of its rates are finite.
+template <class Numbers>
+void check_finite(const System& system, const Numbers& of) {
+  for (int k = 0; k < system.n_slots(); ++k)
+    if (!of.q.template segment<7>(7 * k).allFinite() || !of.v.template segment<6>(6 * k).allFinite())
+      refuse(LOCKSTEP_NON_FINITE, "body '" + system.body_of_slot(k).name +
+                                      "' gets a number that is not finite; look at the state and step that were given");
+  if (!of.s.allFinite())
+    refuse(LOCKSTEP_NON_FINITE, "an integrated state of a joint, force or channel gets a number that is not finite");
+}
 
 /// A state that a handle stands for.
 class StateObject final : public Object {
@@ -27,12 +39,19 @@ class StateObject final : public Object {
   /// Throws LOCKSTEP_USAGE if that may not be done.
   void require(May) const;
   const State& given() const { return state_; }
-  State& changed() { return state_; }
   /// The same in the coordinates of the bodies; may be a copy, which is valid until the next call.
   const State& in_slots();
+  /// Changes the state by `act` if that may be done and leaves finite numbers; else it stays and an error is thrown.
+  template <class Act>
+  void change(May by, Act&& act) {
+    require(by);
+    act(copy_ = state_);
+    check_finite(dynamics.system(), copy_);
+    state_ = copy_;
+  }
 
  private:
-  State own_, converted_;
+  State own_, copy_;
   State& state_;
 
  public:

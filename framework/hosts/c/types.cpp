@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Registries, and the types that callbacks make.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
+
+#include <spdlog/fmt/fmt.h>
 
 #include <lockstep/author/check.h>
 #include <lockstep/author/loader.h>
@@ -10,12 +13,14 @@
 #include <lockstep/author/stepping.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/json.h"
+#include "framework/description/scene/tables.h"
 #include "framework/description/scene/write.h"
 #include "framework/hosts/c/json.h"
 #include "framework/hosts/c/numeric_phi.h"
 #include "framework/hosts/c/registry.h"
 #include "framework/hosts/c/state.h"
 #include "framework/hosts/c/user_code.h"
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep::c {
 
@@ -28,15 +33,20 @@ struct Type {
   TypeInfo info;
   User user;
 
-  /// `words`: "amplitude omega=2".
-  Type(const char* name, const char* words, const char* what, User its)
+  /// `words`: "amplitude omega=2"; `shelf`: "laws", of which scenes give some keys by themselves.
+  Type(const char* name, const char* words, const char* what, const char* shelf, User its)
       : info{needed_text(name, "type"), std::string(what) + " of the host", {}}, user(std::move(its)) {
-    std::string_view rest = words != nullptr ? words : "";
+    check_word(info.name, "type \"" + info.name + '"');
+    std::string_view rest = text_or(words, "keys");
     constexpr std::string_view kBlanks = " \t\n,";
     while ((rest = rest.substr(std::min(rest.size(), rest.find_first_not_of(kBlanks)))) != "") {
-      const std::string_view word = rest.substr(0, rest.find_first_of(kBlanks)), key = word.substr(0, word.find('='));
-      info.keys.push_back({std::string(key), Form::number, Unit::any, kRequired, "a number of the host's type"});
-      if (key != word) info.keys.back().fallback = default_of(std::string(word.substr(key.size() + 1)));
+      const std::string word(rest.substr(0, rest.find_first_of(kBlanks))), key = word.substr(0, word.find('='));
+      const std::string its_name = "type \"" + info.name + "\", key \"" + key + '"';
+      check_word(key, its_name);
+      if (key_in({&info.keys}, key) != nullptr) refuse(LOCKSTEP_USAGE, its_name + " is given twice; remove one");
+      if (is_of_scenes(key, shelf)) refuse(LOCKSTEP_USAGE, its_name + " has a meaning in scenes; choose another name");
+      info.keys.push_back({key, Form::number, Unit::any, kRequired, "a number of the host's type"});
+      if (key != word) info.keys.back().fallback = default_of(word.substr(key.size() + 1), its_name);
       rest.remove_prefix(word.size());
     }
   }
@@ -49,9 +59,22 @@ struct Type {
   }
 
  private:
-  Value default_of(const std::string& word) const {
-    const Value x = read_json(word, "keys");
-    if (x.number() == nullptr) throw PluginError(info.name + ": the default " + word + " of a key is no number");
+  static void check_word(const std::string& word, const std::string& what) {
+    const auto letter = [](unsigned char c) { return ('a' <= (c | 32) && (c | 32) <= 'z') || c == '_' || c >= 0x80; };
+    const auto fits = [&](unsigned char c) { return letter(c) || ('0' <= c && c <= '9'); };
+    if (word.empty() || !letter(static_cast<unsigned char>(word[0])) || !std::ranges::all_of(word, fits))
+      refuse(LOCKSTEP_USAGE, what + " is no word; use letters, digits and _, and begin with a letter");
+  }
+  static bool is_of_scenes(const std::string& key, const char* shelf) {
+    return key == "type" || std::ranges::any_of(scene_tables(), [&](const SceneTable& table) {
+             return table.shelf == shelf && key_in({table.keys().get()}, key) != nullptr;
+           });
+  }
+  static Value default_of(const std::string& word, const std::string& key) {
+    double x = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
+    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(x))
+      refuse(LOCKSTEP_USAGE, key + ": its default \"" + word + "\" is no finite number");
     return x;
   }
 };
@@ -67,15 +90,21 @@ class Law final : public MotionLaw {
     return {y[0], y[1], y[2]};
   }
   void breakpoints(double t0, double t1, std::vector<double>& out) const override {
+    const std::size_t most = out.size() + kMostJumps;
     for (double t = t0; next_.callback != nullptr;) {
       double next = std::numeric_limits<double>::infinity();
       next_(t, &next);
-      if (!(next > t && next < t1)) return;
+      if (!(next > t))
+        throw UserCodeError(fmt::format("next_break gives {} s after {} s; give a later time, or none", next, t));
+      if (next >= t1) return;
+      if (out.size() == most)
+        throw UserCodeError(fmt::format("next_break gives more than {} jumps from {} s to {} s; give fewer", kMostJumps, t0, t));
       out.push_back(t = next);
     }
   }
 
  private:
+  static constexpr std::size_t kMostJumps = 10'000'000;  // between two steps or in a run; 80 MB
   Code<std::remove_pointer_t<lockstep_law>> law_;
   Code<std::remove_pointer_t<lockstep_next_break>> next_;
 };
@@ -155,12 +184,12 @@ class HostIntegrator final : public Integrator {
 
 // Calls `add` with the registry and the type; the user data is freed in any case.
 template <class Add>
-int add_type(lockstep_registry* registry, const char* name, const char* keys, const char* what, void* user,
-             lockstep_free_user free_user, const void* callback, Add add) noexcept {
+int add_type(lockstep_registry* registry, const char* name, const char* keys, const char* what, const char* shelf,
+             void* user, lockstep_free_user free_user, const void* callback, Add add) noexcept {
   return with_user(user, free_user, [&](const User& owner) {
     return call<RegistryObject>(registry, [&](RegistryObject& r) {
       if (callback == nullptr) refuse_null(what);
-      add(r.registry, std::make_shared<const Type>(name, keys, what, owner));
+      add(r.registry, std::make_shared<const Type>(name, keys, what, shelf, owner));
     });
   });
 }
@@ -183,7 +212,7 @@ extern "C" {
 
 int lockstep_fail(const char* message) {
   try {
-    if (message_in_progress != nullptr) *message_in_progress = message != nullptr ? message : "";
+    if (message_in_progress != nullptr) *message_in_progress = utf8(message != nullptr ? message : "");
   } catch (...) {  // no memory for it: the code alone
   }
   return LOCKSTEP_USER_CODE;
@@ -204,7 +233,7 @@ int lockstep_types(lockstep_registry* registry, const char** json) {
 
 int lockstep_add_law(lockstep_registry* registry, const char* type, const char* keys, lockstep_law law,
                      lockstep_next_break next_break, void* user, lockstep_free_user free_user) {
-  return add_type(registry, type, keys, "law", user, free_user, reinterpret_cast<const void*>(law),
+  return add_type(registry, type, keys, "law", "laws", user, free_user, reinterpret_cast<const void*>(law),
                   [&](Registry& r, const std::shared_ptr<const Type>& its) {
                     r.laws.add(its->info, [=](const Params& p) -> LawPtr<MotionLaw> {
                       return std::make_shared<Law>(its->code(law, p), its->code(next_break, p));
@@ -214,11 +243,10 @@ int lockstep_add_law(lockstep_registry* registry, const char* type, const char* 
 
 int lockstep_add_joint(lockstep_registry* registry, const char* type, const char* keys, int rows, const char* mask,
                        lockstep_joint joint, void* user, lockstep_free_user free_user) {
-  return add_type(registry, type, keys, "joint", user, free_user, reinterpret_cast<const void*>(joint),
+  return add_type(registry, type, keys, "joint", "links", user, free_user, reinterpret_cast<const void*>(joint),
                   [&](Registry& r, const std::shared_ptr<const Type>& its) {
-                    if (rows < 1 || rows > 3)
-                      refuse(LOCKSTEP_USAGE, "rows is " + std::to_string(rows) + "; must be 1, 2 or 3");
-                    const Mask held = mask != nullptr ? mask_from(mask) : Mask::none;
+                    within(rows, 1, 3, "rows");
+                    const Mask held = mask_from(text_or(mask, "mask"));
                     r.links.add(its->info, [=](const Attachment& a, const Params& p) {
                       PhiNumbers phi = [code = its->code(joint, p)](const double* y, double* f, double* g, double* h) {
                         code(y, f, g, h);
@@ -230,7 +258,7 @@ int lockstep_add_joint(lockstep_registry* registry, const char* type, const char
 
 int lockstep_add_force(lockstep_registry* registry, const char* type, const char* keys, lockstep_force force,
                        void* user, lockstep_free_user free_user) {
-  return add_type(registry, type, keys, "force", user, free_user, reinterpret_cast<const void*>(force),
+  return add_type(registry, type, keys, "force", "forces", user, free_user, reinterpret_cast<const void*>(force),
                   [&](Registry& r, const std::shared_ptr<const Type>& its) {
                     r.forces.add(its->info, [=](const Attachment& a, const Params& p) -> std::unique_ptr<Force> {
                       return std::make_unique<HostForce>(its->info.name, a.name, p_of(a, p),
@@ -241,9 +269,9 @@ int lockstep_add_force(lockstep_registry* registry, const char* type, const char
 
 int lockstep_add_integrator(lockstep_registry* registry, const char* type, const char* keys, int order,
                             lockstep_integrator step, void* user, lockstep_free_user free_user) {
-  return add_type(registry, type, keys, "step", user, free_user, reinterpret_cast<const void*>(step),
+  return add_type(registry, type, keys, "step", "integrators", user, free_user, reinterpret_cast<const void*>(step),
                   [&](Registry& r, const std::shared_ptr<const Type>& its) {
-                    if (order < 1) refuse(LOCKSTEP_USAGE, "order is " + std::to_string(order) + "; must be above 0");
+                    within(order, 1, std::numeric_limits<double>::digits, "order");  // h/2 leaves less than round-off
                     r.integrators.add(its->info, [=](const Params& p) -> std::unique_ptr<Integrator> {
                       return std::make_unique<HostIntegrator>(its->info.name, order, its->code(step, p));
                     });
@@ -253,7 +281,7 @@ int lockstep_add_integrator(lockstep_registry* registry, const char* type, const
 int lockstep_check_type(lockstep_registry* registry, const char* kind, const char* type, const char* keys,
                         int* findings, const char** report) {
   return call<RegistryObject>(registry, [&](RegistryObject& r) {
-    const Value given = read_json(keys != nullptr ? keys : "{}", "keys");
+    const Value given = read_json(text_or(keys, "keys", "{}"), "keys");
     const CheckReport found =
         check(r.registry, needed_text(kind, "kind"), needed_text(type, "type"), Params::unchecked(given));
     if (findings != nullptr) *findings = static_cast<int>(found.findings().size());
