@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The callbacks of a run, its events, and the states that it takes and gives.
 #include <cmath>
+#include <utility>
 
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
@@ -12,9 +13,7 @@
 namespace lockstep::c {
 namespace {
 
-Event::Crossing crossing_of(int sign) {
-  return within(sign, -1, 1, "crossing") == 0 ? Event::Crossing::any : sign > 0 ? Event::Crossing::rising : Event::Crossing::falling;
-}
+constexpr Event::Crossing kCrossings[] = {Event::Crossing::falling, Event::Crossing::any, Event::Crossing::rising};
 
 std::function<double(const Sample&)> condition_of(lockstep_condition condition, double crosses, const User& user) {
   return [=](const Sample& s) {
@@ -70,7 +69,7 @@ int lockstep_add_event(lockstep_run* run, const char* name, const char* channel,
         refuse(LOCKSTEP_USAGE, "an event has a channel or a condition; give null for one of them");
       if (!std::isfinite(value)) refuse(LOCKSTEP_USAGE, "value is " + text::number(value) + "; must be finite");
       Event event{.name = needed_text(name, "name"),
-                  .crossing = crossing_of(crossing),
+                  .crossing = kCrossings[within(crossing, -1, 1, "crossing") + 1],
                   .once = flag(once, "once"),
                   .stop = action == nullptr};
       if (channel != nullptr)
@@ -101,12 +100,9 @@ int lockstep_get_state(lockstep_run* run, lockstep_state** made) {
 
 int lockstep_set_state(lockstep_run* run, lockstep_state* state) {
   return call_begun(run, [&](Run& r, Simulation& s) {
-    const std::shared_ptr<Object> object = object_of(&needed(state, "state"));
-    auto* const of = dynamic_cast<StateObject*>(object.get());
-    if (of == nullptr) refuse(LOCKSTEP_CLOSED, "argument \"state\" is no live state; take one by lockstep_get_state");
-    const Object::Hold hold(*of);
-    if (hold.code != LOCKSTEP_DONE) refuse(hold.code, "argument \"state\" is in use, or was freed");
-    s.set_state(of->in_slots()), r.started = s.state();
+    State start;
+    with_argument<StateObject>(&needed(state, "state"), "state", [&](StateObject& of) { start = of.in_slots(); });
+    s.set_state(std::move(start)), r.started = s.state();
   });
 }
 }

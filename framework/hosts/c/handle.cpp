@@ -76,7 +76,6 @@ bool remove_handle(const void* handle) noexcept {
 
 void Object::close() {
   while (busy_.exchange(true)) std::this_thread::yield();
-  closed_ = true, busy_ = false;
 }
 
 int Object::keep_error() noexcept {
@@ -99,7 +98,9 @@ int Object::keep_error() noexcept {
 }
 
 void refuse(int code, const std::string& problem) { throw Refusal(code, problem); }
-void refuse_null(const char* name) { refuse(LOCKSTEP_NULL, fmt::format("argument \"{}\" is null; give a pointer", name)); }
+void refuse_null(const char* name) {
+  refuse(LOCKSTEP_NULL, fmt::format("argument \"{}\" is null; give a pointer", name));
+}
 
 const char* needed_text(const char* text, const char* name) {
   using Utf8 = boost::locale::utf::utf_traits<char>;
@@ -122,13 +123,17 @@ using namespace lockstep::c;
 
 namespace {
 
-// Of an error: `get` reads it unless the handle is in use.
-template <class Get, class Result>
-Result of_error(const void* handle, Get&& get, Result if_closed, Result if_busy) {
+struct LastError {
+  int code;
+  const char *text, *json;
+};
+
+LastError error_of(const void* handle) {
   const std::shared_ptr<Object> object = object_of(handle);
-  if (object == nullptr) return if_closed;
+  if (object == nullptr) return {LOCKSTEP_CLOSED, "this is not a live handle; it was freed or never made", "{}"};
   const Object::Hold hold(*object);
-  return hold.code == LOCKSTEP_DONE ? get(*object) : hold.code == LOCKSTEP_BUSY ? if_busy : if_closed;
+  if (!hold.got()) return {LOCKSTEP_BUSY, "the handle is in use", "{}"};
+  return {object->code, object->error_text.c_str(), object->error_json.c_str()};
 }
 
 }  // namespace
@@ -144,22 +149,13 @@ int lockstep_free(void* handle) {
   if (handle == nullptr) return LOCKSTEP_DONE;
   std::shared_ptr<Object> object = object_of(handle);  // destroyed here, after the hold
   if (object == nullptr) return LOCKSTEP_CLOSED;
-  Object::Hold hold(*object);
-  if (hold.code == LOCKSTEP_DONE) hold.close(), remove_handle(handle);
-  return hold.code;
+  const Object::Hold hold(*object);
+  if (!hold.got()) return LOCKSTEP_BUSY;
+  object->made = false;  // for a call that has looked it up and comes later
+  return remove_handle(handle) ? LOCKSTEP_DONE : LOCKSTEP_CLOSED;
 }
 
-int lockstep_error_code(const void* handle) {
-  return of_error(
-      handle, [](const Object& o) { return o.code; }, int(LOCKSTEP_CLOSED), int(LOCKSTEP_BUSY));
-}
-const char* lockstep_error_text(const void* handle) {
-  return of_error(
-      handle, [](const Object& o) { return o.error_text.c_str(); },
-      "this is not a live handle; it was freed or never made", "the handle is in use");
-}
-const char* lockstep_error_json(const void* handle) {
-  return of_error(
-      handle, [](const Object& o) { return o.error_json.c_str(); }, "{}", "{}");
-}
+int lockstep_error_code(const void* handle) { return error_of(handle).code; }
+const char* lockstep_error_text(const void* handle) { return error_of(handle).text; }
+const char* lockstep_error_json(const void* handle) { return error_of(handle).json; }
 }

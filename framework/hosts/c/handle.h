@@ -25,22 +25,17 @@ class Object {
   /// While it exists, no other call may use the object.
   class Hold {
    public:
-    explicit Hold(Object& of)
-        : of_(of), code(of.busy_.exchange(true) ? LOCKSTEP_BUSY : of.closed_ ? LOCKSTEP_CLOSED : LOCKSTEP_DONE) {}
+    explicit Hold(Object& of) : of_(of), got_(!of.busy_.exchange(true)) {}
     ~Hold() {
-      if (code != LOCKSTEP_BUSY) of_.busy_ = false;
+      if (got_) of_.busy_ = false;
     }
     Hold(const Hold&) = delete;
     Hold& operator=(const Hold&) = delete;
-    /// Lets no call come after this one.
-    void close() { of_.closed_ = true; }
+    bool got() const { return got_; }
 
    private:
     Object& of_;
-
-   public:
-    /// LOCKSTEP_BUSY: another call has it. LOCKSTEP_CLOSED: it was freed since its handle was looked up. Else 0.
-    const int code;
+    const bool got_;
   };
   /// Waits for a call in progress and lets none come after it.
   void close();
@@ -61,12 +56,11 @@ class Object {
   int code = LOCKSTEP_DONE;  ///< of the last error
   std::string error_text, error_json = "{}";
   std::shared_ptr<Object> also{};  ///< what a call uses too; null: nothing
-  bool made = true;                ///< false: it keeps the error of its making alone
+  bool made = true;                ///< false: it keeps the error of its making alone, or was freed
 
  private:
   int keep_error() noexcept;
   std::atomic<bool> busy_ = false;
-  bool closed_ = false;  ///< read and written by who holds it
   std::string text_;
 };
 
@@ -96,6 +90,11 @@ inline const char* text_or(const char* text, const char* name, const char* other
 /// A number from `least` to `most`. Throws LOCKSTEP_USAGE.
 int within(int value, int least, int most, const std::string& name);
 inline bool flag(int value, const char* name) { return within(value, 0, 1, name) != 0; }
+/// Writes a result, if it is wanted.
+template <class T>
+void put(T* to, const auto& value) {
+  if (to != nullptr) *to = static_cast<T>(value);
+}
 
 /// Calls `act` with the object of a handle, an H, which no other call may use meanwhile; with_also: nor what it uses too.
 template <class H, bool with_also = true, class Act>
@@ -105,11 +104,18 @@ int call(const void* handle, Act&& act) noexcept {
   auto* const self = dynamic_cast<H*>(object.get());
   if (self == nullptr) return LOCKSTEP_CLOSED;
   const Object::Hold hold(*self);
-  if (hold.code != LOCKSTEP_DONE) return hold.code;
+  if (!hold.got()) return LOCKSTEP_BUSY;
   if (!self->made) return LOCKSTEP_CLOSED;
   if (!with_also || self->also == nullptr) return self->attempt([&] { act(*self); });
   const Object::Hold both(*self->also);
-  return both.code != LOCKSTEP_BUSY ? self->attempt([&] { act(*self); }) : int(LOCKSTEP_BUSY);
+  return both.got() ? self->attempt([&] { act(*self); }) : int(LOCKSTEP_BUSY);
+}
+
+/// Calls `act` with the object of another argument. Throws an error about it that has the code of that call.
+template <class H, class Act>
+void with_argument(const void* handle, const std::string& name, Act&& act) {
+  if (const int code = call<H, false>(handle, act); code != LOCKSTEP_DONE)
+    refuse(code, "argument \"" + name + "\" is " + (code == LOCKSTEP_BUSY ? "in use" : "no live handle of its kind"));
 }
 
 /// Makes an H, fills it by `fill`, and writes its handle to `made`, also if that fails.

@@ -14,25 +14,13 @@
 
 namespace lockstep {
 
-/// f(a) by the chain rule, if f is known by numbers at a: its value, its gradient g (one number per variable), and its
-/// second derivatives H (row by row, symmetric).
-///
-///   f' = g_i a_i',  f'' = g_i a_i'' + H_ik a_i' a_k'
-template <int N, class T, class D>
-Jet<N, T, D> function_of(std::span<const Jet<N, T, D>> a, double f, const double* g, const double* H) {
-  Jet<N, T, D> r(f);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    r.d += g[i] * a[i].d, r.h += g[i] * a[i].h, r.g += g[i] * a[i].g;
-    for (std::size_t k = 0; k < a.size(); ++k) r.h += H[i * a.size() + k] * a[i].d * a[k].d;
-  }
-  return r;
-}
-
 /// A function of y = x, y, z (m), e0, e1, e2, e3 and t (s) that writes, of each row, its value, its gradient by these
 /// eight variables, and its second derivatives, 8 x 8 row by row. All are zero before the call.
 using PhiNumbers = std::function<void(const double* y, double* value, double* gradient, double* second)>;
 
-/// phi, n rows of such a function.
+/// phi, n rows of such a function, by the chain rule from its gradient g and its second derivatives H:
+///
+///   f' = g_i y_i',  f'' = g_i y_i'' + H_ij y_i' y_j'
 template <int n>
 struct NumericPhi {
   static constexpr PhiSpec spec{.rows = n, .counts_turns = false};  ///< of all seven coordinates
@@ -49,16 +37,19 @@ struct NumericPhi {
     std::array<double, n * n_variables> g{};
     std::array<double, n * n_variables * n_variables> H{};
     numbers(at.data(), f.data(), g.data(), H.data());
-    const auto row = [&](std::size_t k) {
-      return function_of(std::span<const T>(of), f[k], &g[k * n_variables], &H[k * n_variables * n_variables]);
-    };
-    if constexpr (n == 1) {
-      return row(0);
-    } else {
-      std::array<T, n> rows;
-      for (std::size_t k = 0; k < n; ++k) rows[k] = row(k);
-      return rows;
+    std::array<T, n> rows;
+    for (std::size_t k = 0; k < n; ++k) {
+      T& r = rows[k] = T(f[k]);
+      for (std::size_t i = 0; i < n_variables; ++i) {
+        const double *const gi = &g[k * n_variables + i], *const Hi = &H[(k * n_variables + i) * n_variables];
+        r.d += *gi * of[i].d, r.h += *gi * of[i].h, r.g += *gi * of[i].g;
+        for (std::size_t j = 0; j < n_variables; ++j) r.h += Hi[j] * of[i].d * of[j].d;
+      }
     }
+    if constexpr (n == 1)
+      return rows[0];
+    else
+      return rows;
   }
 };
 
@@ -75,20 +66,13 @@ class NumericJoint final : public PhiLock<NumericPhi<n>> {
   std::string type_;
 };
 
-/// The joint of a function with 1 to 3 rows. Throws ModelError for another number.
-inline std::unique_ptr<Lock> numeric_joint(const std::string& type, const Attachment& a, Mask mask, int rows,
-                                           PhiNumbers numbers) {
-  switch (rows) {
-    case 1:
-      return std::make_unique<NumericJoint<1>>(type, a.name, a.p(), a.s(), mask, std::move(numbers));
-    case 2:
-      return std::make_unique<NumericJoint<2>>(type, a.name, a.p(), a.s(), mask, std::move(numbers));
-    case 3:
-      return std::make_unique<NumericJoint<3>>(type, a.name, a.p(), a.s(), mask, std::move(numbers));
-    default:
-      throw ModelError("joint '" + a.name + "': its function has " + std::to_string(rows) +
-                       " rows; give 1, 2 or 3, and another joint for more");
-  }
+/// The joint of a function with 1 to n rows.
+template <int n = 3>
+std::unique_ptr<Lock> numeric_joint(const std::string& type, const Attachment& a, Mask mask, int rows,
+                                    PhiNumbers numbers) {
+  if constexpr (n > 1)
+    if (rows < n) return numeric_joint<n - 1>(type, a, mask, rows, std::move(numbers));
+  return std::make_unique<NumericJoint<n>>(type, a.name, a.p(), a.s(), mask, std::move(numbers));
 }
 
 }  // namespace lockstep

@@ -79,8 +79,7 @@ int lockstep_finding(lockstep_run* run, int index, const char** text, const char
     std::string lines;
     for (const Finding& f : all) values.push_back(value_of(f)), lines += (lines.empty() ? "" : "\n") + f.text();
     r.more_text = write_json_line(index == -1 ? Value(std::move(values)) : values.front());
-    if (text != nullptr) *text = r.keep(lines);
-    if (json != nullptr) *json = r.more_text.c_str();
+    put(text, r.keep(lines)), put(json, r.more_text.c_str());
   });
 }
 
@@ -90,7 +89,7 @@ int lockstep_linearize(lockstep_run* run, const char* outputs, int frozen, const
     LinearMotionOptions options{.frozen = flag(frozen, "frozen")};
     if (spin != nullptr) options.spin = Vec3(spin[0], spin[1], spin[2]);
     r.space = linearized(r, s, outputs, options);
-    r.add(r.space->notes);
+    Run::add_new(r.space->notes, r.found);
   });
 }
 
@@ -100,12 +99,9 @@ int lockstep_matrix(lockstep_run* run, int which, const double** values, int* ro
     const MatX* const all[] = {&space.A, &space.B, &space.C, &space.D};
     if (which < 'A' || which > 'D') refuse(LOCKSTEP_USAGE, "which must be 'A', 'B', 'C' or 'D'");
     const MatX& m = *all[which - 'A'];
-    r.matrix.clear();
-    for (Eigen::Index i = 0; i < m.rows(); ++i)
-      for (Eigen::Index k = 0; k < m.cols(); ++k) r.matrix.push_back(m(i, k));
+    r.matrix = m.transpose();
     needed(values, "values") = r.matrix.data();
-    if (rows != nullptr) *rows = static_cast<int>(m.rows());
-    if (columns != nullptr) *columns = static_cast<int>(m.cols());
+    put(rows, m.rows()), put(columns, m.cols());
   });
 }
 

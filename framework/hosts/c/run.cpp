@@ -20,19 +20,14 @@
 
 namespace lockstep::c {
 
-void Run::add(const std::vector<Finding>& more) noexcept {
-  try {
-    for (const Finding& f : more)
-      if (std::ranges::find(found, f.text(), &Finding::text) == found.end()) found.push_back(f);
-  } catch (...) {  // no memory for more
-  }
+void Run::add_new(const std::vector<Finding>& more, std::vector<Finding>& all) {
+  for (const Finding& f : more)
+    if (std::ranges::find(all, f.text(), &Finding::text) == all.end()) all.push_back(f);
 }
 
 std::vector<Finding> Run::all_findings() {
   std::vector<Finding> all = found;
-  if (begun)
-    for (Finding& f : simulation->verdict().findings)
-      if (std::ranges::find(found, f.text(), &Finding::text) == found.end()) all.push_back(std::move(f));
+  if (begun) add_new(simulation->verdict().findings, all);
   return all;
 }
 
@@ -78,20 +73,16 @@ void keep_inputs(Registry& registry, const Run& run) {
 
 // The registry of a run: that of the host, its inputs, and the plugins that the scene requires.
 Registry registry_for(const lockstep_registry* given, Run& run, const Scene& scene) {
-  Registry registry;
-  if (given == nullptr) {
-    registry = builtin_registry();
-  } else if (const int code = call<RegistryObject>(given, [&](RegistryObject& r) { registry = r.registry; });
-             code != 0) {
-    refuse(code, "argument \"registry\" is " + std::string(code == LOCKSTEP_BUSY ? "in use" : "no live registry"));
-  }
+  Registry registry = given == nullptr ? builtin_registry() : Registry();
+  if (given != nullptr)
+    with_argument<RegistryObject>(given, "registry", [&](RegistryObject& r) { registry = r.registry; });
   for (const std::string& plugin : scene.plugins)
     if (things_of(registry, plugin_name(plugin)).empty()) load_plugin(registry, plugin);
   keep_inputs(registry, run);
   return registry;
 }
 
-void open(Run& run, const lockstep_registry* given, Scene scene, const char* set) {
+void open(Run& run, const lockstep_registry* given, const char* set, Scene scene) {
   const Registry registry = registry_for(given, run, scene);
   if (const std::vector<std::string> lines = lines_of(set, "set"); !lines.empty())
     scene = set_in_scene(scene, lines, registry);
@@ -103,6 +94,11 @@ void open(Run& run, const lockstep_registry* given, Scene scene, const char* set
   run.simulation->recorder().find_extremes();
 }
 
+template <class Open>
+int make_run(lockstep_run** made, Open&& open_it) noexcept {
+  return make<Run>(made, [&](Run& run) { run.collecting([&] { open_it(run); }); });
+}
+
 }  // namespace
 }  // namespace lockstep::c
 
@@ -112,17 +108,13 @@ using namespace lockstep::c;
 extern "C" {
 
 int lockstep_open(lockstep_registry* registry, const char* file, const char* set, lockstep_run** made) {
-  return make<Run>(made, [&](Run& run) {
-    run.collecting([&] { open(run, registry, read_scene(needed_text(file, "file")), set); });
-  });
+  return make_run(made, [&](Run& run) { open(run, registry, set, read_scene(needed_text(file, "file"))); });
 }
 
 int lockstep_open_text(lockstep_registry* registry, const char* scene, const char* name, const char* set,
                        lockstep_run** made) {
-  return make<Run>(made, [&](Run& run) {
-    run.collecting([&] {
-      open(run, registry, scene_from_text(needed_text(scene, "scene"), text_or(name, "name", "scene")), set);
-    });
+  return make_run(made, [&](Run& run) {
+    open(run, registry, set, scene_from_text(needed_text(scene, "scene"), text_or(name, "name", "scene")));
   });
 }
 
@@ -152,18 +144,15 @@ int lockstep_inputs(lockstep_run* run, int* count) {
 int lockstep_input(lockstep_run* run, int index, const char** name, const char** unit, double* value) {
   return call_run(run, [&](Run& r, Simulation&) {
     const ControlInput& input = r.input(index);
-    if (name != nullptr) *name = input.name().c_str();
-    if (unit != nullptr) *unit = input.unit().c_str();
-    if (value != nullptr) *value = input.value();
+    put(name, input.name().c_str()), put(unit, input.unit().c_str()), put(value, input.value());
   });
 }
 
 int lockstep_input_index(lockstep_run* run, const char* name, int* index) {
   return call_run(run, [&](Run&, Simulation& s) {
-    const ControlInput& input = s.input(needed_text(name, "name"));
+    const std::string& known = s.input(needed_text(name, "name")).name();
     const std::deque<ControlInput>& all = s.system().control_inputs();
-    const auto found = std::ranges::find_if(all, [&](const ControlInput& one) { return &one == &input; });
-    needed(index, "index") = static_cast<int>(found - all.begin());
+    needed(index, "index") = static_cast<int>(std::ranges::find(all, known, &ControlInput::name) - all.begin());
   });
 }
 
@@ -183,8 +172,7 @@ int lockstep_advance(lockstep_run* run, double h) {
 int lockstep_step(lockstep_run* run, double h, double* made) {
   return call_begun(run, [&](Run& r, Simulation& s) {
     try {
-      const StepReport report = s.loop().step(h);
-      if (made != nullptr) *made = report.h;
+      put(made, s.loop().step(h).h);
     } catch (const Error& error) {
       rethrow_of_run(s.system(), s.loop(), r.started, r.step, error);
     }
@@ -207,16 +195,13 @@ int lockstep_load(lockstep_run* run, const char* file) {
 }
 
 int lockstep_table(lockstep_run* run, int* columns, int64_t* rows) {
-  return call_run(run, [&](Run&, Simulation& s) {
-    if (columns != nullptr) *columns = static_cast<int>(s.table().n_columns());
-    if (rows != nullptr) *rows = static_cast<int64_t>(s.table().n_rows());
-  });
+  return call_run(run,
+                  [&](Run&, Simulation& s) { put(columns, s.table().n_columns()), put(rows, s.table().n_rows()); });
 }
 int lockstep_column(lockstep_run* run, int index, const char** name, const char** unit) {
   return call_run(run, [&](Run& r, Simulation&) {
     const Column& column = r.column(index);
-    if (name != nullptr) *name = column.name.c_str();
-    if (unit != nullptr) *unit = column.unit.c_str();
+    put(name, column.name.c_str()), put(unit, column.unit.c_str());
   });
 }
 int lockstep_column_index(lockstep_run* run, const char* name, int* index) {
@@ -229,7 +214,7 @@ int lockstep_values(lockstep_run* run, int index, const double** values, int64_t
   return call_run(run, [&](Run& r, Simulation&) {
     const std::vector<double>& of = r.column(index).values;
     needed(values, "values") = of.data();
-    if (rows != nullptr) *rows = static_cast<int64_t>(of.size());
+    put(rows, of.size());
   });
 }
 int lockstep_last(lockstep_run* run, int index, double* value) {

@@ -20,15 +20,16 @@ struct Run final : Object {
   template <class Act>
   void collecting(Act&& act) {
     FindingScope scope;
-    struct Kept {
-      Run& run;
-      FindingScope& scope;
-      ~Kept() { run.add(scope.found); }
-    } const kept{*this, scope};
-    act();
+    try {
+      act();
+    } catch (...) {
+      add_new(scope.found, found);
+      throw;
+    }
+    add_new(scope.found, found);
   }
-  /// Adds findings that it has not yet.
-  void add(const std::vector<Finding>& found) noexcept;
+  /// Adds those findings that `all` lacks.
+  static void add_new(const std::vector<Finding>& more, std::vector<Finding>& all);
   /// Those so far, with those of the verdict.
   std::vector<Finding> all_findings();
   /// Throws LOCKSTEP_USAGE for an index that is not below count.
@@ -45,11 +46,11 @@ struct Run final : Object {
   std::optional<Simulation> simulation;
   std::vector<Finding> found;
   bool begun = false;
-  State started;   ///< its start, and
-  double step = 0; ///< the step of its settings, s: for the causes of errors
+  State started;    ///< its start, and
+  double step = 0;  ///< the step of its settings, s: for the causes of errors
   std::optional<StateSpace> space;
-  std::vector<double> matrix;  ///< the last one that was asked for, row by row
-  std::string more_text;       ///< a second text beside that of keep()
+  MatX matrix;            ///< the last one that was asked for, transposed: row by row
+  std::string more_text;  ///< a second text beside that of keep()
 };
 
 /// The lines of an argument that are not empty; null has none.

@@ -6,8 +6,9 @@
 #include <cmath>
 #include <span>
 
+#include <spdlog/fmt/fmt.h>
+
 #include <lockstep/system.h>
-#include <lockstep/text.h>
 
 namespace lockstep::c {
 
@@ -15,6 +16,24 @@ void StateObject::require(May wanted) const {
   if (may >= wanted) return;
   refuse(LOCKSTEP_USAGE, wanted == May::change ? "this state may be read only; change a copy (lockstep_get_state)"
                                                : "this state cannot be evaluated; take a copy (lockstep_get_state)");
+}
+
+void check_finite(const System& system, const VecX& q, const VecX& v, const VecX& s) {
+  constexpr const char* kAdvice = " gets a number that is not finite; look at the state and step that were given";
+  for (int k = 0; k < system.n_slots(); ++k)
+    if (!q.segment<7>(7 * k).allFinite() || !v.segment<6>(6 * k).allFinite())
+      refuse(LOCKSTEP_NON_FINITE, "body '" + system.body_of_slot(k).name + "'" + kAdvice);
+  if (!s.allFinite()) refuse(LOCKSTEP_NON_FINITE, std::string("an integrated state") + kAdvice);
+}
+
+void StateObject::take_copy() {
+  const System& system = dynamics.system();
+  for (int k = 0; k < system.n_slots(); ++k)
+    if (!std::isnormal(copy_.q.segment<4>(7 * k + 3).squaredNorm()))
+      refuse(LOCKSTEP_USAGE, "body '" + system.body_of_slot(k).name +
+                                 "': its quaternion has no length; must be finite and above zero, scalar part first");
+  check_finite(system, copy_.q, copy_.v, copy_.s);
+  state_ = copy_;
 }
 
 const State& StateObject::in_slots() {
@@ -34,30 +53,12 @@ using May = StateObject::May;
 int size_of(const State& s) { return static_cast<int>(s.q.size() + s.v.size() + s.s.size()); }
 
 void check_size(int given, int wanted) {
-  if (given == wanted) return;
-  refuse(LOCKSTEP_USAGE, "size is " + std::to_string(given) + "; must be " + std::to_string(wanted));
+  if (given != wanted) refuse(LOCKSTEP_USAGE, fmt::format("size is {}; must be {}", given, wanted));
 }
 void check_given(const double* numbers, int count, const char* name) {
-  const double* const end = numbers + count;
-  const double* const bad = std::find_if_not(numbers, end, [](double x) { return std::isfinite(x); });
-  if (bad != end)
-    refuse(LOCKSTEP_USAGE,
-           std::string(name) + "[" + std::to_string(bad - numbers) + "] is " + text::number(*bad) + "; must be finite");
-}
-// The length of the quaternion of a body, numbers[first] and the next three.
-double length_of(const double* numbers, int first, const char* name, const Body& body) {
-  const double* const e = numbers + first;
-  const double length = std::hypot(std::hypot(e[0], e[1]), std::hypot(e[2], e[3]));
-  if (length > 0 && std::isfinite(length)) return length;
-  refuse(LOCKSTEP_USAGE, "body '" + body.name + "': its quaternion, " + name + "[" + std::to_string(first) + "] to [" +
-                             std::to_string(first + 3) + "], has the length " + text::number(length) +
-                             "; must be finite and above zero, with the scalar part first");
-}
-
-// q, v and s one after another.
-template <class Part, class Numbers>
-void each_part(Part& of, Numbers numbers, auto act) {
-  for (VecX Part::*const part : {&Part::q, &Part::v, &Part::s}) act(of.*part, numbers), numbers += (of.*part).size();
+  for (int i = 0; i < count; ++i)
+    if (!std::isfinite(numbers[i]))
+      refuse(LOCKSTEP_USAGE, fmt::format("{}[{}] is {}; must be finite", name, i, numbers[i]));
 }
 
 }  // namespace
@@ -83,12 +84,10 @@ int lockstep_set_body(lockstep_state* state, const char* name, const double* pos
     const Body& body = s.dynamics.system().body(needed_text(name, "name"));
     if (pose != nullptr) check_given(pose, 7, "pose");
     if (twist != nullptr) check_given(twist, 6, "twist");
-    const double n = pose != nullptr ? length_of(pose, 3, "pose", body) : 1.0;
     s.change(May::change, [&](State& changed) {
       StateEditor edit(changed);
       if (pose != nullptr)
-        edit.set_pose(
-            body, {{pose[0], pose[1], pose[2]}, normalized(Quat{pose[3] / n, pose[4] / n, pose[5] / n, pose[6] / n})});
+        edit.set_pose(body, {{pose[0], pose[1], pose[2]}, normalized(Quat{pose[3], pose[4], pose[5], pose[6]})});
       if (twist != nullptr) edit.set_twist(body, {{twist[0], twist[1], twist[2]}, {twist[3], twist[4], twist[5]}});
     });
   });
@@ -97,10 +96,7 @@ int lockstep_set_body(lockstep_state* state, const char* name, const double* pos
 int lockstep_sizes(const lockstep_state* state, double* t, int* n_q, int* n_v, int* n_s) {
   return call<StateObject, false>(state, [&](StateObject& object) {
     const State& s = object.in_slots();
-    if (t != nullptr) *t = s.t;
-    if (n_q != nullptr) *n_q = static_cast<int>(s.q.size());
-    if (n_v != nullptr) *n_v = static_cast<int>(s.v.size());
-    if (n_s != nullptr) *n_s = static_cast<int>(s.s.size());
+    put(t, s.t), put(n_q, s.q.size()), put(n_v, s.v.size()), put(n_s, s.s.size());
   });
 }
 
@@ -109,7 +105,7 @@ int lockstep_numbers(const lockstep_state* state, double* numbers, int size) {
     needed(numbers, "numbers");
     const State& s = object.in_slots();
     check_size(size, size_of(s));
-    each_part(s, numbers, [](const VecX& part, double* to) { std::copy_n(part.data(), part.size(), to); });
+    Eigen::Map<VecX>(numbers, size) << s.q, s.v, s.s;
   });
 }
 
@@ -117,13 +113,12 @@ int lockstep_set_numbers(lockstep_state* state, double t, const double* numbers,
   return call<StateObject, false>(state, [&](StateObject& object) {
     needed(numbers, "numbers");
     object.change(May::change, [&](State& s) {
-      const System& system = object.dynamics.system();
       check_size(size, size_of(s));
       check_given(numbers, size, "numbers"), check_given(&t, 1, "t");
-      for (int k = 0; k < system.n_slots(); ++k) length_of(numbers, 7 * k + 3, "numbers", system.body_of_slot(k));
-      if (object.may == May::change && t != s.t) refuse(LOCKSTEP_USAGE, "an event cannot change the time; give its own");
-      s.t = t;
-      each_part(s, numbers, [](VecX& part, const double* from) { std::copy_n(from, part.size(), part.data()); });
+      if (object.may == May::change && t != s.t)
+        refuse(LOCKSTEP_USAGE, "an event cannot change the time; give its own");
+      const Eigen::Map<const VecX> all(numbers, size);
+      s.t = t, s.q = all.head(s.q.size()), s.v = all.segment(s.q.size(), s.v.size()), s.s = all.tail(s.s.size());
     });
   });
 }
@@ -135,8 +130,8 @@ int lockstep_rates(const lockstep_state* state, double* rates, int size) {
     check_size(size, size_of(object.given()));
     StateRate rate = sized_like(object.given());
     object.dynamics.rate(object.given(), rate);
-    check_finite(object.dynamics.system(), rate);
-    each_part(rate, rates, [](const VecX& part, double* to) { std::copy_n(part.data(), part.size(), to); });
+    check_finite(object.dynamics.system(), rate.q, rate.v, rate.s);
+    Eigen::Map<VecX>(rates, size) << rate.q, rate.v, rate.s;
   });
 }
 
@@ -145,10 +140,8 @@ int lockstep_move(lockstep_state* state, double h, const double* v, int size) {
     object.change(May::evaluate, [&](State& s) {
       check_given(&h, 1, "h");
       VecX along = s.v;
-      if (v != nullptr) {
-        check_size(size, static_cast<int>(along.size())), check_given(v, size, "v");
-        std::copy_n(v, size, along.data());
-      }
+      if (v != nullptr) check_size(size, static_cast<int>(along.size())), check_given(v, size, "v");
+      if (v != nullptr) along = Eigen::Map<const VecX>(v, size);
       object.dynamics.advance(s, h, along);
     });
   });
@@ -158,7 +151,7 @@ int lockstep_project(lockstep_state* state, double* violation) {
   return call<StateObject>(state, [&](StateObject& object) {
     ProjectReport report;
     object.change(May::evaluate, [&](State& s) { report = object.dynamics.project(s); });
-    if (violation != nullptr) *violation = report.after;
+    put(violation, report.after);
   });
 }
 }

@@ -11,16 +11,8 @@
 
 namespace lockstep::c {
 
-/// Throws LOCKSTEP_NON_FINITE, by the name of a body, if not all numbers of a State or of its rates are finite.
-template <class Numbers>
-void check_finite(const System& system, const Numbers& of) {
-  for (int k = 0; k < system.n_slots(); ++k)
-    if (!of.q.template segment<7>(7 * k).allFinite() || !of.v.template segment<6>(6 * k).allFinite())
-      refuse(LOCKSTEP_NON_FINITE, "body '" + system.body_of_slot(k).name +
-                                      "' gets a number that is not finite; look at the state and step that were given");
-  if (!of.s.allFinite())
-    refuse(LOCKSTEP_NON_FINITE, "an integrated state of a joint, force or channel gets a number that is not finite");
-}
+/// Throws LOCKSTEP_NON_FINITE, by the name of a body, if numbers of a state or of its rates are not finite.
+void check_finite(const System&, const VecX& q, const VecX& v, const VecX& s);
 
 /// A state that a handle stands for.
 class StateObject final : public Object {
@@ -46,11 +38,11 @@ class StateObject final : public Object {
   void change(May by, Act&& act) {
     require(by);
     act(copy_ = state_);
-    check_finite(dynamics.system(), copy_);
-    state_ = copy_;
+    take_copy();
   }
 
  private:
+  void take_copy();
   State own_, copy_;
   State& state_;
 

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -33,26 +34,18 @@ struct Type {
   TypeInfo info;
   User user;
 
-  /// `words`: "amplitude omega=2"; `shelf`: "laws", of which scenes give some keys by themselves.
+  /// `words`: "amplitude omega=2"; `shelf`: "laws".
   Type(const char* name, const char* words, const char* what, const char* shelf, User its)
       : info{needed_text(name, "type"), std::string(what) + " of the host", {}}, user(std::move(its)) {
     check_word(info.name, "type \"" + info.name + '"');
-    std::string_view rest = text_or(words, "keys");
-    constexpr std::string_view kBlanks = " \t\n,";
-    while ((rest = rest.substr(std::min(rest.size(), rest.find_first_not_of(kBlanks)))) != "") {
-      const std::string word(rest.substr(0, rest.find_first_of(kBlanks))), key = word.substr(0, word.find('='));
-      const std::string its_name = "type \"" + info.name + "\", key \"" + key + '"';
-      check_word(key, its_name);
-      if (key_in({&info.keys}, key) != nullptr) refuse(LOCKSTEP_USAGE, its_name + " is given twice; remove one");
-      if (is_of_scenes(key, shelf)) refuse(LOCKSTEP_USAGE, its_name + " has a meaning in scenes; choose another name");
-      info.keys.push_back({key, Form::number, Unit::any, kRequired, "a number of the host's type"});
-      if (key != word) info.keys.back().fallback = default_of(word.substr(key.size() + 1), its_name);
-      rest.remove_prefix(word.size());
-    }
+    std::string spaced = text_or(words, "keys");
+    std::ranges::replace(spaced, ',', ' ');
+    std::istringstream in(spaced);
+    for (std::string word; in >> word;) info.keys.push_back(key_of(word, shelf));
   }
   /// The callback with the values that an object of the type has.
   template <class F>
-  Code<F> code(F* callback, const Params& params) const {
+  Code<F> code(F callback, const Params& params) const {
     std::vector<double> values;
     for (const Key& key : info.keys) values.push_back(params.number(key.name));
     return {callback, user, std::move(values)};
@@ -60,30 +53,32 @@ struct Type {
 
  private:
   static void check_word(const std::string& word, const std::string& what) {
-    const auto letter = [](unsigned char c) { return ('a' <= (c | 32) && (c | 32) <= 'z') || c == '_' || c >= 0x80; };
-    const auto fits = [&](unsigned char c) { return letter(c) || ('0' <= c && c <= '9'); };
-    if (word.empty() || !letter(static_cast<unsigned char>(word[0])) || !std::ranges::all_of(word, fits))
+    const auto fits = [](unsigned char c) { return c == '_' || c >= 0x80 || std::isalnum(c) != 0; };
+    if (word.empty() || ('0' <= word[0] && word[0] <= '9') || !std::ranges::all_of(word, fits))
       refuse(LOCKSTEP_USAGE, what + " is no word; use letters, digits and _, and begin with a letter");
   }
-  static bool is_of_scenes(const std::string& key, const char* shelf) {
-    return key == "type" || std::ranges::any_of(scene_tables(), [&](const SceneTable& table) {
-             return table.shelf == shelf && key_in({table.keys().get()}, key) != nullptr;
-           });
-  }
-  static Value default_of(const std::string& word, const std::string& key) {
+  Key key_of(const std::string& word, const char* shelf) const {
+    const std::string name = word.substr(0, word.find('=')), what = "type \"" + info.name + "\", key \"" + name + '"';
+    check_word(name, what);
+    bool taken = name == "type" || key_in({&info.keys}, name) != nullptr;
+    for (const SceneTable& table : scene_tables())  // the keys that scenes give all types of this shelf
+      taken = taken || (table.shelf == shelf && key_in({&table.info.keys}, name) != nullptr);
+    if (taken) refuse(LOCKSTEP_USAGE, what + " is taken, by another key or by scenes; choose another name");
+    Key key{name, Form::number, Unit::any, kRequired, "a number of the host's type"};
+    if (name == word) return key;
+    const char *const from = word.data() + name.size() + 1, *const to = word.data() + word.size();
     double x = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
-    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(x))
-      refuse(LOCKSTEP_USAGE, key + ": its default \"" + word + "\" is no finite number");
-    return x;
+    if (const auto [end, error] = std::from_chars(from, to, x); error != std::errc() || end != to || !std::isfinite(x))
+      refuse(LOCKSTEP_USAGE, what + ": its default \"" + from + "\" is no finite number; give one in SI units");
+    key.fallback = x;
+    return key;
   }
 };
 
 // (y, yd, ydd) = law(t)
 class Law final : public MotionLaw {
  public:
-  Law(Code<std::remove_pointer_t<lockstep_law>> law, Code<std::remove_pointer_t<lockstep_next_break>> next)
-      : law_(std::move(law)), next_(std::move(next)) {}
+  Law(Code<lockstep_law> law, Code<lockstep_next_break> next) : law_(std::move(law)), next_(std::move(next)) {}
   LawValue at(double t) const override {
     std::array<double, 3> y{};
     law_(t, y.data());
@@ -98,42 +93,42 @@ class Law final : public MotionLaw {
         throw UserCodeError(fmt::format("next_break gives {} s after {} s; give a later time, or none", next, t));
       if (next >= t1) return;
       if (out.size() == most)
-        throw UserCodeError(fmt::format("next_break gives more than {} jumps from {} s to {} s; give fewer", kMostJumps, t0, t));
+        throw UserCodeError(
+            fmt::format("next_break gives more than {} jumps from {} s to {} s; give fewer", kMostJumps, t0, t));
       out.push_back(t = next);
     }
   }
 
  private:
   static constexpr std::size_t kMostJumps = 10'000'000;  // between two steps or in a run; 80 MB
-  Code<std::remove_pointer_t<lockstep_law>> law_;
-  Code<std::remove_pointer_t<lockstep_next_break>> next_;
+  Code<lockstep_law> law_;
+  Code<lockstep_next_break> next_;
 };
 
 // f at P and m on the body of P, -f at P and -m on that of S
 class HostForce final : public MarkerForce {
  public:
-  HostForce(std::string type, std::string name, Marker& p, Marker* s, Code<std::remove_pointer_t<lockstep_force>> force)
+  HostForce(std::string type, std::string name, Marker& p, Marker* s, Code<lockstep_force> force)
       : MarkerForce(std::move(name), p, s), type_(std::move(type)), force_(std::move(force)) {}
   std::string_view type() const override { return type_; }
   void apply(const Inputs& in, WrenchSum& out) const override {
     const Result r = at(in);
-    const Vec3 f(r.out[0], r.out[1], r.out[2]), m(r.out[3], r.out[4], r.out[5]);
-    out.force(P_.slot, f, r.x), out.torque(P_.slot, m);
-    out.force(S_.slot, -f, r.x), out.torque(S_.slot, -m);
+    out.force(P_.slot, r.f, r.x), out.torque(P_.slot, r.m);
+    out.force(S_.slot, -r.f, r.x), out.torque(S_.slot, -r.m);
   }
-  double potential(const Inputs& in) const override { return at(in).out[6]; }
-  double dissipation(const Inputs& in) const override { return at(in).out[7]; }
+  double potential(const Inputs& in) const override { return at(in).energy; }
+  double dissipation(const Inputs& in) const override { return at(in).dissipated; }
   // Potential and dissipation are those along the motion of the markers: laws that move them on their bodies do the rest.
   double supply(const Inputs& in) const override {
     const Result r = at(in);
-    return r.out[8] + power(P_, r, in) - power(S_, r, in);
+    return r.supplied + power(P_, r, in) - power(S_, r, in);
   }
 
  private:
   using Ends = std::array<double, 13>;
   struct Result {
-    Vec3 x;  // of P
-    std::array<double, 9> out{};
+    Vec3 x, f, m;  // origin of P, force and moment on it
+    double energy, dissipated, supplied;
   };
   static Ends numbers(const MarkerFrame& marker, const MarkerInWorld& m, const Inputs& in) {
     const Quat q = in.slot(marker.slot).e * marker.at(in.t).q;
@@ -142,9 +137,9 @@ class HostForce final : public MarkerForce {
   Result at(const Inputs& in) const {
     const MarkerInWorld P = in_world(P_, in);
     const Ends p = numbers(P_, P, in), s = numbers(S_, in_world(S_, in), in);
-    Result r{.x = P.x};
-    force_(in.t, p.data(), s.data(), r.out.data());
-    return r;
+    std::array<double, 9> of{};
+    force_(in.t, p.data(), s.data(), of.data());
+    return {P.x, {of[0], of[1], of[2]}, {of[3], of[4], of[5]}, of[6], of[7], of[8]};
   }
 
   // Power of (f, m) at x on the body of a marker, less that on the marker.
@@ -153,23 +148,23 @@ class HostForce final : public MarkerForce {
     const Motion& body = in.slot(marker.slot);
     const Vec3 w = body.A * body.w, v = body.v + cross(w, Vec3(r.x - body.x));
     const Vec3 dv = v - at.v - cross(at.w, Vec3(r.x - at.x)), dw = w - at.w;
-    return r.out[0] * dv[0] + r.out[1] * dv[1] + r.out[2] * dv[2] + r.out[3] * dw[0] + r.out[4] * dw[1] +
-           r.out[5] * dw[2];
+    return r.f.dot(dv) + r.m.dot(dw);
   }
 
   std::string type_;
-  Code<std::remove_pointer_t<lockstep_force>> force_;
+  Code<lockstep_force> force_;
 };
 
 class HostIntegrator final : public Integrator {
  public:
-  HostIntegrator(std::string type, int order, Code<std::remove_pointer_t<lockstep_integrator>> step)
+  HostIntegrator(std::string type, int order, Code<lockstep_integrator> step)
       : type_(std::move(type)), order_(order), step_(std::move(step)) {}
   IntegratorInfo info() const override { return {type_, order_, false, false, order_}; }
   void begin(Dynamics&, const State&) override {}
   StepReport step(Dynamics& dynamics, State& state, double h) override {
     State end = state;
-    step_(Lent(end, dynamics, StateObject::May::evaluate).handle(), h);
+    in_context([&] { return ErrorContext{.thing = {.kind = "integrator", .name = type_}, .t = state.t}; },
+               [&] { step_(Lent(end, dynamics, StateObject::May::evaluate).handle(), h); });
     end.t = state.t + h;
     const ProjectReport landed = project_end_or_throw(dynamics, end, type_.c_str(), state.t, h);
     state = std::move(end);
@@ -179,13 +174,13 @@ class HostIntegrator final : public Integrator {
  private:
   std::string type_;
   int order_;
-  Code<std::remove_pointer_t<lockstep_integrator>> step_;
+  Code<lockstep_integrator> step_;
 };
 
 // Calls `add` with the registry and the type; the user data is freed in any case.
-template <class Add>
+template <class Callback, class Add>
 int add_type(lockstep_registry* registry, const char* name, const char* keys, const char* what, const char* shelf,
-             void* user, lockstep_free_user free_user, const void* callback, Add add) noexcept {
+             void* user, lockstep_free_user free_user, Callback callback, Add add) noexcept {
   return with_user(user, free_user, [&](const User& owner) {
     return call<RegistryObject>(registry, [&](RegistryObject& r) {
       if (callback == nullptr) refuse_null(what);
@@ -212,7 +207,7 @@ extern "C" {
 
 int lockstep_fail(const char* message) {
   try {
-    if (message_in_progress != nullptr) *message_in_progress = utf8(message != nullptr ? message : "");
+    put(message_in_progress, utf8(message != nullptr ? message : ""));
   } catch (...) {  // no memory for it: the code alone
   }
   return LOCKSTEP_USER_CODE;
@@ -233,7 +228,7 @@ int lockstep_types(lockstep_registry* registry, const char** json) {
 
 int lockstep_add_law(lockstep_registry* registry, const char* type, const char* keys, lockstep_law law,
                      lockstep_next_break next_break, void* user, lockstep_free_user free_user) {
-  return add_type(registry, type, keys, "law", "laws", user, free_user, reinterpret_cast<const void*>(law),
+  return add_type(registry, type, keys, "law", "laws", user, free_user, law,
                   [&](Registry& r, const std::shared_ptr<const Type>& its) {
                     r.laws.add(its->info, [=](const Params& p) -> LawPtr<MotionLaw> {
                       return std::make_shared<Law>(its->code(law, p), its->code(next_break, p));
@@ -243,22 +238,19 @@ int lockstep_add_law(lockstep_registry* registry, const char* type, const char* 
 
 int lockstep_add_joint(lockstep_registry* registry, const char* type, const char* keys, int rows, const char* mask,
                        lockstep_joint joint, void* user, lockstep_free_user free_user) {
-  return add_type(registry, type, keys, "joint", "links", user, free_user, reinterpret_cast<const void*>(joint),
+  return add_type(registry, type, keys, "joint", "links", user, free_user, joint,
                   [&](Registry& r, const std::shared_ptr<const Type>& its) {
                     within(rows, 1, 3, "rows");
                     const Mask held = mask_from(text_or(mask, "mask"));
                     r.links.add(its->info, [=](const Attachment& a, const Params& p) {
-                      PhiNumbers phi = [code = its->code(joint, p)](const double* y, double* f, double* g, double* h) {
-                        code(y, f, g, h);
-                      };
-                      return numeric_joint(its->info.name, a, held, rows, std::move(phi));
+                      return numeric_joint(its->info.name, a, held, rows, its->code(joint, p));
                     });
                   });
 }
 
 int lockstep_add_force(lockstep_registry* registry, const char* type, const char* keys, lockstep_force force,
                        void* user, lockstep_free_user free_user) {
-  return add_type(registry, type, keys, "force", "forces", user, free_user, reinterpret_cast<const void*>(force),
+  return add_type(registry, type, keys, "force", "forces", user, free_user, force,
                   [&](Registry& r, const std::shared_ptr<const Type>& its) {
                     r.forces.add(its->info, [=](const Attachment& a, const Params& p) -> std::unique_ptr<Force> {
                       return std::make_unique<HostForce>(its->info.name, a.name, p_of(a, p),
@@ -269,7 +261,7 @@ int lockstep_add_force(lockstep_registry* registry, const char* type, const char
 
 int lockstep_add_integrator(lockstep_registry* registry, const char* type, const char* keys, int order,
                             lockstep_integrator step, void* user, lockstep_free_user free_user) {
-  return add_type(registry, type, keys, "step", "integrators", user, free_user, reinterpret_cast<const void*>(step),
+  return add_type(registry, type, keys, "step", "integrators", user, free_user, step,
                   [&](Registry& r, const std::shared_ptr<const Type>& its) {
                     within(order, 1, std::numeric_limits<double>::digits, "order");  // h/2 leaves less than round-off
                     r.integrators.add(its->info, [=](const Params& p) -> std::unique_ptr<Integrator> {
@@ -284,8 +276,7 @@ int lockstep_check_type(lockstep_registry* registry, const char* kind, const cha
     const Value given = read_json(text_or(keys, "keys", "{}"), "keys");
     const CheckReport found =
         check(r.registry, needed_text(kind, "kind"), needed_text(type, "type"), Params::unchecked(given));
-    if (findings != nullptr) *findings = static_cast<int>(found.findings().size());
-    if (report != nullptr) *report = r.keep(found.text());
+    put(findings, found.findings().size()), put(report, r.keep(found.text()));
   });
 }
 }

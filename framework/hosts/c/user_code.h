@@ -50,17 +50,19 @@ class Message {
 
 /// Calls a callback that may stop the run: whether it goes on. Throws UserCodeError with the callback's message.
 template <class F, class... Args>
-bool goes_on(F* callback, Args... args) {
+bool goes_on(F callback, Args... args) {
   const Message message;
   const int result = callback(args...);
   if (result != 0 && result != LOCKSTEP_STOP)
-    throw UserCodeError(message.text().empty() ? "the callback returned " + std::to_string(result) : message.text());
+    throw UserCodeError(message.text().empty()
+                            ? "the callback returned " + std::to_string(result) + " " + lockstep_code_name(result)
+                            : message.text());
   return result == 0;
 }
 
 /// Calls one that may not.
 template <class F, class... Args>
-void invoke(F* callback, Args... args) {
+void invoke(F callback, Args... args) {
   if (!goes_on(callback, args...))
     throw UserCodeError("the callback returned LOCKSTEP_STOP, which only observers may; return 0");
 }
@@ -68,7 +70,7 @@ void invoke(F* callback, Args... args) {
 /// A callback of a type with the values of its keys.
 template <class F>
 struct Code {
-  F* callback;
+  F callback;
   User user;
   std::vector<double> values;
 
