@@ -27,6 +27,9 @@ lockstep_run* run_of(lockstep_registry* registry, const char* scene);
 int column(lockstep_run* run, const char* name);
 double last(lockstep_run* run, const char* name);
 const double* values(lockstep_run* run, const char* name);
+/* Whether the error of the handle has this code, and all these words (to a null) in its text. */
+int is_error(const void* handle, int code, int expected, const char* words, ...);
+int is_utf8(const char* text);
 int64_t rows(lockstep_run* run);
 
 void test_results(void);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* test_c CASE PROGRAM SCENES OUTPUT */
+#include <stdarg.h>
+
 #include "check.h"
 
 int failures = 0, checks = 0;
@@ -51,6 +53,28 @@ const double* values(lockstep_run* run, const char* name) {
   const double* all = NULL;
   DONE(run, lockstep_values(run, column(run, name), &all, NULL));
   return all;
+}
+
+int is_error(const void* handle, int code, int expected, const char* words, ...) {
+  const char *text = lockstep_error_text(handle), *word;
+  va_list more;
+  int good = code == expected && lockstep_error_code(handle) == expected && is_utf8(text);
+  va_start(more, words);
+  for (word = words; word != NULL; word = va_arg(more, const char*)) good = good && strstr(text, word) != NULL;
+  va_end(more);
+  if (!good) printf("%d instead of %d: %s\n", code, expected, text);
+  return good;
+}
+
+int is_utf8(const char* text) {
+  const unsigned char* p = (const unsigned char*)text;
+  while (*p != 0) {
+    int more = *p < 0x80 ? 0 : *p >> 5 == 6 ? 1 : *p >> 4 == 14 ? 2 : *p >> 3 == 30 ? 3 : -1;
+    if (more < 0) return 0;
+    for (++p; more > 0; --more, ++p)
+      if ((*p & 0xc0) != 0x80) return 0;
+  }
+  return 1;
 }
 
 int64_t rows(lockstep_run* run) {

@@ -21,6 +21,11 @@ static int step(void* user, const double* p, lockstep_state* state, double h) {
   return lockstep_move(state, h, NULL, 0);
 }
 
+static int row(void* user, const double* numbers, int count) {
+  (void)user, (void)numbers, (void)count;
+  return 0;
+}
+
 /* The numbers of the codes never change. */
 _Static_assert(LOCKSTEP_DONE == 0 && LOCKSTEP_OTHER == 1 && LOCKSTEP_MODEL == 2 && LOCKSTEP_ASSEMBLY == 3 &&
                    LOCKSTEP_SOLVE == 4 && LOCKSTEP_STEP == 5 && LOCKSTEP_NON_FINITE == 6 && LOCKSTEP_PLUGIN == 7 &&
@@ -146,6 +151,101 @@ static void null_arguments(lockstep_registry* r, lockstep_run* run, lockstep_sta
   DONE(s, lockstep_project(s, NULL));
 }
 
+/* Texts that are not UTF-8: each function names the argument and the byte. */
+static const char* const latin =
+    "ab\xe9"
+    "d";
+#define LATIN(handle, name, call) CHECK(is_error(handle, call, LOCKSTEP_USAGE, "\"" name "\"", "byte 2", "0xe9", NULL))
+
+static void texts(lockstep_registry* r, lockstep_run* run, lockstep_state* s, const char* scene) {
+  char path[1024];
+  FILE* file;
+  lockstep_run* made = NULL;
+  LATIN(r, "name", lockstep_load_plugin(r, latin));
+  LATIN(r, "type", lockstep_add_law(r, latin, NULL, law, NULL, NULL, NULL));
+  LATIN(r, "keys", lockstep_add_law(r, "l", latin, law, NULL, NULL, NULL));
+  LATIN(r, "mask", lockstep_add_joint(r, "j", NULL, 1, latin, joint, NULL, NULL));
+  LATIN(r, "kind", lockstep_check_type(r, latin, "sine", NULL, NULL, NULL));
+  LATIN(r, "type", lockstep_check_type(r, "law", latin, NULL, NULL, NULL));
+  LATIN(r, "keys", lockstep_check_type(r, "law", "sine", latin, NULL, NULL));
+  LATIN(run, "channel", lockstep_record(run, latin, NULL));
+  LATIN(run, "name", lockstep_record(run, "b.x", latin));
+  LATIN(run, "name", lockstep_input_index(run, latin, (int[1]){0}));
+  LATIN(run, "name", lockstep_column_index(run, latin, (int[1]){0}));
+  LATIN(run, "name", lockstep_add_event(run, latin, NULL, NULL, 0.5, 0, 1, NULL, NULL, NULL));
+  LATIN(run, "channel", lockstep_add_event(run, "e", latin, NULL, 0.5, 0, 1, NULL, NULL, NULL));
+  LATIN(run, "name", lockstep_switch(run, latin, 1));
+  LATIN(run, "file", lockstep_save(run, latin));
+  LATIN(run, "file", lockstep_load(run, latin));
+  LATIN(run, "outputs", lockstep_linearize(run, latin, 1, NULL));
+  LATIN(s, "name", lockstep_body(s, latin, NULL, NULL));
+  LATIN(made, "file", lockstep_open(NULL, latin, NULL, &made));
+  DONE(made, lockstep_free(made));
+  LATIN(made, "scene", lockstep_open_text(NULL, latin, NULL, NULL, &made));
+  DONE(made, lockstep_free(made));
+  LATIN(made, "name", lockstep_open_text(NULL, quoted(scene), latin, NULL, &made));
+  DONE(made, lockstep_free(made));
+  LATIN(made, "set", lockstep_open_text(NULL, quoted(scene), NULL, latin, &made));
+  DONE(made, lockstep_free(made));
+  snprintf(path, sizeof path, "%s/c_latin.json", output); /* the text of an error quotes the file */
+  CHECK((file = fopen(path, "w")) != NULL && fputs("{\"lockstep\": 1, \"title\": \"", file) >= 0 &&
+        fputs(latin, file) >= 0 && fputs("\"}", file) >= 0 && fclose(file) == 0);
+  CHECK(is_error(made, lockstep_open(NULL, path, NULL, &made), LOCKSTEP_SCENE, "UTF-8", NULL));
+  CHECK(is_utf8(lockstep_error_json(made)));
+  DONE(made, lockstep_free(made));
+  DONE(r, lockstep_add_law(r,
+                           "gr\xc3\xb6\xc3\x9f"
+                           "e",
+                           "\xce\xb1=1", law, NULL, NULL, NULL)); /* other alphabets */
+}
+
+/* Names of types and keys: words that scenes do not use. */
+static void words(lockstep_registry* r) {
+  const char* const none[] = {"", "1a", "a b", "a-b", "a.b", "a[1]", "\"a\"", "a\nb", "a=1"};
+  const struct {
+    const char *keys, *key, *rule;
+  } wrong[] = {{"=3", "key \"\"", "word"},        {"a 1b", "key \"1b\"", "word"},   {"x[0]=1", "key \"x[0]\"", "word"},
+               {"a-b", "key \"a-b\"", "word"},    {"a b a", "key \"a\"", "taken"},  {"type", "key \"type\"", "taken"},
+               {"a=", "key \"a\"", "number"},     {"a=nan", "key \"a\"", "number"}, {"a=1e999", "key \"a\"", "number"},
+               {"a=true", "key \"a\"", "number"}, {"a=1=2", "key \"a\"", "1=2"}};
+  const char* const of_scenes[] = {"name", "p", "s", "at"};
+  size_t i;
+  for (i = 0; i < sizeof none / sizeof none[0]; ++i)
+    CHECK(
+        is_error(r, lockstep_add_law(r, none[i], NULL, law, NULL, NULL, NULL), LOCKSTEP_USAGE, none[i], "word", NULL));
+  for (i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
+    CHECK(is_error(r, lockstep_add_law(r, "named", wrong[i].keys, law, NULL, NULL, NULL), LOCKSTEP_USAGE, "\"named\"",
+                   wrong[i].key, wrong[i].rule, NULL));
+  for (i = 0; i < sizeof of_scenes / sizeof of_scenes[0]; ++i) {
+    CHECK(is_error(r, lockstep_add_force(r, "named", of_scenes[i], force, NULL, NULL), LOCKSTEP_USAGE, "taken", NULL));
+    CHECK(is_error(r, lockstep_add_joint(r, "named", of_scenes[i], 1, NULL, joint, NULL, NULL), LOCKSTEP_USAGE, "taken",
+                   NULL));
+  }
+  CHECK(is_error(r, lockstep_add_law(r, "sine", NULL, law, NULL, NULL, NULL), LOCKSTEP_PLUGIN, "'sine'", NULL));
+}
+
+/* Numbers that have few values. */
+static void limits(lockstep_registry* r, lockstep_run* run) {
+  const int orders[] = {0, -1, 1000};
+  int i;
+  for (i = 0; i < 3; ++i) {
+    char is[32];
+    snprintf(is, sizeof is, "order is %d; must be 1 to", orders[i]);
+    CHECK(is_error(r, lockstep_add_integrator(r, "i", NULL, orders[i], step, NULL, NULL), LOCKSTEP_USAGE, is, NULL));
+  }
+  CHECK(is_error(r, lockstep_add_joint(r, "j", NULL, 4, NULL, joint, NULL, NULL), LOCKSTEP_USAGE,
+                 "rows is 4; must be 1 to 3", NULL));
+  CHECK(is_error(run, lockstep_add_event(run, "e", "b.x", NULL, 0, 0, 7, NULL, NULL, NULL), LOCKSTEP_USAGE,
+                 "once is 7; must be 0 to 1", NULL));
+  CHECK(is_error(run, lockstep_add_event(run, "e", "b.x", NULL, 0, -2, 1, NULL, NULL, NULL), LOCKSTEP_USAGE,
+                 "crossing is -2; must be -1 to 1", NULL));
+  CHECK(is_error(run, lockstep_add_event(run, "e", "b.x", NULL, NAN, 0, 1, NULL, NULL, NULL), LOCKSTEP_USAGE, "nan",
+                 NULL));
+  CHECK(is_error(run, lockstep_switch(run, "F", 2), LOCKSTEP_USAGE, "active is 2; must be 0 to 1", NULL));
+  CHECK(is_error(run, lockstep_linearize(run, NULL, -1, NULL), LOCKSTEP_USAGE, "frozen is -1; must be 0 to 1", NULL));
+  CHECK(is_error(run, lockstep_on_row(run, row, 3, NULL, NULL), LOCKSTEP_USAGE, "keep is 3; must be 0 to 1", NULL));
+}
+
 void test_misuse(void) {
   const char* const scene =
       "{'lockstep': 1, 'bodies': [{'name': 'b', 'mass': 1, 'inertia': [1, 1, 1]}], 'forces': [{'name': 'F',"
@@ -169,6 +269,9 @@ void test_misuse(void) {
   CHECK(lockstep_step(run, -1, NULL) != LOCKSTEP_DONE);
   DONE(run, lockstep_get_state(run, &state));
   null_arguments(registry, run, state);
+  texts(registry, run, state, scene);
+  words(registry);
+  limits(registry, run);
   CHECK(lockstep_check_type(registry, "body", "sine", NULL, NULL, NULL) == LOCKSTEP_USAGE);
   CHECK(lockstep_check_type(registry, "law", "no", NULL, NULL, NULL) == LOCKSTEP_SCENE);
   CHECK(lockstep_check_type(registry, "law", "sine", "{", NULL, NULL) == LOCKSTEP_SCENE);

@@ -80,6 +80,78 @@ static void states(void) {
   CHECK(lockstep_rates(state, rate, n) == LOCKSTEP_CLOSED);
 }
 
+/* What is not finite never comes back as done: the body is named, and the state stays as it was. */
+static int of_length_zero(void* user, lockstep_state* state) {
+  double y[64] = {0}, t = 0;
+  int q = 0, v = 0, s = 0;
+  (void)user;
+  CHECK(lockstep_sizes(state, &t, &q, &v, &s) == 0);
+  CHECK(is_error(state, lockstep_set_numbers(state, t, y, q + v + s), LOCKSTEP_USAGE, "'a'", "quaternion", NULL));
+  return 0;
+}
+
+static void not_finite(void) {
+  lockstep_run* run = run_of(NULL, chain);
+  lockstep_state* state = NULL;
+  double y[64], z[64], t = -1;
+  const double far[7] = {1e308, 0, 0, 1, 0, 0, 0}, fast[6] = {1e200, 0, 0, 0, 1e300, 0}, small[7] = {0, 0, 0, 1e-200};
+  int q = 0, v = 0, s = 0, n, i, k;
+  DONE(run, lockstep_get_state(run, &state));
+  DONE(state, lockstep_sizes(state, &t, &q, &v, &s));
+  n = q + v + s;
+  for (k = 0; k < 2; ++k) { /* the quaternion of "a", then of "b": zero, or so small that its square is */
+    DONE(state, lockstep_numbers(state, y, n));
+    for (i = 0; i < n; ++i) z[i] = y[i];
+    for (i = 0; i < 4; ++i) z[7 * k + 3 + i] = k == 0 ? 0 : 1e-200;
+    CHECK(is_error(state, lockstep_set_numbers(state, 1, z, n), LOCKSTEP_USAGE, k == 0 ? "'a'" : "'b'", "quaternion",
+                   "above zero", NULL));
+    DONE(state, lockstep_numbers(state, z, n));
+    DONE(state, lockstep_sizes(state, &t, NULL, NULL, NULL));
+    CHECK(t == 0 && memcmp(y, z, sizeof y[0] * (size_t)n) == 0);
+  }
+  CHECK(is_error(state, lockstep_set_body(state, "b", small, NULL), LOCKSTEP_USAGE, "'b'", "quaternion", NULL));
+  for (i = 0; i < n; ++i) z[i] = 1e300;
+  CHECK(is_error(state, lockstep_move(state, 1e300, z, v), LOCKSTEP_USAGE, "'a'", "quaternion", NULL));
+  DONE(state, lockstep_set_body(state, "a", NULL, fast));
+  CHECK(is_error(state, lockstep_rates(state, z, n), LOCKSTEP_NON_FINITE, NULL));
+  CHECK(lockstep_set_body(state, "a", far, NULL) == LOCKSTEP_DONE);
+  CHECK(is_error(state, lockstep_move(state, 1e300, NULL, 0), LOCKSTEP_USAGE, "'a'", NULL));
+  DONE(state, lockstep_numbers(state, z, n));
+  for (i = 0; i < n; ++i) CHECK(isfinite(z[i]));
+  if (lockstep_project(state, &t) == LOCKSTEP_DONE) CHECK(isfinite(t));
+  DONE(state, lockstep_numbers(state, z, n));
+  for (i = 0; i < n; ++i) CHECK(isfinite(z[i]));
+  DONE(state, lockstep_free(state));
+  DONE(run, lockstep_add_event(run, "zero", NULL, NULL, 0.05, 0, 1, of_length_zero, NULL, NULL));
+  DONE(run, lockstep_run_until(run, 0.1));
+  DONE(run, lockstep_free(run));
+}
+
+/* A single step that fails is explained as a run is. */
+static void causes(void) {
+  const char* const too_long =
+      "{'lockstep': 1, 'bodies': [{'name': 'b', 'sphere': {'mass': 1, 'radius': 0.1}, 'position': [0, 1.1, 0]}],"
+      " 'forces': [{'name': 'F', 'type': 'spring_damper', 'p': 'b', 's': 'ground', 'at_p': [0, 1.1, 0],"
+      " 'at_s': [0, 0, 0], 'stiffness': 1e8, 'free_length': 1}],"
+      " 'run': {'until': 1, 'integrator': 'rk4', 'step': 0.01}}";
+  lockstep_run *steps = run_of(NULL, too_long), *whole = run_of(NULL, too_long);
+  int code = LOCKSTEP_DONE, k, again;
+  for (again = 0; again < 2; ++again) {
+    lockstep_state* start = NULL;
+    DONE(steps, lockstep_get_state(steps, &start));
+    for (k = 0; k < 1000 && code == LOCKSTEP_DONE; ++k) code = lockstep_step(steps, 0.01, NULL);
+    /* sqrt(1e8) rad/s */
+    CHECK(is_error(steps, code, LOCKSTEP_NON_FINITE, "the step of 0.01 s is too long", "1e+04 1/s", NULL));
+    if (again == 0) DONE(steps, lockstep_set_state(steps, start));
+    DONE(start, lockstep_free(start));
+    code = LOCKSTEP_DONE;
+  }
+  CHECK(lockstep_run_until(whole, 1) == LOCKSTEP_NON_FINITE);
+  CHECK(strcmp(lockstep_error_text(whole), lockstep_error_text(steps)) == 0);
+  DONE(steps, lockstep_free(steps));
+  DONE(whole, lockstep_free(whole));
+}
+
 static void checkpoints(void) {
   char file[1024];
   lockstep_run *whole = run_of(NULL, chain), *first = run_of(NULL, chain), *second = run_of(NULL, chain);
@@ -148,6 +220,8 @@ static void switches(void) {
 
 void test_states(void) {
   states();
+  not_finite();
+  causes();
   checkpoints();
   readers();
   switches();

@@ -83,6 +83,38 @@ static void jumps(lockstep_registry* registry) {
   CHECK(findings > 0);
 }
 
+/* Breaks that lead nowhere: no time, a time that is not later, more than can be kept. p[0] chooses. */
+static int constant(void* user, const double* p, double t, double* y) {
+  (void)user, (void)p, (void)t;
+  y[0] = 1, y[1] = y[2] = 0;
+  return 0;
+}
+static int next_wrong(void* user, const double* p, double t, double* next) {
+  const double all[] = {NAN, t, t - 1, -INFINITY, t + 1e-9, INFINITY};
+  *next = all[(int)p[0]];
+  ++*(int*)user;
+  return 0;
+}
+
+static void wrong_jumps(lockstep_registry* registry) {
+  const char* const words[] = {"nan", "0 s after 0 s", "-1 s", "-inf", "more than"};
+  int calls = 0, k;
+  DONE(registry, lockstep_add_law(registry, "wrong_breaks", "which", constant, next_wrong, &calls, NULL));
+  for (k = 0; k < 6; ++k) {
+    char law[100];
+    lockstep_run* run;
+    snprintf(law, sizeof law, "{'type': 'wrong_breaks', 'which': %d}", k);
+    run = driven(registry, law);
+    calls = 0;
+    if (k == 5)
+      DONE(run, lockstep_run_to_end(run));
+    else
+      CHECK(is_error(run, lockstep_run_to_end(run), LOCKSTEP_USER_CODE, "'A'", "next_break", words[k], NULL));
+    CHECK(calls > 0 && calls < 100000000);
+    DONE(run, lockstep_free(run));
+  }
+}
+
 /* -- joints */
 
 /* x^2 + y^2 = r^2 */
@@ -251,6 +283,34 @@ static int euler(void* user, const double* p, lockstep_state* state, double h) {
   return lockstep_move(state, h, NULL, 0);
 }
 
+static int fails_at_once(void* user, const double* p, lockstep_state* state, double h) {
+  (void)user, (void)p;
+  return lockstep_move(state, h, &h, 1);
+}
+static int latin(void* user, const double* p, lockstep_state* state, double h) {
+  (void)user, (void)p, (void)state, (void)h;
+  return lockstep_fail("\xe9 is not UTF-8");
+}
+
+/* The error of an integrator names it; a message in another encoding comes back as UTF-8. */
+static void failures_of_integrators(lockstep_registry* registry) {
+  const char* const scene =
+      "{'lockstep': 1, 'bodies': [{'name': 'b', 'mass': 1, 'inertia': [1, 1, 1]}],"
+      " 'run': {'until': 1, 'step': 0.1, 'integrator': '%s'}}";
+  const char *const names[] = {"fails_at_once", "latin"}, *const words[] = {"usage", "is not UTF-8"};
+  int k;
+  DONE(registry, lockstep_add_integrator(registry, names[0], NULL, 1, fails_at_once, NULL, NULL));
+  DONE(registry, lockstep_add_integrator(registry, names[1], NULL, 1, latin, NULL, NULL));
+  for (k = 0; k < 2; ++k) {
+    char text[400];
+    lockstep_run* run;
+    snprintf(text, sizeof text, scene, names[k]);
+    run = run_of(registry, text);
+    CHECK(is_error(run, lockstep_run_to_end(run), LOCKSTEP_USER_CODE, names[k], words[k], NULL));
+    DONE(run, lockstep_free(run));
+  }
+}
+
 static void integrator(lockstep_registry* registry) {
   const char* report = NULL;
   int findings = -1, k;
@@ -344,9 +404,11 @@ void test_types(void) {
   DONE(registry, lockstep_new_registry(&registry));
   law(registry);
   jumps(registry);
+  wrong_jumps(registry);
   joint(registry);
   force(registry);
   integrator(registry);
+  failures_of_integrators(registry);
   DONE(registry, lockstep_types(registry, &json));
   CHECK(strstr(json, "\"my_sine\"") != NULL && strstr(json, "\"revolute\"") != NULL &&
         strstr(json, "\"input\"") != NULL);
