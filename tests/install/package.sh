@@ -35,7 +35,13 @@ files=("$place"/made/*.deb)
 names=()
 for file in "${files[@]}"; do
   names+=("$(field "$file" Package)")
-  case "${names[-1]}" in *-doc) ;; *) test -n "$(field "$file" Depends)" ;; esac
+  case "${names[-1]}" in
+    *-doc) ;;
+    liblockstep[0-9]*) test -n "$(field "$file" Depends)" ;;
+    *) # what uses the insides of the library needs the one that it was built with
+      field "$file" Depends | grep -E "liblockstep[0-9]+ \(= $(field "$file" Version)\)" >/dev/null ||
+        { echo "${names[-1]} does not depend on its own version of the library" && exit 1; } ;;
+  esac
   field "$file" Description | sed -n 2p | grep '^ ' >/dev/null
 done
 echo "made: ${names[*]}"

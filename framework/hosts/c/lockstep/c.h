@@ -22,10 +22,12 @@ extern "C" {
 
    A function returns a code, 0 if it was done, and writes its results where pointers point. After another code results
    are not written, and the handle keeps the error: lockstep_error_text(handle). What a pointer of a result points to
-   belongs to the handle and stays valid until the next call with it. A text is UTF-8 and ends with a zero byte.
+   belongs to the handle and stays valid until the next call with it. A text is UTF-8 and ends with a zero byte;
+   LOCKSTEP_USAGE: an argument is not UTF-8.
 
    Threads: different handles may be used in different threads at the same time. A call with a handle that is in use,
-   in another thread or because this is one of its callbacks, returns LOCKSTEP_BUSY. */
+   in another thread or because this is one of its callbacks, returns LOCKSTEP_BUSY. After lockstep_free() has returned
+   0, calls with the handle that come later in other threads return LOCKSTEP_CLOSED, and call nothing back. */
 
 typedef struct lockstep_registry lockstep_registry; /**< types by name */
 typedef struct lockstep_run lockstep_run;           /**< the run of a scene */
@@ -87,14 +89,16 @@ LOCKSTEP_C_API int lockstep_types(lockstep_registry* registry, const char** json
 
    `keys`: the keys that scenes may give, as words with or without a default: "amplitude omega=2 phase=0". A key without
    a default must be given. Values are numbers, or quantities with units, which are converted to SI; null: no keys.
-   Callbacks receive `user` and `p`, the values in the order of `keys`.
+   Callbacks receive `user` and `p`, the values in the order of `keys`. Names of types and keys have letters, digits
+   and _, and begin with a letter. Keys that scenes give to all joints or forces, as "type", "name" and "p", are taken.
 
    A callback returns 0. If it returns another number, the run ends with LOCKSTEP_USER_CODE and the name of the object:
    return lockstep_fail("message"). It may be called in several threads if several runs use the type, must give
    the same results for the same arguments within a step, and must not leave by longjmp or by an exception.
 
-   `free_user`: called with `user` when neither the registry nor a run needs it any more, also if the function fails;
-   null: nothing is called. LOCKSTEP_PLUGIN: a name that is taken, or keys that are not words. */
+   `free_user`: called with `user` when neither the registry, nor a run of it, nor a state that was copied from such a
+   run exists any more, also if the function fails; null: nothing is called. LOCKSTEP_PLUGIN: the type's name is taken.
+   LOCKSTEP_USAGE: names and keys that break these rules. */
 
 /** Frees the user data of callbacks. */
 typedef void (*lockstep_free_user)(void* user);
@@ -106,7 +110,8 @@ LOCKSTEP_C_API int lockstep_fail(const char* message);
 /** A law at time t, s: writes y[0] the value, y[1] and y[2] its first and second derivative by time, in the unit of what
     the law drives. */
 typedef int (*lockstep_law)(void* user, const double* p, double t, double* y);
-/** Writes the first time after t, s, at which y or a derivative jumps; leaves *next as it is if there is none. */
+/** Writes the first time after t, s, at which y or a derivative jumps; leaves *next at its infinity if there is none. A NaN,
+    a time that is not after t, and more than 1e7 jumps in the time that is looked through are errors. */
 typedef int (*lockstep_next_break)(void* user, const double* p, double t, double* next);
 /** Adds a type of scalar law. `next_break`: null if the law is smooth. */
 LOCKSTEP_C_API int lockstep_add_law(lockstep_registry* registry, const char* type, const char* keys, lockstep_law law,
@@ -135,7 +140,7 @@ LOCKSTEP_C_API int lockstep_add_force(lockstep_registry* registry, const char* t
 /** One step of h, s: moves the state, by lockstep_rates() and lockstep_set_numbers() or lockstep_move(). The library then
     puts its end onto the constraints. The method keeps no history from step to step. */
 typedef int (*lockstep_integrator)(void* user, const double* p, lockstep_state* state, double h);
-/** Adds an integrator with fixed steps, of this order. */
+/** Adds an integrator with fixed steps, of this order, 1 to 53. */
 LOCKSTEP_C_API int lockstep_add_integrator(lockstep_registry* registry, const char* type, const char* keys, int order,
                                            lockstep_integrator step, void* user, lockstep_free_user free_user);
 
@@ -201,7 +206,8 @@ LOCKSTEP_C_API int lockstep_table(lockstep_run* run, int* columns, int64_t* rows
 LOCKSTEP_C_API int lockstep_column(lockstep_run* run, int index, const char** name, const char** unit);
 /** The index of the column with this name. LOCKSTEP_MODEL: there is none. */
 LOCKSTEP_C_API int lockstep_column_index(lockstep_run* run, const char* name, int* index);
-/** The values of a column, one a row, without a copy; valid until the next call that runs. */
+/** The values of a column, one a row, without a copy; valid until the next call that runs, sets a state,
+    loads a checkpoint or frees the run. */
 LOCKSTEP_C_API int lockstep_values(lockstep_run* run, int index, const double** values, int64_t* rows);
 /** The value in the last row. LOCKSTEP_USAGE: there is no row. */
 LOCKSTEP_C_API int lockstep_last(lockstep_run* run, int index, double* value);
@@ -211,7 +217,8 @@ LOCKSTEP_C_API int lockstep_extremes(lockstep_run* run, int index, double out[4]
 
 /* -- the verdict */
 
-/** Writes 1 if energy and constraints were kept and no finding says that the result is wrong, else 0. */
+/** Writes 1 if energy and constraints were kept and no finding says that the result is wrong, else 0. It is about the steps
+    that were made: calls that failed do not change it. */
 LOCKSTEP_C_API int lockstep_verdict(lockstep_run* run, int* right);
 /** The run as a JSON object: t, steps, rejected, largest_violation, impacts, stopped, stopped_by, right, energy
     (verdict), imbalance (relative). */
@@ -224,8 +231,9 @@ LOCKSTEP_C_API int lockstep_finding(lockstep_run* run, int index, const char** t
 
 /* -- linearisation: x' = A x + B u, y = C x + D u about the present state. u: the inputs of the run; y: columns. */
 
-/** Linearises. `outputs`: names of columns, one a line; null: all without the time. `frozen`: 1 accepts a state that is neither an equilibrium nor a steady rotation. `spin`: angular velocity
-    of the axes that rotate with the mechanism, rad/s, world, 3 numbers; null: found from the state. */
+/** Linearises. `outputs`: names of columns, one a line; null: all without the time. `frozen`: 1 accepts a state that is
+    neither an equilibrium nor a steady rotation. `spin`: angular velocity of the axes that rotate with the mechanism,
+    rad/s, world, 3 numbers; null: found from the state. */
 LOCKSTEP_C_API int lockstep_linearize(lockstep_run* run, const char* outputs, int frozen, const double* spin);
 /** A matrix of the last linearisation, row by row. `which`: 'A', 'B', 'C' or 'D'. LOCKSTEP_USAGE: there is none. */
 LOCKSTEP_C_API int lockstep_matrix(lockstep_run* run, int which, const double** values, int* rows, int* columns);
@@ -251,21 +259,22 @@ typedef int (*lockstep_condition)(void* user, const lockstep_state* state, doubl
 typedef int (*lockstep_action)(void* user, lockstep_state* state);
 /** Adds an event; begins the run. With `channel` it happens if the channel crosses `value`; with `condition` if that
     crosses `value`; with neither at the time `value`, s. `crossing`: 1 rising, -1 falling, 0 either. `once`: 0 at every
-    crossing. `action`: null ends the run there. */
+    crossing, 1 at the first. `action`: null ends the run there. */
 LOCKSTEP_C_API int lockstep_add_event(lockstep_run* run, const char* name, const char* channel,
                                       lockstep_condition condition, double value, int crossing, int once,
                                       lockstep_action action, void* user, lockstep_free_user free_user);
 
 /* -- states */
 
-/** A copy of the present state; begins the run. */
+/** A copy of the present state; begins the run. It keeps the run's mechanism, with its callbacks, until it is freed. */
 LOCKSTEP_C_API int lockstep_get_state(lockstep_run* run, lockstep_state** made);
 /** Begins a new run from this state, which is assembled unless the scene forbids it. */
 LOCKSTEP_C_API int lockstep_set_state(lockstep_run* run, lockstep_state* state);
 /** Pose of a body's frame: origin (m, world) and quaternion, 7 numbers; twist: velocity of the origin (m/s, world) and
     angular velocity (rad/s, body axes), 6 numbers. Either result may be null. */
 LOCKSTEP_C_API int lockstep_body(const lockstep_state* state, const char* name, double* pose, double* twist);
-/** Sets them; null: it stays. LOCKSTEP_USAGE: a state that may be read only. */
+/** Sets them; null: it stays. LOCKSTEP_USAGE: a state that may be read only, a quaternion without a length. Functions that
+    change a state leave it as it was if they fail. */
 LOCKSTEP_C_API int lockstep_set_body(lockstep_state* state, const char* name, const double* pose, const double* twist);
 /** Time, s, and sizes of a state: n_q (7 per group of bodies that move as one), n_v (6 per group) and n_s (other
     integrated states). Any of the results may be null. */
@@ -273,9 +282,11 @@ LOCKSTEP_C_API int lockstep_sizes(const lockstep_state* state, double* t, int* n
 /** Its numbers: q (centre of mass, m, world, and quaternion), v (m/s, world, and rad/s, axes of the group), then s.
     `size`: n_q + n_v + n_s. */
 LOCKSTEP_C_API int lockstep_numbers(const lockstep_state* state, double* numbers, int size);
-/** Sets the time, s, and the numbers. LOCKSTEP_USAGE: a state that may be read only, or another size. */
+/** Sets the time, s, and the numbers. LOCKSTEP_USAGE: a state that may be read only, another size, a quaternion without a
+    length. */
 LOCKSTEP_C_API int lockstep_set_numbers(lockstep_state* state, double t, const double* numbers, int size);
-/* The next three evaluate the mechanism: for states of lockstep_get_state() and of integrators. */
+/* The next three evaluate the mechanism: for states of lockstep_get_state() and of integrators. LOCKSTEP_NON_FINITE: a
+   result is not finite; the text names the body. */
 /** The rates of the numbers, n_q + n_v + n_s, by the equations of motion. */
 LOCKSTEP_C_API int lockstep_rates(const lockstep_state* state, double* rates, int size);
 /** Moves the poses by h, s, along the velocities `v`, n_v numbers (null: those of the state), with unit quaternions. */
