@@ -39,8 +39,7 @@ StateSpace linearized(Run& run, Simulation& s, const char* names, const LinearMo
   std::vector<LinearInput> inputs;
   for (const ControlInput& input : s.system().control_inputs())
     inputs.push_back({input.name(), input.unit(), run.laws->at(input.name())});
-  Registry registry = builtin_registry();
-  Dynamics dynamics(s.system(), make_solver(MethodSpec{"schur"}, registry, "linearisation"),
+  Dynamics dynamics(s.system(), make_solver(MethodSpec{"schur"}, builtin_registry(), "linearisation"),
                     {.formulation = Formulation::omega, .stabilization = {.kind = Stabilization::Kind::none}});
   return linearize(dynamics, s.dynamics().in_slots(s.state()), inputs, outputs, options);
 }
@@ -67,8 +66,7 @@ int lockstep_report(lockstep_run* run, const char** json) {
 }
 
 int lockstep_findings(lockstep_run* run, int* count) {
-  return call_run(run,
-                  [&](Run& r, Simulation&) { needed(count, "count") = static_cast<int>(r.all_findings().size()); });
+  return call_run(run, [&](Run& r, Simulation&) { needed(count, "count") = int(r.all_findings().size()); });
 }
 
 int lockstep_finding(lockstep_run* run, int index, const char** text, const char** json) {
@@ -98,10 +96,9 @@ int lockstep_matrix(lockstep_run* run, int which, const double** values, int* ro
     const StateSpace& space = space_of(r);
     const MatX* const all[] = {&space.A, &space.B, &space.C, &space.D};
     if (which < 'A' || which > 'D') refuse(LOCKSTEP_USAGE, "which must be 'A', 'B', 'C' or 'D'");
-    const MatX& m = *all[which - 'A'];
-    r.matrix = m.transpose();
+    r.matrix = all[which - 'A']->transpose();
     needed(values, "values") = r.matrix.data();
-    put(rows, m.rows()), put(columns, m.cols());
+    put(rows, r.matrix.cols()), put(columns, r.matrix.rows());
   });
 }
 

@@ -137,8 +137,7 @@ int lockstep_record(lockstep_run* run, const char* channel, const char* name) {
 }
 
 int lockstep_inputs(lockstep_run* run, int* count) {
-  return call_run(
-      run, [&](Run&, Simulation& s) { needed(count, "count") = static_cast<int>(s.system().control_inputs().size()); });
+  return call_run(run, [&](Run&, Simulation& s) { needed(count, "count") = int(s.system().control_inputs().size()); });
 }
 
 int lockstep_input(lockstep_run* run, int index, const char** name, const char** unit, double* value) {
