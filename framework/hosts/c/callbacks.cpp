@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The callbacks of a run, its events, and the states that it takes and gives.
-#include <cmath>
 #include <utility>
 
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
-#include <lockstep/text.h>
 #include "framework/hosts/c/run.h"
 #include "framework/hosts/c/state.h"
 #include "framework/hosts/c/user_code.h"
@@ -67,7 +65,7 @@ int lockstep_add_event(lockstep_run* run, const char* name, const char* channel,
     return call_run(run, [&](Run& r, Simulation& s) {
       if (channel != nullptr && condition != nullptr)
         refuse(LOCKSTEP_USAGE, "an event has a channel or a condition; give null for one of them");
-      if (!std::isfinite(value)) refuse(LOCKSTEP_USAGE, "value is " + text::number(value) + "; must be finite");
+      check_given(&value, 1, "value");
       Event event{.name = needed_text(name, "name"),
                   .crossing = kCrossings[within(crossing, -1, 1, "crossing") + 1],
                   .once = flag(once, "once"),

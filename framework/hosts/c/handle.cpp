@@ -3,6 +3,7 @@
 
 #include <array>
 #include <boost/locale/utf.hpp>
+#include <cmath>
 #include <mutex>
 #include <new>
 #include <string_view>
@@ -112,6 +113,11 @@ const char* needed_text(const char* text, const char* name) {
   return text;
 }
 
+void check_given(const double* numbers, int count, const char* of) {
+  for (int i = 0; i < count; ++i)
+    if (const double x = numbers[i]; !std::isfinite(x))
+      refuse(LOCKSTEP_USAGE, fmt::format("{}{} is {}; must be finite", of, count > 1 ? fmt::format("[{}]", i) : "", x));
+}
 int within(int value, int least, int most, const std::string& name) {
   if (value >= least && value <= most) return value;
   refuse(LOCKSTEP_USAGE, fmt::format("{} is {}; must be {} to {}", name, value, least, most));

@@ -87,6 +87,8 @@ const char* needed_text(const char* text, const char* name);
 inline const char* text_or(const char* text, const char* name, const char* otherwise = "") {
   return text != nullptr ? needed_text(text, name) : otherwise;
 }
+/// Throws LOCKSTEP_USAGE for numbers of an argument that are not finite.
+void check_given(const double* numbers, int count, const char* name);
 /// A number from `least` to `most`. Throws LOCKSTEP_USAGE.
 int within(int value, int least, int most, const std::string& name);
 inline bool flag(int value, const char* name) { return within(value, 0, 1, name) != 0; }

@@ -85,7 +85,7 @@ int lockstep_linearize(lockstep_run* run, const char* outputs, int frozen, const
   return call_begun(run, [&](Run& r, Simulation& s) {
     r.space.reset();
     LinearMotionOptions options{.frozen = flag(frozen, "frozen")};
-    if (spin != nullptr) options.spin = Vec3(spin[0], spin[1], spin[2]);
+    if (spin != nullptr) check_given(spin, 3, "spin"), options.spin = Vec3(spin[0], spin[1], spin[2]);
     r.space = linearized(r, s, outputs, options);
     Run::add_new(r.space->notes, r.found);
   });
@@ -95,7 +95,8 @@ int lockstep_matrix(lockstep_run* run, int which, const double** values, int* ro
   return call_run(run, [&](Run& r, Simulation&) {
     const StateSpace& space = space_of(r);
     const MatX* const all[] = {&space.A, &space.B, &space.C, &space.D};
-    if (which < 'A' || which > 'D') refuse(LOCKSTEP_USAGE, "which must be 'A', 'B', 'C' or 'D'");
+    if (which < 'A' || which > 'D')
+      refuse(LOCKSTEP_USAGE, "which is " + std::to_string(which) + "; must be 'A', 'B', 'C' or 'D'");
     r.matrix = all[which - 'A']->transpose();
     needed(values, "values") = r.matrix.data();
     put(rows, r.matrix.cols()), put(columns, r.matrix.rows());

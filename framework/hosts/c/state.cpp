@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -54,11 +53,6 @@ int size_of(const State& s) { return static_cast<int>(s.q.size() + s.v.size() + 
 
 void check_size(int given, int wanted) {
   if (given != wanted) refuse(LOCKSTEP_USAGE, fmt::format("size is {}; must be {}", given, wanted));
-}
-void check_given(const double* numbers, int count, const char* name) {
-  for (int i = 0; i < count; ++i)
-    if (!std::isfinite(numbers[i]))
-      refuse(LOCKSTEP_USAGE, fmt::format("{}[{}] is {}; must be finite", name, i, numbers[i]));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Registries, and the types that callbacks make.
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -12,7 +13,6 @@
 #include <lockstep/author/loader.h>
 #include <lockstep/author/relative.h>
 #include <lockstep/author/stepping.h>
-#include <lockstep/text.h>
 #include "framework/description/scene/json.h"
 #include "framework/description/scene/tables.h"
 #include "framework/description/scene/write.h"

@@ -241,6 +241,8 @@ static void limits(lockstep_registry* r, lockstep_run* run) {
                  "crossing is -2; must be -1 to 1", NULL));
   CHECK(is_error(run, lockstep_add_event(run, "e", "b.x", NULL, NAN, 0, 1, NULL, NULL, NULL), LOCKSTEP_USAGE, "nan",
                  NULL));
+  CHECK(is_error(run, lockstep_linearize(run, NULL, 1, (const double[3]){0, NAN, 0}), LOCKSTEP_USAGE,
+                 "spin[1] is nan; must be finite", NULL));
   CHECK(is_error(run, lockstep_switch(run, "F", 2), LOCKSTEP_USAGE, "active is 2; must be 0 to 1", NULL));
   CHECK(is_error(run, lockstep_linearize(run, NULL, -1, NULL), LOCKSTEP_USAGE, "frozen is -1; must be 0 to 1", NULL));
   CHECK(is_error(run, lockstep_on_row(run, row, 3, NULL, NULL), LOCKSTEP_USAGE, "keep is 3; must be 0 to 1", NULL));

@@ -110,8 +110,8 @@ LOCKSTEP_C_API int lockstep_fail(const char* message);
 /** A law at time t, s: writes y[0] the value, y[1] and y[2] its first and second derivative by time, in the unit of what
     the law drives. */
 typedef int (*lockstep_law)(void* user, const double* p, double t, double* y);
-/** Writes the first time after t, s, at which y or a derivative jumps; leaves *next at its infinity if there is none. A NaN,
-    a time that is not after t, and more than 1e7 jumps in the time that is looked through are errors. */
+/** Writes the first time after t, s, at which y or a derivative jumps; leaves *next at its infinity if there is none. A
+    NaN, a time that is not after t, and more than 1e7 jumps in the time that is looked through are errors. */
 typedef int (*lockstep_next_break)(void* user, const double* p, double t, double* next);
 /** Adds a type of scalar law. `next_break`: null if the law is smooth. */
 LOCKSTEP_C_API int lockstep_add_law(lockstep_registry* registry, const char* type, const char* keys, lockstep_law law,
@@ -206,8 +206,8 @@ LOCKSTEP_C_API int lockstep_table(lockstep_run* run, int* columns, int64_t* rows
 LOCKSTEP_C_API int lockstep_column(lockstep_run* run, int index, const char** name, const char** unit);
 /** The index of the column with this name. LOCKSTEP_MODEL: there is none. */
 LOCKSTEP_C_API int lockstep_column_index(lockstep_run* run, const char* name, int* index);
-/** The values of a column, one a row, without a copy; valid until the next call that runs, sets a state,
-    loads a checkpoint or frees the run. */
+/** The values of a column, one a row, without a copy; a formula may give NaN or infinities. The pointer is valid until the
+    next call that runs, sets a state, loads a checkpoint or frees the run. */
 LOCKSTEP_C_API int lockstep_values(lockstep_run* run, int index, const double** values, int64_t* rows);
 /** The value in the last row. LOCKSTEP_USAGE: there is no row. */
 LOCKSTEP_C_API int lockstep_last(lockstep_run* run, int index, double* value);
