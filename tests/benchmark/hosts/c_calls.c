@@ -109,16 +109,15 @@ static void types(void) {
   done(registry, lockstep_add_force(registry, "c_spring", "stiffness free", spring, &calls, NULL));
   printf("%-22s %10s %10s %12s %14s\n", "a type in C", "run, ms", "built in", "run over it", "ns more a call");
   for (k = 0; k < sizeof cases / sizeof cases[0]; ++k) {
-    double mine[rounds], theirs[rounds], ratio[rounds], a, b;
+    double mine[rounds], theirs[rounds], ratio[rounds], more[rounds];
     int i;
-    calls = 0;
     for (i = 0; i < rounds; ++i) {
+      calls = 0;
       mine[i] = run_ball(registry, cases[k].mine), theirs[i] = run_ball(registry, cases[k].theirs);
-      ratio[i] = mine[i] / theirs[i];
+      ratio[i] = mine[i] / theirs[i], more[i] = 1e9 * (mine[i] - theirs[i]) / (double)calls;
     }
-    a = median(mine), b = median(theirs);
-    printf("%-22s %10.1f %10.1f %12.2f %14.0f\n", cases[k].what, 1e3 * a, 1e3 * b, median(ratio),
-           1e9 * (a - b) / ((double)calls / rounds));
+    printf("%-22s %10.1f %10.1f %12.2f %14.0f\n", cases[k].what, 1e3 * median(mine), 1e3 * median(theirs),
+           median(ratio), median(more));
   }
   done(registry, lockstep_free(registry));
 }
