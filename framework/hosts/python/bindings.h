@@ -2,6 +2,11 @@
 // What the files of the Python module share: one function for each of them, and conversions.
 #pragma once
 
+#include <cxxabi.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
 #include <map>
 #include <memory>
 #include <optional>
@@ -17,6 +22,7 @@
 #include <lockstep/error.h>
 #include <lockstep/finding.h>
 #include <lockstep/math.h>
+#include <lockstep/scene.h>
 
 namespace lockstep::python {
 
@@ -29,13 +35,86 @@ void bind_integrators(py::module_&);
 void bind_simulation(py::module_&);
 void bind_analyses(py::module_&);
 
-/// A Python object that C++ keeps: it may be released in any thread.
+/// Calls `act`, which uses Python. The interpreter exits threads that use it after its end, by unwinding, for which no run
+/// is made: such a thread waits here for the end of the process.
+template <class Act>
+decltype(auto) outlasting(Act&& act) {
+  try {
+    return act();
+  } catch (abi::__forced_unwind&) {
+    for (;;) pause();
+  }
+}
+
+/// Holds the interpreter's lock, in any thread.
+class Locked {
+ public:
+  Locked() {
+    outlasting([this] { lock_.emplace(); });
+  }
+
+ private:
+  std::optional<py::gil_scoped_acquire> lock_;
+};
+/// Lends the lock, which this thread holds, to others.
+class Unlocked {
+ public:
+  Unlocked() : state_(PyEval_SaveThread()) {}
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+  ~Unlocked() {
+    outlasting([this] { PyEval_RestoreThread(state_); });
+  }
+
+ private:
+  PyThreadState* state_;
+};
+
+/// Looks for an interrupt (Ctrl-C) while something computes, and lends the lock to others, as often as the interpreter does.
+class Turns {
+ public:
+  /// Throws KeyboardInterrupt.
+  void take();
+
+ private:
+  std::chrono::steady_clock::time_point looked_{};
+  std::chrono::duration<double> interval_{py::module_::import("sys").attr("getswitchinterval")().cast<double>()};
+};
+
+/// Calls a function of Python with these objects, and with keys if they are given.
+template <class... Args>
+py::object call(const py::handle& f, PyObject* keys, const Args&... args) {
+  PyObject* const given[] = {args.ptr()..., nullptr};
+  PyObject* const made =
+      outlasting([&] { return PyObject_VectorcallDict(f.ptr(), given, sizeof...(args), keys); });
+  if (made == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::object>(made);
+}
+
+/// Shows the garbage collector what a T refers to: its references().
+template <class T>
+py::custom_type_setup collected() {
+  return py::custom_type_setup([](PyHeapTypeObject* heap) {
+    PyTypeObject& type = heap->ht_type;
+    type.tp_flags |= Py_TPFLAGS_HAVE_GC;
+    type.tp_dealloc = [](PyObject* self) { PyObject_GC_UnTrack(self), py::detail::pybind11_object_dealloc(self); };
+    type.tp_traverse = [](PyObject* self, visitproc visit, void* arg) {
+      Py_VISIT(Py_TYPE(self));
+      const auto held = reinterpret_cast<py::detail::instance*>(self)->get_value_and_holder();
+      if (!held.holder_constructed()) return 0;
+      for (const py::handle& each : held.template value_ptr<T>()->references()) Py_VISIT(each.ptr());
+      return 0;
+    };
+  });
+}
+
+/// A Python object that C++ keeps: it may be released in any thread. The garbage collector does not see it.
 class Held {
  public:
   explicit Held(py::object object)
       : object_(new py::object(std::move(object)), [](py::object* o) {
           if (Py_IsInitialized() == 0) return;  // the interpreter has ended, and the object with it
-          const py::gil_scoped_acquire lock;
+          const Locked lock;
           delete o;
         }) {}
   const py::object& operator*() const { return *object_; }
@@ -45,8 +124,8 @@ class Held {
   std::shared_ptr<py::object> object_;
 };
 
-/// The types that scenes name: those of the library, of plugins, and of Python functions. Copies share the registry until
-/// one of them adds a type.
+/// The types that scenes name: those of the library, of plugins, and of Python functions, which it keeps. Copies share
+/// the registry until one of them adds a type.
 class Types {
  public:
   Types();
@@ -56,10 +135,16 @@ class Types {
   /// Adds a Type of Python once, and returns its name.
   std::string add(const py::handle& type);
   bool has_functions() const { return !added_.empty(); }  ///< whether runs call Python
+  /// Throws ModelError if derivatives of functions in the mechanism differ from differences of their values. Only the
+  /// first mechanism of these types is checked.
+  void check(Mechanism&) const;
+  std::array<py::handle, 1> references() const { return {functions_}; }
 
  private:
   std::shared_ptr<Registry> registry_;
-  std::map<PyObject*, std::pair<std::string, Held>> added_;
+  std::shared_ptr<bool> checked_ = std::make_shared<bool>(false);
+  std::map<PyObject*, std::string> added_;  // names of Types, and of functions that are laws
+  py::list functions_;                      // those in registry_; each copy has a reference of its own
 };
 
 /// A piece of a scene from numbers, texts, lists, dictionaries and arrays. Functions and Types in it become types of
@@ -79,7 +164,7 @@ std::vector<Finding> found_by(Act&& act, bool holds = false) {
   FindingScope scope;
   std::exception_ptr error;
   {
-    std::optional<py::gil_scoped_release> unlocked;
+    std::optional<Unlocked> unlocked;
     if (!holds) unlocked.emplace();
     try {
       act();

@@ -20,7 +20,7 @@ struct SystemView {
   StateRate rates(const State& at) const {
     if (dynamics == nullptr) throw ModelError("the system of an integrator is used after its step");
     StateRate k = sized_like(at);
-    const py::gil_scoped_release unlocked;
+    const Unlocked others;
     dynamics->rate(at, k);
     return k;
   }
@@ -34,8 +34,8 @@ class PythonIntegrator final : public Integrator {
 
   IntegratorInfo info() const override { return {name_, order_, false, false, order_}; }
   void begin(Dynamics&, const State&) override {
-    const py::gil_scoped_acquire lock;
-    if (py::hasattr(*method_, "begin")) method_->attr("begin")();
+    const Locked lock;
+    if (py::hasattr(*method_, "begin")) call(method_->attr("begin"), nullptr);
   }
   StepReport step(Dynamics& dynamics, State& state, double h) override {
     State end = ended(dynamics, state, h);
@@ -50,13 +50,13 @@ class PythonIntegrator final : public Integrator {
 
  private:
   State ended(Dynamics& dynamics, const State& state, double h) const {
-    const py::gil_scoped_acquire lock;
+    const Locked lock;
     const py::object view = py::cast(SystemView{&dynamics});
     struct End {
       const py::object& view;
       ~End() { view.cast<SystemView&>() = {}; }
     } const end{view};
-    const py::object made = method_->attr("step")(view, py::cast(state), h);
+    const py::object made = call(method_->attr("step"), nullptr, view, py::cast(state), py::float_(h));
     if (!py::isinstance<State>(made))
       throw py::type_error(fmt::format("step() of integrator '{}' returned {}; return the new state", name_,
                                        std::string(py::repr(made))));
@@ -77,11 +77,11 @@ void set_part(State& y, const py::array_t<double, py::array::c_style | py::array
 
 }  // namespace
 
-void add_integrator(Registry& registry, const TypeInfo& info, const Held& type) {
-  const int order = type->attr("order").cast<int>();
+void add_integrator(Registry& registry, const TypeInfo& info, py::handle type) {
+  const int order = type.attr("order").cast<int>();
   registry.integrators.add(info, [name = info.name, order, type](const Params& p) -> std::unique_ptr<Integrator> {
-    const py::gil_scoped_acquire lock;
-    return std::make_unique<PythonIntegrator>(name, order, Held(type->attr("function")(**numbers_of(p))));
+    const Locked lock;
+    return std::make_unique<PythonIntegrator>(name, order, Held(type.attr("function")(**numbers_of(p))));
   });
 }
 

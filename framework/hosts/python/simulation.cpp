@@ -23,6 +23,7 @@ Mechanism mechanism_of(const py::object& source, Types& types, const Settings& s
   Mechanism mechanism;
   const Registry& registry = types.registry();
   computing([&] { mechanism = read_mechanism(std::move(scene), registry, set); });
+  types.check(mechanism);
   if (places && !record.empty()) mechanism.run.record.clear();
   for (const auto& [name, channel] : record) mechanism.run.record.push_back({channel, name, {}});
   text.panels = mechanism.run.draw;
@@ -61,13 +62,13 @@ struct EditorView {
 
 // Calls a function with a view that ends with the call.
 template <class View, class Result = py::object>
-Result call_with(const py::object& f, View view) {
+Result call_with(const py::handle& f, View view) {
   const py::object seen = py::cast(view);
   struct End {
     const py::object& seen;
     ~End() { seen.cast<View&>() = {}; }
   } const end{seen};
-  return py::cast<Result>(f(seen));
+  return py::cast<Result>(call(f, nullptr, seen));
 }
 
 Event event_of(Run& run, const py::dict& given) {
@@ -75,6 +76,7 @@ Event event_of(Run& run, const py::dict& given) {
   const auto take = [&](const char* key) -> py::object {
     return given.contains(key) && !given[key].is_none() ? py::object(given[key]) : py::object();
   };
+  const auto kept = [&](const py::object& f) { return run.functions.append(f), py::handle(f); };
   e.name = py::str(given["name"]);
   if (const py::object at = take("at")) e.at = at.cast<double>();
   if (const py::object crossing = take("crossing")) {
@@ -91,14 +93,14 @@ Event event_of(Run& run, const py::dict& given) {
   if (const py::object names = take("activate")) e.activate = names.cast<std::vector<std::string>>();
   if (const py::object names = take("deactivate")) e.deactivate = names.cast<std::vector<std::string>>();
   if (const py::object when = take("when"))
-    e.value = [f = Held(when)](const Sample& s) {
-      const py::gil_scoped_acquire lock;
-      return call_with<SampleView, double>(*f, {&s});
+    e.value = [f = kept(when)](const Sample& s) {
+      const Locked lock;
+      return call_with<SampleView, double>(f, {&s});
     };
   if (const py::object change = take("change"))
-    e.change = [f = Held(change), &run](State& s) {
-      const py::gil_scoped_acquire lock;
-      call_with<EditorView>(*f, {&s, &run.simulation().system()});
+    e.change = [f = kept(change), &run](State& s) {
+      const Locked lock;
+      call_with<EditorView>(f, {&s, &run.simulation().system()});
     };
   return e;
 }
@@ -106,7 +108,7 @@ Event event_of(Run& run, const py::dict& given) {
 }  // namespace
 
 ReadScene::ReadScene(const py::object& source, Types given) : types(std::move(given)), scene(scene_of(source, types)) {
-  computing([&] { scene = with_values(std::move(scene), types.changed(), {}); });
+  computing([&, &registry = types.changed()] { scene = with_values(std::move(scene), registry, {}); });
 }
 
 std::pair<double, std::string> ReadScene::quantity(const std::string& name,
@@ -138,17 +140,22 @@ Run::Run(const py::object& source, Types given, const Settings& set, const Setti
         return std::move(*made);
       }()) {}
 
+void Turns::take() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now - looked_ < interval_) return;
+  looked_ = now;
+  if (PyGILState_Check() != 0) const Unlocked others;
+  const Locked lock;
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
 bool Run::goes_on() {
   if (on_step) {
-    const py::gil_scoped_acquire lock;
-    if (!on_step()) return false;
+    const Locked lock;
+    const py::object given = call(py::object(on_step), nullptr);
+    if (!given.is_none() && !py::bool_(given)) return false;
   }
-  const auto now = std::chrono::steady_clock::now();
-  if (now - looked_ < interval_) return true;
-  looked_ = now;
-  if (types.has_functions()) const py::gil_scoped_release others;
-  const py::gil_scoped_acquire lock;
-  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  turns_.take();
   return true;
 }
 
@@ -273,7 +280,8 @@ void bind_simulation(py::module_& m) {
           py::arg("name"), py::arg("v") = py::none(), py::arg("w") = py::none(),
           "Sets the velocity of a body's origin (world, m/s) and its angular velocity (body axes, rad/s).");
 
-  py::class_<ReadScene>(m, "Scene", "A scene that was read once, for many runs: a source, and types that it names.")
+  py::class_<ReadScene>(m, "Scene", "A scene that was read once, for many runs: a source, and types that it names.",
+                        collected<ReadScene>())
       .def(py::init([](const py::object& source, const std::optional<Types>& types) {
              const bool is_made = py::hasattr(source, "scene");  // by a builder
              return ReadScene(is_made ? py::object(source.attr("scene")()) : source, types ? *types : Types());
@@ -282,7 +290,7 @@ void bind_simulation(py::module_& m) {
       .def_readonly("types", &ReadScene::types, "The types that it names.")
       .def("quantity", &ReadScene::quantity, py::arg("name"), py::arg("text"),
            "A value of the scene from a text, in SI, and its unit; None: the present value.");
-  py::class_<Run>(m, "Run")
+  py::class_<Run>(m, "Run", collected<Run>())
       .def(py::init([](const py::object& source, const Types& types, const Settings& set, const Settings& record,
                        bool report) { return std::make_unique<Run>(source, types, set, record, report); }))
       .def("record",
@@ -295,7 +303,7 @@ void bind_simulation(py::module_& m) {
       .def("begin", &Run::begin)
       .def("until", [](Run& r, double t) { r.advancing([&] { r.simulation().run_until(t); }), r.judge(); })
       .def("run", [](Run& r) { r.advancing([&] { r.simulation().run(); }), r.judge(); })
-      .def("advance", [](Run& r, double h) { r.advancing([&] { r.simulation().advance(h); }); })
+      .def("advance", [](Run& r, double h) { r.advancing([&] { r.simulation().advance(h); }), r.judge(); })
       .def("step",
            [](Run& r, double h) {
              StepReport made;
@@ -328,15 +336,7 @@ void bind_simulation(py::module_& m) {
       .def("deactivate", [](Run& r, const std::string& name) { r.advancing([&] { r.simulation().deactivate(name); }); })
       .def("add_event", [](Run& r, const py::dict& event) { r.simulation().add_event(event_of(r, event)); })
       .def("set_on_step",
-           [](Run& r, const py::object& f) {
-             if (f.is_none())
-               r.on_step = nullptr;
-             else
-               r.on_step = [f = Held(f)] {
-                 const py::object goes_on = (*f)();
-                 return goes_on.is_none() || py::bool_(goes_on);
-               };
-           })
+           [](Run& r, const py::object& f) { r.on_step = f.is_none() ? py::object() : f; })
       .def("save", [](Run& r, const std::string& file) { r.advancing([&] { r.simulation().save(file); }); })
       .def("load", [](Run& r, const std::string& file) { r.advancing([&] { r.simulation().load(file); }); })
       .def("findings", [](Run& r) { return objects_of(r.simulation().verdict().findings); })

@@ -2,7 +2,7 @@
 // The run of a scene as Python holds it.
 #pragma once
 
-#include <chrono>
+#include <array>
 #include <memory>
 #include <optional>
 #include <set>
@@ -28,6 +28,7 @@ struct ReadScene {
   ReadScene(const py::object& source, Types given);
   /// A value in SI with its unit: of a text, or none, then the unit alone counts.
   std::pair<double, std::string> quantity(const std::string& name, const std::optional<std::string>& text) const;
+  std::array<py::handle, 1> references() const { return types.references(); }
   Types types;
   Scene scene;
 };
@@ -76,10 +77,13 @@ class Run {
   /// Throws ModelError while another thread runs it.
   Simulation& simulation();
 
+  std::array<py::handle, 3> references() const { return {types.references()[0], functions, on_step}; }
+
   Types types;
   std::optional<Report> report{};
-  ReportText text{};                ///< of the report
-  std::function<bool()> on_step{};  ///< called after each step; false ends the run
+  ReportText text{};    ///< of the report
+  py::list functions;   ///< of events
+  py::object on_step{};  ///< called after each step; false ends the run; null: none
 
  private:
   struct Ended {  // on_step and other functions of Python may use the run in its own thread
@@ -91,10 +95,8 @@ class Run {
   std::set<std::string> warned_;
   bool begun_ = false;
   std::shared_ptr<Table> rows_;  // null: the recorder has them
-  std::chrono::steady_clock::time_point looked_{};
-  std::chrono::duration<double> interval_{
-      py::module_::import("sys").attr("getswitchinterval")().cast<double>()};  // after which threads take turns
-  std::thread::id runner_{};                                                   // none: no call advances it
+  Turns turns_;
+  std::thread::id runner_{};  // none: no call advances it
   Simulation simulation_;
 };
 

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <optional>
 
+#include <lockstep/author/check.h>
 #include <lockstep/author/formula.h>
 #include <lockstep/author/loader.h>
 #include <lockstep/author/phi_links.h>
+#include "framework/description/scene/system_of.h"
 #include "framework/hosts/python/bindings.h"
 
 namespace lockstep::python {
@@ -27,24 +29,21 @@ T number_from(const py::handle& o, const char* what) {
   throw py::type_error(fmt::format("{} returned {}; give a number", what, shown(o)));
 }
 
-/// A function of Python with the values of its further parameters.
+/// A function of Python, which Types keep, with the values of its further parameters.
 class Function {
  public:
-  Function(const Held& f, const py::dict& parameters)
-      : f_(parameters.empty() ? *f : py::module_::import("functools").attr("partial")(*f, **parameters)) {}
-  template <class... Args>
-  py::object operator()(Args&&... args) const {
-    return (*f_)(std::forward<Args>(args)...);
+  Function(py::handle f, const Params& parameters) : f_(f) {
+    const Locked lock;
+    if (!parameters.keys().empty()) keys_.emplace(numbers_of(parameters));
   }
-  /// The quickest call, of one argument.
-  py::object of(const py::object& argument) const {
-    PyObject* const made = PyObject_CallOneArg((*f_).ptr(), argument.ptr());
-    if (made == nullptr) throw py::error_already_set();
-    return py::reinterpret_steal<py::object>(made);
+  template <class... Args>
+  py::object operator()(const Args&... args) const {
+    return call(f_, keys_ ? (*keys_)->ptr() : nullptr, args...);
   }
 
  private:
-  Held f_;
+  py::handle f_;
+  std::optional<Held> keys_;
 };
 
 // -- laws
@@ -53,8 +52,8 @@ class PythonLaw final : public MotionLaw {
  public:
   PythonLaw(Function f, std::vector<double> breaks) : f_(std::move(f)), breaks_(std::move(breaks)) {}
   LawValue at(double t) const override {
-    const py::gil_scoped_acquire lock;
-    const py::object y = f_.of(argument(t));
+    const Locked lock;
+    const py::object y = f_(argument(t));
     if (PyTuple_Check(y.ptr()) != 0 && PyTuple_GET_SIZE(y.ptr()) == 3)
       return {number_from<double>(py::handle(PyTuple_GET_ITEM(y.ptr(), 0)), kWhat),
               number_from<double>(py::handle(PyTuple_GET_ITEM(y.ptr(), 1)), kWhat),
@@ -133,8 +132,8 @@ auto rows_from(const py::object& rows) {
 /// The rows of a function at coordinates. Not inlined: rows of a function are compiled flat, with all that they call.
 template <int n, class T, class... More>
 [[gnu::noinline]] auto called(const Function& f, unsigned known, const LockCoords<T>& first, const More&... more) {
-  const py::gil_scoped_acquire lock;
-  return rows_from<T, n>(f(Coordinates<T>{first, {}, known}, Coordinates<T>{more, {}, known}...));
+  const Locked lock;
+  return rows_from<T, n>(f(py::cast(Coordinates<T>{first, {}, known}), py::cast(Coordinates<T>{more, {}, known})...));
 }
 
 /// phi = a function of Python of the relative coordinates of its pairs.
@@ -176,9 +175,9 @@ unsigned probe(const Function& f) {
   using C = Coordinates<Time>;
   C y{{}, std::make_shared<unsigned>(0)};
   y.of.e0 = 1.0;
-  const py::gil_scoped_acquire lock;
+  const Locked lock;
   try {
-    f(y);
+    f(py::cast(y));
   } catch (py::error_already_set& error) {  // a pose that it cannot take
     if (!error.matches(PyExc_Exception)) throw;
     return C::kTranslation | C::kRotation | *y.read;
@@ -281,8 +280,8 @@ class PythonForce final : public FormulaForce<PythonForce> {
 
   template <class T, class Load>
   void act(const Ends<T>& at, Load& load) const {
-    const py::gil_scoped_acquire lock;
-    const py::object made = f_(EndsView<T>{MarkerView<T>(at.P), MarkerView<T>(at.S), at.t});
+    const Locked lock;
+    const py::object made = f_(py::cast(EndsView<T>{MarkerView<T>(at.P), MarkerView<T>(at.S), at.t}));
     if (!py::isinstance<py::dict>(made)) return load.force(vector_from<T>(made, "the force"), at.P.x());
     for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(made)) {
       const std::string name = py::str(key);
@@ -318,11 +317,6 @@ Keys keys_of(const py::object& type) {
   return keys;
 }
 
-Function with_keys(const Held& f, const Params& p) {
-  const py::gil_scoped_acquire lock;
-  return {f, numbers_of(p)};
-}
-
 }  // namespace
 
 py::dict numbers_of(const Params& p) {
@@ -334,16 +328,19 @@ py::dict numbers_of(const Params& p) {
 Types::Types() : registry_(std::make_shared<Registry>(builtin_registry())) {}
 
 Registry& Types::changed() {
-  if (registry_.use_count() > 1) registry_ = std::make_shared<Registry>(*registry_);
+  if (registry_.use_count() > 1) {
+    registry_ = std::make_shared<Registry>(*registry_);
+    functions_ = py::list(functions_.attr("copy")());
+  }
   return *registry_;
 }
 
 void Types::load_plugin(const std::string& name) { lockstep::load_plugin(changed(), name); }
 
-void add_integrator(Registry&, const TypeInfo&, const Held& type);
+void add_integrator(Registry&, const TypeInfo&, py::handle type);
 
 std::string Types::add(const py::handle& given) {
-  if (const auto at = added_.find(given.ptr()); at != added_.end()) return at->second.first;
+  if (const auto at = added_.find(given.ptr()); at != added_.end()) return at->second;
   const py::object type = py::module_::import("lockstep.types").attr("type_of")(given);
   const auto kind = type.attr("kind").cast<std::string>();
   Registry& registry = changed();
@@ -355,25 +352,56 @@ std::string Types::add(const py::handle& given) {
   std::string name = wanted;
   for (int k = 2; is_taken(name); ++k) name = fmt::format("{}_{}", wanted, k);
   const TypeInfo info{name, type.attr("help").cast<std::string>(), keys_of(type)};
-  const Held f(type.attr("function"));
+  const py::handle f = py::object(type.attr("function"));
   if (kind == "law") {
     const auto breaks = type.attr("breaks").cast<std::vector<double>>();
     registry.laws.add(info, [f, breaks](const Params& p) -> LawPtr<MotionLaw> {
-      return std::make_shared<PythonLaw>(with_keys(f, p), breaks);
+      return std::make_shared<PythonLaw>(Function(f, p), breaks);
     });
   } else if (kind == "joint") {
     const JointSpec spec{name, type.attr("mask").cast<std::string>(), type.attr("rows").cast<int>()};
     registry.links.add(
-        info, [f, spec](const Attachment& a, const Params& p) { return make_joint(a, spec, with_keys(f, p)); });
+        info, [f, spec](const Attachment& a, const Params& p) { return make_joint(a, spec, Function(f, p)); });
   } else if (kind == "force") {
     registry.forces.add(info, [f, name](const Attachment& a, const Params& p) -> std::unique_ptr<Force> {
-      return std::make_unique<PythonForce>(name, a.name, p_of(a, p), has_s(a) ? &s_of(a, p) : nullptr, with_keys(f, p));
+      return std::make_unique<PythonForce>(name, a.name, p_of(a, p), has_s(a) ? &s_of(a, p) : nullptr, Function(f, p));
     });
   } else {
-    add_integrator(registry, info, Held(type));
+    add_integrator(registry, info, type);
   }
-  added_.emplace(given.ptr(), std::pair(name, Held(py::reinterpret_borrow<py::object>(given))));
+  functions_.append(type);
+  added_.emplace(given.ptr(), name);
+  checked_ = std::make_shared<bool>(false);
   return name;
+}
+
+void Types::check(Mechanism& m) const {
+  if (*checked_ || !has_functions()) return;
+  CheckOptions options{.states = 1};
+  if (m.run.until > 0) options.to = m.run.until;
+  const auto right = [](const CheckReport& report, const Thing& thing, const char* advice) {
+    for (const CheckFinding& f : report.findings())  // others, such as jumps, are no wrong derivatives
+      if (f.what.find("finite differences") != std::string::npos)
+        throw ModelError(fmt::format("{}: {}; {}", thing.words(), f.what, advice), {.thing = thing, .advice = advice});
+  };
+  const auto law_is_right = [&](const auto& law) {
+    const LawLabel* label = law ? label_of(law) : nullptr;
+    if (label == nullptr || label->origin == "built in") return;
+    right(check_law(*law, options, label->type), {.kind = "law", .name = label->type},
+          "compute with t itself, not t.value, or return the value and both its rates");
+  };
+  for (const auto& link : m.system.links()) {
+    if (std::ranges::find(added_, link->type(), [](const auto& of) { return std::string_view(of.second); }) != added_.end())
+      right(check_lock(system_of(m), *link, options), {.kind = "joint", .name = link->name()},
+            "compute with the coordinates themselves, not their .value");
+    for (const auto& [p, s] : link->pairs())
+      for (const Marker* marker : {p, s}) law_is_right(marker->translation_law), law_is_right(marker->rotation_law);
+    if (const Jointed* joint = link->jointed()) {
+      law_is_right(joint->imposed().move), law_is_right(joint->imposed().turn);
+      for (const Drive& drive : joint->imposed().drives) law_is_right(drive.law);
+    }
+  }
+  *checked_ = true;
 }
 
 void bind_types(py::module_& m) {
@@ -384,7 +412,8 @@ void bind_types(py::module_& m) {
   bind_coordinates<Jet<22>>(m, "CoordinatesOfThree");
   bind_ends<double>(m, "Marker", "Ends");
   bind_ends<SlotJet>(m, "MarkerOfJets", "EndsOfJets");
-  py::class_<Types>(m, "Types", "The types that scenes name: those of the library, of plugins and of Python.")
+  py::class_<Types>(m, "Types", "The types that scenes name: those of the library, of plugins and of Python.",
+                    collected<Types>())
       .def(py::init<>())
       .def("load_plugin", &Types::load_plugin, py::arg("name"), "Loads a plugin by its name or path.")
       .def("add", &Types::add, py::arg("type"), "Adds a law, joint, force or integrator of Python; returns its name.")

@@ -29,15 +29,21 @@ Value value_of(const py::handle& o, Types& types, const std::string& place) {
   struct Leave {
     ~Leave() { Py_LeaveRecursiveCall(); }
   } const leave;
+  static const py::handle numpy_bool = py::object(py::module_::import("numpy").attr("bool_")).release();
+  const bool is_array = py::isinstance<py::array>(o);
+  if (is_array && py::reinterpret_borrow<py::array>(o).ndim() == 0) return value_of(o[py::tuple()], types, place);
   if (o.is_none()) return {};
-  if (py::isinstance<py::bool_>(o)) return o.cast<bool>();
+  if (py::isinstance<py::bool_>(o) || py::isinstance(o, numpy_bool)) return PyObject_IsTrue(o.ptr()) != 0;
   if (py::isinstance<py::str>(o)) return o.cast<std::string>();
   if (py::isinstance<py::dict>(o)) return object_from(py::reinterpret_borrow<py::dict>(o), types, place);
   if (is_type(o)) return Value::object({{"type", types.add(o)}});
-  if (PyNumber_Check(o.ptr()) != 0 && !py::hasattr(o, "__len__"))
-    return py::float_(py::reinterpret_borrow<py::object>(o)).cast<double>();
+  if (PyNumber_Check(o.ptr()) != 0 && !py::hasattr(o, "__len__")) {
+    const double x = PyFloat_AsDouble(o.ptr());
+    if (PyErr_Occurred() == nullptr) return x;
+    PyErr_Clear();
+  }
   if (PyCallable_Check(o.ptr()) != 0) return Value::object({{"type", types.add(o)}});  // a function of time
-  if (py::isinstance<py::sequence>(o) || py::isinstance<py::array>(o)) {
+  if ((py::isinstance<py::sequence>(o) && PyObject_CheckBuffer(o.ptr()) == 0) || is_array) {
     Value::List items;
     for (const py::handle item : py::reinterpret_borrow<py::object>(o))
       items.push_back(value_of(item, types, fmt::format("{}[{}]", place, items.size())));

@@ -18,13 +18,13 @@ from lockstep.errors import (
     NonFiniteError, PluginError, SceneError, SolveError, StepError, UserCodeError, WrongResult)
 from lockstep.jets import arccos, arcsin, arctan, arctan2, cos, cosh, exp, log, norm, sin, sinh, sqrt, tan, tanh
 from lockstep.simulation import Array, Simulation
-from lockstep.sweeps import Runs, sweep
+from lockstep.sweeps import InterruptedSweep, Runs, sweep
 from lockstep.table import Column, Range, Table
 from lockstep.types import force, integrator, joint, law
 
 __all__ = [
     "Array", "AssemblyError", "Column", "DoubtfulResult", "Equilibrium", "Error", "FileError", "Finding", "FindingWarning",
-    "InterruptedRun", "Jet", "LinearSystem", "Mechanism", "Mode", "ModelError", "ModelWarning", "Modes",
+    "InterruptedRun", "InterruptedSweep", "Jet", "LinearSystem", "Mechanism", "Mode", "ModelError", "ModelWarning", "Modes",
     "NonFiniteError", "PluginError", "Pose", "Range", "Reaction", "Runs", "Scene", "SceneError", "Simulation",
     "SolveError", "StepError", "Table", "TimeJet", "Types", "UserCodeError", "WrongResult", "arccos", "arcsin",
     "arctan", "arctan2", "cos", "cosh", "exp", "force", "integrator", "inverse", "joint", "kinematics", "law",

@@ -46,21 +46,30 @@ def types_of(scene: Any, types: Types | None) -> Types:
     return types or (scene.types if isinstance(scene, Scene) else built_in())
 
 
-def text_of(value: Quantity) -> str:
-    """A value of a scene as the program takes it."""
-    if isinstance(value, bool):
+def number_of(value: Any, name: str) -> float:
+    """A number that is no text. TypeError, with its name, for anything else."""
+    if not hasattr(value, "__float__") or np.ndim(value) > 0:
+        raise TypeError(f"{name} is {value!r}; give a number, or a text with a unit")
+    return float(value)
+
+
+def text_of(value: Quantity, name: str) -> str:
+    """A value of a scene as the program takes it. TypeError for what is no number, text or truth value."""
+    if isinstance(value, str):
+        return value
+    if np.asarray(value).dtype == bool and np.ndim(value) == 0:
         return "true" if value else "false"
-    return value if isinstance(value, str) else repr(float(value))
+    return repr(number_of(value, name))
 
 
 def pairs_of(values: Mapping[str, Quantity]) -> list[tuple[str, str]]:
     """Values of a scene by name, as texts."""
-    return [(name, text_of(value)) for name, value in values.items()]
+    return [(name, text_of(value, name)) for name, value in values.items()]
 
 
 def seconds(t: Quantity) -> float:
     """A time in s: a number, or a text with a unit."""
-    return _seconds(t) if isinstance(t, str) else float(t)
+    return _seconds(t) if isinstance(t, str) else number_of(t, "the time")
 
 
 def in_notebook() -> bool:
@@ -257,7 +266,7 @@ class Inputs:
         return self._run.input(name)
 
     def __setitem__(self, name: str, value: float) -> None:
-        self._run.set_input(name, float(value))
+        self._run.set_input(name, number_of(value, name))
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._run.inputs())

@@ -11,12 +11,13 @@ import pickle
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor, Future, as_completed
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
 from lockstep import _core
-from lockstep.errors import Error, Finding, heard
+from lockstep.errors import Error, Finding, InterruptedRun, heard
 from lockstep.simulation import Quantity, Simulation, Source, built_in, scene_of, seconds, text_of
 from lockstep.table import Column, Table
 
@@ -82,6 +83,14 @@ def rows_of(vary: Vary) -> list[Row]:
     return [dict(row) for row in vary]
 
 
+class InterruptedSweep(KeyboardInterrupt):
+    """Ctrl-C during a sweep. `runs` are its runs; those that were not made have an InterruptedRun as error."""
+
+    def __init__(self, runs: Runs, done: int) -> None:
+        super().__init__(f"the sweep was interrupted after {done} of {len(runs)} runs; the attribute runs has them")
+        self.runs = runs
+
+
 def _read(source: Any) -> _core.Scene:
     return source if isinstance(source, _core.Scene) else _core.Scene(source, built_in())
 
@@ -103,10 +112,14 @@ def _one(scene: _core.Scene, units: Units, row: Row, until: float | None, column
 
 
 def _chunk(source: Any, rows: list[Row], *options: Any) -> list[Result]:
-    """The runs of some rows. The scene is read once."""
+    """The runs of some rows, those before an interrupt. The scene is read once."""
     scene = _read(source)
     units: Units = {}
-    return [_one(scene, units, row, *options) for row in rows]
+    results: list[Result] = []
+    with suppress(KeyboardInterrupt):
+        for row in rows:
+            results.append(_one(scene, units, row, *options))
+    return results
 
 
 def _remote(source: Any, rows: list[Row], *options: Any) -> list[Result]:
@@ -128,16 +141,22 @@ def _parts(work: tuple[Any, ...], rows: list[Row], size: int,
     if executor is None:
         scene = _read(source)
         for k in starts:
-            yield k, _chunk(scene, rows[k:k + size], *options)
+            part = _chunk(scene, rows[k:k + size], *options)
+            yield k, part
+            if len(part) < len(rows[k:k + size]):
+                return
         return
     futures: dict[Future[list[Result]], int] = {
         executor.submit(_remote, source, rows[k:k + size], *options): k for k in starts}
     try:
-        for future in as_completed(futures):
-            yield futures[future], future.result()
+        with suppress(KeyboardInterrupt):
+            for future in as_completed(futures):
+                yield futures.pop(future), future.result()
     finally:
         for future in futures:
             future.cancel()
+    for future in [f for f in futures if f.done() and not f.cancelled()]:
+        yield futures[future], future.result()
 
 
 def _of_extremes(results: list[Result]) -> list[Column]:
@@ -150,10 +169,14 @@ def _of_extremes(results: list[Result]) -> list[Column]:
             for k, (name, unit) in enumerate(recorded) for j, what in enumerate(_OF_COLUMN)]
 
 
-def _of_measures(results: list[Result], measure: Measure) -> list[Column]:
-    """The numbers that a measure returned."""
+def _measured(results: list[Result], measure: Measure) -> list[Mapping[str, Any]]:
+    """What a measure returned, by name."""
     single = getattr(measure, "__name__", "measure")
-    rows = [{} if error else given if isinstance(given, Mapping) else {single: given} for given, _, error, _ in results]
+    return [{} if error else given if isinstance(given, Mapping) else {single: given} for given, _, error, _ in results]
+
+
+def _of_measures(rows: list[Mapping[str, Any]]) -> list[Column]:
+    """The numbers that a measure returned."""
     columns = []
     for name in dict.fromkeys(itertools.chain.from_iterable(rows)):
         try:
@@ -174,7 +197,7 @@ def _parameters(scene: Any, rows: list[Row]) -> list[Column]:
         first = [v for v in given[:1] if isinstance(v, numbers.Real)]
         for value in dict.fromkeys([*first, *(v for v in given if isinstance(v, str))]):
             try:
-                known[value], unit = read.quantity(name, text_of(value))
+                known[value], unit = read.quantity(name, text_of(value, name))
             except (Error, TypeError, ValueError):
                 known[value] = math.nan
         columns.append(Column([known[v] if isinstance(v, str) else float(v) if isinstance(v, numbers.Real) else math.nan
@@ -192,23 +215,30 @@ def sweep(scene: Source, vary: Vary, *, executor: Executor | None = None, until:
     `until`: end of the runs; default: that of the scene. `columns`: to record in addition to those of the scene.
     `measure`: a function of the finished Simulation, whose result, a number or a dictionary, is the row.
     `progress`: True for a line on the error stream, or a function of the runs done and all runs. `chunk`: runs at a time.
-    A run that raises is a row of NaN, and its exception is in `errors`.
+    A run that raises is a row of NaN, and its exception is in `errors`. Ctrl-C raises InterruptedSweep, with the runs made.
     """
     if chunk is not None and chunk < 1:
         raise ValueError(f"chunk is {chunk}; give 1 or more runs")
     rows, source = rows_of(vary), scene_of(scene)
     size = chunk or max(1, len(rows) // (8 * (os.cpu_count() or 1)))
     work = source, None if until is None else seconds(until), columns, measure
-    results: list[Result] = [(None, None, None, [])] * len(rows)
+    not_made = InterruptedRun("the sweep was interrupted before this run")
+    results: list[Result] = [(None, None, not_made, [])] * len(rows)
     done = 0
     for first, part in _parts(work, rows, size, executor):
         results[first:first + len(part)] = part
         done += len(part)
+        for row, given in zip(rows[first:], _measured(part, measure) if measure else []):
+            if both := sorted(row.keys() & given.keys()):
+                raise ValueError(f'"{both[0]}" is a parameter and a number of measure; give one of them another name')
         if callable(progress):
             progress(done, len(rows))
         elif progress:
             print(f"\r{done} of {len(rows)} runs", end="\n" if done == len(rows) else "", file=sys.stderr, flush=True)
     parameters = _parameters(source, rows)
-    found = _of_extremes(results) if measure is None else _of_measures(results, measure)
-    return Runs(parameters + found, [c.name for c in parameters], [error for _, _, error, _ in results],
+    found = _of_measures(_measured(results, measure)) if measure else _of_extremes(results)
+    runs = Runs(parameters + found, [c.name for c in parameters], [error for _, _, error, _ in results],
                 [findings for *_, findings in results], [given for given, *_ in results] if measure else [])
+    if done < len(rows):
+        raise InterruptedSweep(runs, done)
+    return runs

@@ -134,9 +134,13 @@ class Table:
         import pandas
         return pandas.DataFrame({n: np.asarray(c) for n, c in self._columns.items()}).set_index("t")
 
-    def plot(self, *names: str, x: str = "t", axes: Any = None) -> Any:
-        """Plots columns by matplotlib, one panel per unit; all if none is named. Returns the figure."""
+    def plot(self, *names: str, x: str | None = None, axes: Any = None) -> Any:
+        """Plots columns over the column x by matplotlib, one panel per unit, and returns the figure.
+
+        Default of `names`: all columns; of x: the first, which is the time, or the first parameter of a sweep.
+        """
         import matplotlib.pyplot as plt
+        x = x or self.names[0]
         chosen = [self[n] for n in names or self.names if n != x]
         units = list(dict.fromkeys(c.unit for c in chosen))
         if axes is None:
