@@ -13,31 +13,42 @@
 #include "framework/hosts/python/simulation.h"
 #include "framework/tools/analysis/driven_scene.h"
 #include "framework/tools/analysis/linear_inputs.h"
+#include "framework/tools/analysis/mechanism_at.h"
 #include "framework/tools/analysis/pose_numbers.h"
-#include "framework/tools/rank/cause.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep::python {
 
 namespace {
 
-/// A scene with its values, and the types that it names.
+/// A scene with its values, and the types that it names; a run of it is analysed at its present state.
 struct Subject {
-  Registry registry;
+  Types& types;
   Scene scene;
-  Subject(const py::object& source, Types& types, const Settings& set) : scene(scene_of(source, types)) {
-    registry = types.registry();
+  Registry registry;
+  Simulation* run;
+  Subject(const py::object& source, Types& its, const Settings& set, Run* of)
+      : types(its),
+        scene(scene_of(source, types)),
+        registry(types.registry()),
+        run(of == nullptr ? nullptr : &of->simulation()) {
     computing([&] { scene = with_values(std::move(scene), registry, set); });
   }
+  std::unique_ptr<Mechanism> built() const {
+    auto m = std::make_unique<Mechanism>(build_mechanism(scene, registry));
+    types.check(*m);
+    return m;
+  }
+  /// With the dynamics of matrices. `equilibrium`: at that which is found from there.
+  MechanismAt at(std::unique_ptr<Mechanism> m, bool equilibrium) const {
+    MechanismAt at = mechanism_at(std::move(m), registry, {});
+    at.state = start_or_present(*at.mechanism, *at.dynamics, run);
+    if (equilibrium)
+      for (const Finding& note : find_equilibrium(*at.dynamics, at.state, {.friction = false}).notes)
+        report_finding(note);
+    return at;
+  }
 };
-
-// The states of an auxiliary that both mechanisms have; others keep their start.
-void take_states(const System& from, const State& given, const System& to, State& state) {
-  for (const auto& mine : to.auxiliaries())
-    for (const auto& other : from.auxiliaries())
-      if (other->name() == mine->name() && other->size() == mine->size())
-        state.s.segment(mine->first(), mine->size()) = given.s.segment(other->first(), other->size());
-}
 
 /// Calls `act`, alone with the run if there is one.
 template <class Act>
@@ -48,28 +59,6 @@ void analysing(Run* run, Act&& act) {
     computing(std::forward<Act>(act));
 }
 
-/// The assembled start in the slots' own coordinates, or the present state of a run of the same scene.
-State state_of(Dynamics& dynamics, Mechanism& m, Run* run) {
-  if (run != nullptr)
-    for (ControlInput& input : system_of(m).control_inputs()) input.set(run->simulation().input(input.name()).value());
-  State state = assembled_start(dynamics, m);
-  dynamics.to_slots(state);
-  if (run == nullptr) return state;
-  State now = run->simulation().dynamics().in_slots(run->simulation().state());
-  take_states(run->simulation().system(), now, m.system, state);
-  now.s = state.s;
-  if (now.q.size() != state.q.size() || now.z.size() != state.z.size())
-    throw ModelError("the run was changed after its scene was read; analyse a scene that has these changes");
-  return now;
-}
-
-/// Dynamics for matrices: six velocities a body, without stabilisation.
-std::unique_ptr<Dynamics> plain_dynamics(Mechanism& m, const Registry& registry) {
-  return std::make_unique<Dynamics>(
-      system_of(m), make_solver(m.run, registry),
-      DynamicsOptions{.formulation = Formulation::omega, .stabilization = {.kind = Stabilization::Kind::none}});
-}
-
 py::list motions_of(const std::vector<FreeMotion>& motions) {
   py::list all;
   for (const FreeMotion& m : motions) all.append(py::make_tuple(m.words, m.stiffness));
@@ -77,26 +66,26 @@ py::list motions_of(const std::vector<FreeMotion>& motions) {
 }
 
 py::dict statics(const py::object& source, Types types, const Settings& set, Run* run, bool friction, bool nearest) {
-  Subject of(source, types, set);
-  Mechanism m;
+  const Subject of(source, types, set, run);
+  std::unique_ptr<Mechanism> made;
   std::unique_ptr<Dynamics> dynamics;
   State state;
   EquilibriumReport report;
   std::vector<std::pair<std::string, NamedReaction>> reactions;
   UniquenessReport unique;
   analysing(run, [&] {
-    m = build_mechanism(of.scene, of.registry);
-    dynamics.reset(new Dynamics(make_dynamics(m, of.registry)));
-    state = state_of(*dynamics, m, run);
+    made = of.built();
+    dynamics.reset(new Dynamics(make_dynamics(*made, of.registry)));
+    state = start_or_present(*made, *dynamics, of.run);
     state.v.setZero();
     report = find_equilibrium(*dynamics, state, {.friction = friction, .nearest = nearest});
-    const VecX none = VecX::Zero(6 * m.system.n_slots());
+    const VecX none = VecX::Zero(6 * made->system.n_slots());
     const Evaluation& e = dynamics->gather(state);
-    reactions = reactions_of(m.system, {e.inputs(), none, report.lambda, e.rows()});
+    reactions = reactions_of(made->system, {e.inputs(), none, report.lambda, e.rows()});
     unique = uniqueness(*dynamics, state);
   });
   py::dict bodies, joints;
-  for (const auto& [name, pose] : named_poses(m.system, state)) {
+  for (const auto& [name, pose] : named_poses(made->system, state)) {
     const std::array<double, 4> q{pose.q.w, pose.q.x, pose.q.y, pose.q.z};
     bodies[py::str(name)] = py::make_tuple(array_of(pose.x), py::array_t<double>(4, q.data()));
   }
@@ -107,7 +96,7 @@ py::dict statics(const py::object& source, Types types, const Settings& set, Run
       return array_of(Vec3(x.unaryExpr([zero](double each) { return std::abs(each) <= zero ? 0 : each; })));
     };
     joints[py::str(name)] =
-        py::make_tuple(r.body, rounded(r.wrench.force, least), rounded(r.wrench.moment, least * m.system.length()),
+        py::make_tuple(r.body, rounded(r.wrench.force, least), rounded(r.wrench.moment, least * made->system.length()),
                        r.note.empty() && std::ranges::none_of(unique.channels, is_of));
   }
   const Stability& s = report.stability;
@@ -124,42 +113,27 @@ py::dict statics(const py::object& source, Types types, const Settings& set, Run
 /// The driven motion at these times, none: those of the scene. `inverse`: with the columns of all drives and reactions.
 py::tuple driven(const py::object& source, Types types, const Settings& set, Run* run, std::vector<double> times,
                  const std::vector<std::pair<std::string, std::string>>& record, bool inverse) {
-  Subject of(source, types, set);
+  Subject of(source, types, set, run);
   const auto table = std::make_shared<Table>();
   std::vector<ColumnRange> ranges;
+  Turns turns;
   analysing(run, [&] {
     const std::vector<std::string> without = inverse ? std::vector<std::string>{} : fill_masses(of.scene);
-    Mechanism m = build_mechanism(of.scene, of.registry);
+    const std::unique_ptr<Mechanism> made = of.built();
+    Mechanism& m = *made;
     for (const auto& [name, channel] : record) m.run.record.push_back({channel, name == channel ? "" : name, {}});
-    record_places(m);
+    record_driven(m, without, inverse);
     if (times.empty() && m.run.until <= 0)
       throw ModelError("the scene has no end time; give times=numpy.linspace(0, 1, 101), or add \"until\" to \"run\"");
     if (times.empty()) times = pose_times(m.run);
-    if (!without.empty()) refuse_columns_of_masses(m, without);
-    if (inverse) record_reactions(m);
-    refuse_integrated_columns(m);
     m.events.clear();
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
     recorder->find_extremes();
     Dynamics dynamics = make_dynamics(m, of.registry);
-    State start = state_of(dynamics, m, run);
+    State start = start_or_present(m, dynamics, of.run);
     refuse_driven_lock(dynamics, start);
     DrivenMotion motion(dynamics, std::move(start));
-    const StepReport none;
-    try {
-      for (const double& t : times) {
-        const DrivenMotion before = motion;
-        motion.to(t);
-        const Sample sample(dynamics, motion.state(), none);
-        if (&t == &times.front())
-          recorder->start(sample);
-        else
-          recorder->inside(BetweenPoses(before, dynamics, sample)), recorder->step(sample);
-        recorder->output(sample);
-      }
-    } catch (const Error& error) {
-      rethrow_with(cause_of_stop(dynamics, motion.state()), error);
-    }
+    follow(motion, dynamics, times, {recorder.get()}, [&](const Sample& s) { recorder->output(s), turns.take(); });
     ranges.assign(recorder->ranges().begin(), recorder->ranges().end());
     *table = recorder->table();
   });
@@ -187,27 +161,17 @@ auto with_words_of_python(Analysis&& analysis) {
   }
 }
 
-/// The state for a linearisation. `equilibrium`: that which is found from there.
-State linear_state(Dynamics& dynamics, Mechanism& m, Run* run, bool equilibrium) {
-  State state = state_of(dynamics, m, run);
-  if (equilibrium)
-    for (const Finding& note : find_equilibrium(dynamics, state, {.friction = false}).notes) report_finding(note);
-  return state;
-}
-
 using Complex = std::complex<double>;
 py::array_t<Complex> array_of(const Eigen::Vector3cd& v) { return py::array_t<Complex>(3, v.data()); }
 
 py::dict modes(const py::object& source, Types types, const Settings& set, Run* run, const py::object& spin,
                bool frozen, bool equilibrium, int count) {
-  Subject of(source, types, set);
+  const Subject of(source, types, set, run);
   const ModesOptions options{.motion = motion_options(spin, frozen), .count = count};
   Modes found;
   analysing(run, [&] {
-    Mechanism m = build_mechanism(of.scene, of.registry);
-    const std::unique_ptr<Dynamics> dynamics = plain_dynamics(m, of.registry);
-    const State state = linear_state(*dynamics, m, run, equilibrium);
-    found = with_words_of_python([&] { return find_modes(*dynamics, state, options); });
+    const MechanismAt at = of.at(of.built(), equilibrium);
+    found = with_words_of_python([&] { return find_modes(*at.dynamics, at.state, options); });
   });
   constexpr const char* kKinds[] = {"rigid", "oscillation", "decay", "growth"};
   py::list all;
@@ -233,21 +197,15 @@ py::list signals_of(const std::vector<Signal>& signals) {
 py::dict linearized(const py::object& source, Types types, const Settings& set, Run* run, const py::object& spin,
                     bool frozen, bool equilibrium, const std::vector<std::string>& inputs,
                     const std::vector<std::string>& outputs) {
-  Subject of(source, types, set);
+  const Subject of(source, types, set, run);
   const LinearMotionOptions options = motion_options(spin, frozen);
   StateSpace s;
   analysing(run, [&] {
-    const MechanismWithInputs built = build_with_inputs(of.scene, of.registry, inputs);
-    Mechanism& m = *built.mechanism;
-    std::vector<Channel> channels;
-    for (const std::string& name : outputs) {
-      const auto own = std::ranges::find(m.run.record, name, &ChannelRequest::column);
-      channels.push_back(make_channel(system_of(m), own != m.run.record.end() ? own->channel : name));
-      channels.back().name = name;
-    }
-    const std::unique_ptr<Dynamics> dynamics = plain_dynamics(m, of.registry);
-    const State state = linear_state(*dynamics, m, run, equilibrium);
-    s = with_words_of_python([&] { return linearize(*dynamics, state, built.inputs, channels, options); });
+    MechanismWithInputs built = build_with_inputs(of.scene, of.registry, inputs);
+    types.check(*built.mechanism);
+    const std::vector<Channel> channels = channels_of(*built.mechanism, outputs);
+    const MechanismAt at = of.at(std::move(built.mechanism), equilibrium);
+    s = with_words_of_python([&] { return linearize(*at.dynamics, at.state, built.inputs, channels, options); });
   });
   return py::dict(py::arg("A") = matrix_of(s.A), py::arg("B") = matrix_of(s.B), py::arg("C") = matrix_of(s.C),
                   py::arg("D") = matrix_of(s.D), py::arg("states") = signals_of(s.states),

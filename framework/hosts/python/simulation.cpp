@@ -287,7 +287,8 @@ void bind_simulation(py::module_& m) {
              return ReadScene(is_made ? py::object(source.attr("scene")()) : source, types ? *types : Types());
            }),
            py::arg("source"), py::arg("types") = py::none())
-      .def_readonly("types", &ReadScene::types, "The types that it names.")
+      .def_property_readonly(
+          "types", [](const ReadScene& s) { return s.types; }, "The types that it names.")
       .def("quantity", &ReadScene::quantity, py::arg("name"), py::arg("text"),
            "A value of the scene from a text, in SI, and its unit; None: the present value.");
   py::class_<Run>(m, "Run", collected<Run>())

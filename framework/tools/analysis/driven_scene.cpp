@@ -10,6 +10,7 @@
 #include "framework/description/scene/tree.h"
 #include "framework/mechanism/expression/expression.h"
 #include "framework/mechanism/params/read.h"
+#include "framework/tools/rank/cause.h"
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep {
@@ -30,30 +31,32 @@ std::string quantity_of(const std::string& channel, const System& system) {
   return owner.empty() ? channel : channel.substr(owner.size() + 1, channel.find('@', owner.size()) - owner.size() - 1);
 }
 
+/// The motion between two poses, by one that goes its own way: the poses of the table do not depend on it.
+class BetweenPoses final : public InsideStep {
+ public:
+  BetweenPoses(const DrivenMotion& from, Dynamics& dynamics, const Sample& end)
+      : begin_(from.state().t), motion_(from), dynamics_(dynamics), end_(end) {}
+  double begin() const override { return begin_; }
+  const Sample& end() const override { return end_; }
+  bool has_states() const override { return true; }
+  Sample at(double t) const override {
+    motion_.to(t), end_.forget();
+    return {dynamics_, motion_.state(), end_.report};
+  }
+  bool along_laws() const override { return true; }
+
+ private:
+  const double begin_;
+  mutable DrivenMotion motion_;
+  Dynamics& dynamics_;
+  const Sample& end_;
+};
+
 // What the scene asks for: visit(request, where it stands).
 template <class Visit>
 void each_request(const Mechanism& m, const Visit& visit) {
   for (const ChannelRequest& r : m.run.record) visit(r, "run.record");
   for (const ChannelRequest& r : m.run.require) visit(r, "scene.require");
-}
-
-}  // namespace
-
-std::vector<std::string> fill_masses(Scene& scene) {
-  std::vector<std::string> names;
-  const auto fill = [&](Value& root) {
-    names.clear();
-    for (Value& body : items(root, "bodies")) {
-      if (body.object() == nullptr) continue;
-      if (std::ranges::any_of(kGiveMass, [&](const char* kind) { return body.find(kind) != nullptr; })) continue;
-      body.object()->push_back({"mass", Value(1.0), body.where});
-      if (body.find("inertia") == nullptr)
-        body.object()->push_back({"inertia", Value(Value::List{1.0, 1.0, 1.0}), body.where});
-      if (const std::string* name = text_under(body, "name")) names.push_back(*name);
-    }
-  };
-  if (scene.root.object() != nullptr) change_root(scene, fill);
-  return names;
 }
 
 void refuse_columns_of_masses(const Mechanism& m, const std::vector<std::string>& without) {
@@ -101,6 +104,32 @@ void record_reactions(Mechanism& m) {
   }
 }
 
+}  // namespace
+
+std::vector<std::string> fill_masses(Scene& scene) {
+  std::vector<std::string> names;
+  const auto fill = [&](Value& root) {
+    names.clear();
+    for (Value& body : items(root, "bodies")) {
+      if (body.object() == nullptr) continue;
+      if (std::ranges::any_of(kGiveMass, [&](const char* kind) { return body.find(kind) != nullptr; })) continue;
+      body.object()->push_back({"mass", Value(1.0), body.where});
+      if (body.find("inertia") == nullptr)
+        body.object()->push_back({"inertia", Value(Value::List{1.0, 1.0, 1.0}), body.where});
+      if (const std::string* name = text_under(body, "name")) names.push_back(*name);
+    }
+  };
+  if (scene.root.object() != nullptr) change_root(scene, fill);
+  return names;
+}
+
+void record_driven(Mechanism& m, const std::vector<std::string>& without, bool inverse) {
+  record_places(m);
+  if (!without.empty()) refuse_columns_of_masses(m, without);
+  if (inverse) record_reactions(m);
+  refuse_integrated_columns(m);
+}
+
 std::vector<double> pose_times(const RunSettings& run) {
   const double until = run.until, interval = run.output > 0 ? run.output : until / kDefaultPoses;
   std::vector<double> times = run.times;
@@ -109,6 +138,27 @@ std::vector<double> pose_times(const RunSettings& run) {
   for (double k = 0; k <= whole; ++k) times.push_back(std::min(k * interval, until));
   if (times.back() < until * (1 - 1e-12)) times.push_back(until);
   return times;
+}
+
+void follow(DrivenMotion& motion, Dynamics& dynamics, const std::vector<double>& times,
+            const std::vector<Observer*>& observers, const std::function<void(const Sample&)>& seen,
+            const std::function<std::string()>& lines) {
+  const StepReport none;
+  try {
+    for (const double& t : times) {
+      const DrivenMotion before = motion;
+      motion.to(t);
+      const Sample sample(dynamics, motion.state(), none);
+      for (Observer* each : observers)
+        if (&t == &times.front())
+          each->start(sample);
+        else
+          each->inside(BetweenPoses(before, dynamics, sample)), each->step(sample);
+      seen(sample);
+    }
+  } catch (const Error& error) {
+    rethrow_with(cause_of_stop(dynamics, motion.state()), error, lines());
+  }
 }
 
 }  // namespace lockstep

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What kinematics and inverse dynamics of a scene have in common: its times, its columns, the motion between its poses.
+// What kinematics and inverse dynamics of a scene have in common: its times, its columns, the way through its poses.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,34 +15,17 @@ namespace lockstep {
 
 /// Gives bodies without mass 1 kg and 1 kg m^2 about all axes: a motion by laws does not depend on them. Their names.
 LOCKSTEP_API std::vector<std::string> fill_masses(Scene&);
-/// Throws SceneError for columns that depend on masses. `without`: of fill_masses().
-LOCKSTEP_API void refuse_columns_of_masses(const Mechanism&, const std::vector<std::string>& without);
-/// Nothing is integrated here: a column of a work is a SceneError.
-LOCKSTEP_API void refuse_integrated_columns(Mechanism&);
-/// Columns of all drives and reactions, in addition to those that the scene records under these names.
-LOCKSTEP_API void record_reactions(Mechanism&);
+/// The columns that the scene records, or places; for `inverse` dynamics those of all drives and reactions too, if the scene
+/// does not record them under these names. Throws SceneError for columns that depend on masses, unless `without`, of
+/// fill_masses(), is empty, and for those of works, as nothing is integrated here.
+LOCKSTEP_API void record_driven(Mechanism&, const std::vector<std::string>& without, bool inverse);
 /// The times of the poses: those that the scene lists, or the multiples of an interval and the end.
 LOCKSTEP_API std::vector<double> pose_times(const RunSettings&);
 
-/// The motion between two poses, by one that goes its own way: the poses of the table do not depend on it.
-class BetweenPoses final : public InsideStep {
- public:
-  BetweenPoses(const DrivenMotion& from, Dynamics& dynamics, const Sample& end)
-      : begin_(from.state().t), motion_(from), dynamics_(dynamics), end_(end) {}
-  double begin() const override { return begin_; }
-  const Sample& end() const override { return end_; }
-  bool has_states() const override { return true; }
-  Sample at(double t) const override {
-    motion_.to(t), end_.forget();
-    return {dynamics_, motion_.state(), end_.report};
-  }
-  bool along_laws() const override { return true; }
-
- private:
-  const double begin_;
-  mutable DrivenMotion motion_;
-  Dynamics& dynamics_;
-  const Sample& end_;
-};
+/// Goes through the poses at these times. At each pose `seen` is called, after the observers, which see the motion between
+/// the poses and no outputs. An error has its cause; `lines` gives it further lines.
+LOCKSTEP_API void follow(DrivenMotion&, Dynamics&, const std::vector<double>& times,
+                         const std::vector<Observer*>& observers, const std::function<void(const Sample&)>& seen,
+                         const std::function<std::string()>& lines = [] { return std::string(); });
 
 }  // namespace lockstep

@@ -25,7 +25,6 @@
 #include "framework/tools/program/pictures.h"
 #include "framework/tools/program/run_rows.h"
 #include "framework/tools/program/terminal.h"
-#include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/scene_run/requirements.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -110,7 +109,7 @@ class PassedStops {
   std::map<std::size_t, double> passed_;  // when, s
 };
 
-Result follow(const Arguments& args, bool inverse) {
+Result follow_scene(const Arguments& args, bool inverse) {
   if (args.has("--quiet")) set_logger(nullptr);
   Loaded loaded = load(args);
   const std::vector<std::string> without = inverse ? std::vector<std::string>{} : fill_masses(loaded.scene);
@@ -124,10 +123,7 @@ Result follow(const Arguments& args, bool inverse) {
         "warning: the interval of the poses, {:.6g} s, is longer than the motion of {:.6g} s; only start and "
         "end are computed\n",
         m.run.output, m.run.until));
-  record_places(m);
-  if (!without.empty()) refuse_columns_of_masses(m, without);
-  if (inverse) record_reactions(m);
-  refuse_integrated_columns(m);
+  record_driven(m, without, inverse);
   const std::string csv = csv_path(args, m.system);
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   const RunOutputs outputs = checked_outputs(loaded, args, recorder->table(), csv);
@@ -148,28 +144,19 @@ Result follow(const Arguments& args, bool inverse) {
   const auto begun = std::chrono::steady_clock::now();
   DrivenMotion motion(dynamics, std::move(start));
   RunRows rows(file, *recorder, true, outputs.units);
-  const StepReport report;
   Doubts doubts(!args.has("--quiet") && records_reactions(m.run), 0);
   PassedStops stops(m);
-  try {
-    for (const double& t : times) {
-      const DrivenMotion before = motion;
-      motion.to(t);
-      const Sample sample(dynamics, motion.state(), report);
-      if (&t == &times.front()) rows.start(sample), doubts.start(sample);
-      for (Observer* each : std::initializer_list<Observer*>{requirements.get(), recorder.get(), details.get()})
-        if (each != nullptr && &t == &times.front())
-          each->start(sample);
-        else if (each != nullptr)
-          each->inside(BetweenPoses(before, dynamics, sample)), each->step(sample);
-      recorder->output(sample), rows.output(sample), doubts.output(sample), stops.look(dynamics, motion.state());
-    }
-  } catch (const Error& error) {
+  std::vector<Observer*> observers{requirements.get(), recorder.get(), details.get()};
+  std::erase(observers, nullptr);
+  const auto seen = [&](const Sample& sample) {
+    if (recorder->table().n_rows() == 0) rows.start(sample), doubts.start(sample);
+    recorder->output(sample), rows.output(sample), doubts.output(sample), stops.look(dynamics, sample.state);
+  };
+  follow(motion, dynamics, times, observers, seen, [&] {
     file.write();
     const std::size_t n = recorder->table().n_rows();
-    rethrow_with(cause_of_stop(dynamics, motion.state()), error,
-                 n == 0 ? "" : fmt::format("  saved: {} row{} in {}\n", n, n == 1 ? "" : "s", file.partial()));
-  }
+    return n == 0 ? "" : fmt::format("  saved: {} row{} in {}\n", n, n == 1 ? "" : "s", file.partial());
+  });
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   file.write();
   file.commit();
@@ -206,14 +193,14 @@ Command driven_command(std::string_view name, Result (*run)(const Arguments&), s
 
 Command kinematics_command() {
   return driven_command(
-      "kinematics", [](const Arguments& args) { return follow(args, false); },
+      "kinematics", [](const Arguments& args) { return follow_scene(args, false); },
       "Masses are needed only for columns of forces and energies. For too few or too many drives, the error names the "
       "coordinates to drive or the drives to release.\n\nExample:\n  lockstep kinematics samples/scenes/four_bar.json "
       "--until 0.2");
 }
 Command inverse_command() {
   return driven_command(
-      "inverse", [](const Arguments& args) { return follow(args, true); },
+      "inverse", [](const Arguments& args) { return follow_scene(args, true); },
       "Columns: those of the scene, then all drives and reactions. Text omits zeros and repetitions.\n\n"
       "Example:\n  lockstep inverse samples/scenes/four_bar.json --until 0.2");
 }

@@ -82,13 +82,7 @@ Result linearize_scene(const Arguments& args) {
     throw UsageError("--json and --csv exclude each other; give one of the two");
   if (!args["--csv"].empty()) check_overwrites(args["--csv"], loaded.scene);
   MechanismWithInputs built = inputs_of(loaded, args);
-  std::vector<Channel> outputs;
-  for (const std::string& name : args.all("--outputs")) {
-    const std::vector<ChannelRequest>& recorded = built.mechanism->run.record;
-    const auto own = std::ranges::find(recorded, name, &ChannelRequest::column);
-    outputs.push_back(make_channel(system_of(*built.mechanism), own != recorded.end() ? own->channel : name));
-    outputs.back().name = name;
-  }
+  const std::vector<Channel> outputs = channels_of(*built.mechanism, args.all("--outputs"));
   const MechanismAt at = motion_state(std::move(built.mechanism), loaded.registry, args);
   const StateSpace s = with_words_of_program(
       [&] { return linearize(*at.dynamics, at.state, built.inputs, outputs, motion_options(args)); });

@@ -43,13 +43,8 @@ State run_to(Mechanism& m, const Registry& registry, double t) {
 double instant_of(const Arguments& args) { return args["--at"].empty() ? 0 : instant("--at", args["--at"]); }
 
 MechanismAt state_at(std::unique_ptr<Mechanism> mechanism, const Registry& registry, double t) {
-  MechanismAt out;
-  out.mechanism = std::move(mechanism);
-  out.state = run_to(*out.mechanism, registry, t);
-  out.dynamics = std::make_unique<Dynamics>(
-      system_of(*out.mechanism), make_solver(out.mechanism->run, registry),
-      DynamicsOptions{.formulation = Formulation::omega, .stabilization = {.kind = Stabilization::Kind::none}});
-  return out;
+  State state = run_to(*mechanism, registry, t);
+  return mechanism_at(std::move(mechanism), registry, std::move(state));
 }
 
 std::string word_of(RowKind kind) {

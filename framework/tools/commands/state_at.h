@@ -5,18 +5,10 @@
 #include <memory>
 #include <string>
 
-#include <lockstep/dynamics.h>
-#include <lockstep/scene.h>
+#include "framework/tools/analysis/mechanism_at.h"
 #include "framework/tools/program/commands.h"
 
 namespace lockstep {
-
-/// The mechanism of a scene in space (unless the scene or --planar gives a plane), at one time.
-struct MechanismAt {
-  std::unique_ptr<Mechanism> mechanism;
-  std::unique_ptr<Dynamics> dynamics;  ///< six velocities a body, without stabilisation
-  State state;                         ///< in the coordinates of the bodies
-};
 
 /// The time of --at, s; 0 if none is given. Throws UsageError.
 double instant_of(const Arguments&);

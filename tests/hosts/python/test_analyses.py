@@ -5,7 +5,9 @@ import json
 import math
 import os
 import pickle
+import signal
 import subprocess
+import threading
 import unittest
 
 import numpy as np
@@ -94,6 +96,15 @@ class Driven(unittest.TestCase):
     def test_missing_drives_are_named(self):
         with self.assertRaisesRegex(ls.ModelError, "hinge.rz"):
             ls.kinematics(os.path.join(SCENES, "pendulum.json"), times=[0, 1])
+
+
+class Interrupts(unittest.TestCase):
+    def test_an_interrupt_ends_kinematics_and_inverse(self):
+        times = np.linspace(0, 1000, 10_000_000)
+        for analysis in (ls.kinematics, ls.inverse):
+            threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+            with self.assertRaises(KeyboardInterrupt):
+                analysis(os.path.join(SCENES, "four_bar.json"), times=times)
 
 
 class Linear(unittest.TestCase):

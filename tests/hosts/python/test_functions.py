@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Laws, joints, forces and events of Python: against closed forms and the types of the library."""
 
+import gc
 import math
 import traceback
 import unittest
+import weakref
 
 import numpy as np
 
@@ -108,6 +110,45 @@ class Laws(unittest.TestCase):
 
         table = ls.Simulation(slider(step)).run()
         self.assertAlmostEqual(table["m.z"][-1], 0.5, 12)
+
+
+class Derivatives(unittest.TestCase):
+    """Functions that hide a part of their derivatives are errors when their scene is read."""
+
+    def check_refused(self, scene, *words):
+        with self.assertRaises(ls.ModelError) as raised:
+            ls.Simulation(scene)
+        for word in words:
+            self.assertIn(word, str(raised.exception))
+        return raised.exception
+
+    def test_a_law_of_plain_numbers(self):
+        def hidden(t):
+            return 0.1 * math.sin(t.value)
+
+        error = self.check_refused(slider(hidden), "law 'hidden'", "yd at t = ", "is 0, finite differences of y give 0.0",
+                                   "compute with t itself")
+        self.assertEqual((error.thing, error.thing_kind), ("hidden", "law"))
+        inside = {"type": "sum", "laws": [hidden, 1.0]}
+        self.check_refused(slider(inside), "finite differences")
+
+    def test_a_law_with_a_wrong_rate(self):
+        wrong = slider(lambda t: (math.sin(t.value), math.cos(t.value), math.sin(t.value)))
+        self.check_refused(wrong, "ydd", "wrong sign")
+
+    def test_a_joint_of_plain_numbers(self):
+        scene = Joints().bead(ls.joint(lambda y: y.x**2 + y.y.value**2 - 4, mask="z"))
+        self.check_refused(scene, "joint 'wire'", "in y is 0", "not their .value")
+
+    def test_laws_that_are_right(self):
+        for law in (lambda t: 0.3, lambda t: 0.0 if t < 1 else 1.0, lambda t: abs(t - 1), lambda t: ls.sqrt(t),
+                    lambda t: 0.1 * t if t < 1 else 1 / 0):
+            ls.Simulation(slider(law))
+
+    def test_a_law_that_drives_no_joint_needs_no_rates(self):
+        scene = slider(forces=[{"name": "F", "type": "force_motor", "p": "m", "s": "ground", "at": [0, 0, 0],
+                                "force": lambda t: float(np.interp(t.value, [0, 2], [0, 4]))}])
+        self.assertAlmostEqual(ls.Simulation(scene).run()["m.z"][-1], 2 * 2**3 / (2 * 6), 8)
 
 
 class Plugins(unittest.TestCase):
@@ -300,6 +341,49 @@ class Integrators(unittest.TestCase):
         errors = [error(h) for h in (1 / 100, 1 / 200, 1 / 400)]
         self.assertAlmostEqual(errors[0] / errors[1], 4, delta=0.1)
         self.assertAlmostEqual(errors[1] / errors[2], 4, delta=0.05)
+
+
+class Garbage(unittest.TestCase):
+    """Functions that refer to their own run do not keep it alive."""
+
+    def check_freed(self, make):
+        run = weakref.ref(make())
+        gc.collect()
+        self.assertIsNone(run())
+
+    def test_observers_and_events(self):
+        def make():
+            run = ls.Simulation(slider())
+            run.on_step(lambda: run.t >= 0)
+            run.on("e", when=lambda s: s.t - run.t - 1, change=lambda s: run)
+            run.until(0.5)
+            return run
+
+        self.check_freed(make)
+
+    def test_laws_joints_and_types(self):
+        def make():
+            runs = []
+
+            @ls.law
+            def law(t, k=1.0):
+                return k * t + 0 * len(runs)
+
+            joint = ls.joint(lambda y: y.x + 0 * len(runs))
+            types = ls.Types()
+            types.add(joint)
+            scene = ls.Scene(slider({"type": law, "k": 2.0}), types)
+            runs += [types, scene, ls.Simulation(scene)]
+            runs[-1].until(0.5)
+            return runs[-1]
+
+        self.check_freed(make)
+
+    def test_a_run_keeps_its_functions(self):
+        run = ls.Simulation(slider(lambda t: 0.1 * ls.sin(3 * t)))
+        run.on("end", when=lambda s: s.t - 0.5, stop=True)
+        gc.collect()
+        self.assertAlmostEqual(run.until(1)["m.z"][-1], 0.1 * math.sin(1.5), 10)
 
 
 class Inputs(unittest.TestCase):

@@ -212,6 +212,41 @@ class Runs(unittest.TestCase):
         self.assertAlmostEqual(run.until(t + 1)["x"][-1], 1 + 0.1 * math.cos(5 * (t + 1)), 4)
 
 
+class Ends(unittest.TestCase):
+    """The interpreter ends while a daemon thread is inside a run."""
+
+    SCRIPT = """
+import sys, threading, time
+sys.path.insert(0, {folder!r})
+from test_simulation import ls, oscillator
+run = ls.Simulation(oscillator(output=None, **{settings}))
+{more}
+threading.Thread(target=lambda: run.until(1e5), daemon=True).start()
+time.sleep({seconds})
+"""
+
+    def check_ends(self, more="", settings="{}"):
+        for k in range(3):
+            script = self.SCRIPT.format(folder=os.path.dirname(os.path.abspath(__file__)), more=more, settings=settings,
+                                        seconds=0.1 + 0.01 * k)
+            ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120)
+            self.assertEqual((ended.returncode, ended.stderr), (0, ""), ended.stderr)
+
+    def test_in_a_run(self):
+        self.check_ends()
+
+    def test_in_an_observer(self):
+        self.check_ends("run.on_step(lambda: sum(range(1000)) > 0)")
+
+    def test_in_a_law(self):
+        self.check_ends("""
+scene = {"lockstep": 1, "bodies": [{"name": "m", "particle": 1.0}],
+         "forces": [{"name": "F", "type": "applied_force", "p": "m", "at": [0, 0, 0], "direction": "x",
+                     "law": lambda t: sum(range(1000)) - 499500.0 + ls.cos(t)}]}
+run = ls.Simulation(scene)
+""")
+
+
 class Messages(unittest.TestCase):
     def test_errors_are_those_of_scenes(self):
         scene = oscillator()
@@ -254,6 +289,38 @@ class Messages(unittest.TestCase):
                 run.until(k)
         self.assertEqual({w.filename for w in caught}, {__file__})
         self.assertEqual(sum(w.category is ls.WrongResult for w in caught), 1)
+
+    def test_advance_warns_as_until_does(self):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            run = ls.Simulation(oscillator(integrator="rk4", step=0.5))
+            for _ in range(20):
+                run.advance(0.5)
+        self.assertEqual(sum(w.category is ls.WrongResult for w in caught), 1)
+        self.assertEqual({w.filename for w in caught}, {__file__})
+
+    def test_numpy_values_of_scenes(self):
+        scene = oscillator()
+        scene["bodies"][0]["particle"] = np.array(0.5)
+        scene["bodies"][0]["position"] = np.array([1.1, 0, 0])
+        scene["run"].update(output=np.float32(0.5), assemble=np.True_)
+        table = ls.Simulation(scene, k=np.array(50)).until(np.float64(1))
+        self.assertAlmostEqual(table["x"][-1], 1 + 0.1 * math.cos(10), 8)
+        scene["bodies"][0]["particle"] = np.True_
+        with self.assertRaisesRegex(ls.SceneError, "true"):
+            ls.Simulation(scene)
+        ls.Simulation(oscillator(), set={"run.assemble": np.False_})
+
+    def test_values_that_are_no_numbers_are_named(self):
+        for wrong in (b"2", bytearray(b"2"), 2j):
+            scene = oscillator()
+            scene["bodies"][0]["particle"] = wrong
+            with self.assertRaisesRegex(TypeError, r"scene\.bodies\[0\]\.particle"):
+                ls.Simulation(scene)
+            with self.assertRaisesRegex(TypeError, "^k is "):
+                ls.Simulation(oscillator(), k=wrong)
+        with self.assertRaisesRegex(TypeError, "the time is b'1'"):
+            ls.Simulation(oscillator()).until(b"1")
 
     def test_what_no_scene_can_hold(self):
         scene = oscillator()

@@ -8,6 +8,7 @@ import math
 import multiprocessing
 import os
 import pickle
+import signal
 import unittest
 import warnings
 
@@ -112,6 +113,47 @@ class Sweeps(unittest.TestCase):
             runs = ls.sweep(oscillator(integrator="rk4", step=0.4, until=8), {"k": [0.01, 50.0]})
         self.assertNotIn("energy-not-conserved", [f.code for f in runs.findings[0]])
         self.assertIn("energy-not-conserved", [f.code for f in runs.findings[1]])
+
+    def test_a_measure_named_as_a_parameter_is_an_error(self):
+        def k(run):
+            return last(run)
+
+        for measure in (k, lambda run: {"x": 1.0, "k": 2.0}):
+            with self.assertRaisesRegex(ValueError, '"k" is a parameter'):
+                ls.sweep(oscillator(), {"k": [40.0, 50.0]}, measure=measure)
+
+    def test_an_interrupt_keeps_the_runs_made(self):
+        done = []
+
+        def interrupted(run):
+            done.append(run)
+            if len(done) == 3:
+                signal.raise_signal(signal.SIGINT)
+            return last(run)
+
+        for pool in (None, concurrent.futures.ThreadPoolExecutor(1)):
+            done.clear()
+            with self.assertRaisesRegex(ls.InterruptedSweep, "after . of 6 runs") as raised:
+                ls.sweep(oscillator(), {"k": np.linspace(40, 50, 6)}, measure=interrupted, chunk=2, executor=pool)
+                self.fail(f"{pool} was not interrupted")
+            runs = raised.exception.runs
+            self.assertEqual(len(runs), 6)
+            np.testing.assert_allclose(runs["interrupted"][:2], exact(np.array([40.0, 42.0]), 2), atol=1e-9)
+            self.assertEqual(runs.errors[0], None)
+            self.assertIsInstance(runs.errors[5], ls.InterruptedRun)
+            self.assertTrue(math.isnan(runs["interrupted"][5]))
+            self.assertIsInstance(raised.exception, KeyboardInterrupt)
+
+    def test_plots_are_over_the_parameter(self):
+        try:
+            import matplotlib
+        except ImportError:
+            self.skipTest("matplotlib is missing")
+        matplotlib.use("Agg")
+        runs = ls.sweep(oscillator(), {"k": [40.0, 50.0, 60.0]})
+        axes = runs.plot("x.last").axes[0]
+        np.testing.assert_array_equal(axes.lines[0].get_xdata(), [40, 50, 60])
+        self.assertEqual(axes.get_xlabel(), "k [N/m]")
 
     def test_progress(self):
         seen = []

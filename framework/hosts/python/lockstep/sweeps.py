@@ -111,20 +111,18 @@ def _one(scene: _core.Scene, units: Units, row: Row, until: float | None, column
             return None, None, error, findings
 
 
-def _chunk(source: Any, rows: list[Row], *options: Any) -> list[Result]:
-    """The runs of some rows, those before an interrupt. The scene is read once."""
-    scene = _read(source)
+def _chunk(results: list[Result], scene: _core.Scene, rows: list[Row], *options: Any) -> None:
+    """The runs of some rows, appended to `results`."""
     units: Units = {}
+    for row in rows:
+        results.append(_one(scene, units, row, *options))
+
+
+def _remote(source: Any, *work: Any) -> list[Result]:
+    """The same in a worker, which may send back only what pickles, and after an interrupt what there is."""
     results: list[Result] = []
     with suppress(KeyboardInterrupt):
-        for row in rows:
-            results.append(_one(scene, units, row, *options))
-    return results
-
-
-def _remote(source: Any, rows: list[Row], *options: Any) -> list[Result]:
-    """The same in a worker, which may send back only what pickles."""
-    results = _chunk(source, rows, *options)
+        _chunk(results, _read(source), *work)
     for k, (given, units, error, findings) in enumerate(results):
         try:
             pickle.loads(pickle.dumps((given, error)))
@@ -133,30 +131,28 @@ def _remote(source: Any, rows: list[Row], *options: Any) -> list[Result]:
     return results
 
 
-def _parts(work: tuple[Any, ...], rows: list[Row], size: int,
-           executor: Executor | None) -> Iterable[tuple[int, list[Result]]]:
-    """Results with the number of their first row, in the order of their ends."""
+def _fill(parts: dict[int, list[Result]], work: tuple[Any, ...], rows: list[Row], size: int,
+          executor: Executor | None, done: Callable[[int], None]) -> None:
+    """Makes the runs, in parts by the number of their first row. Finished runs are there after an interrupt too."""
     source, options = work[0], work[1:]
     starts = range(0, len(rows), size)
     if executor is None:
         scene = _read(source)
         for k in starts:
-            part = _chunk(scene, rows[k:k + size], *options)
-            yield k, part
-            if len(part) < len(rows[k:k + size]):
-                return
+            parts[k] = []
+            _chunk(parts[k], scene, rows[k:k + size], *options)
+            done(k)
         return
     futures: dict[Future[list[Result]], int] = {
         executor.submit(_remote, source, rows[k:k + size], *options): k for k in starts}
     try:
-        with suppress(KeyboardInterrupt):
-            for future in as_completed(futures):
-                yield futures.pop(future), future.result()
+        for future in as_completed(futures):
+            parts[futures[future]] = future.result()
+            done(futures[future])
     finally:
-        for future in futures:
-            future.cancel()
-    for future in [f for f in futures if f.done() and not f.cancelled()]:
-        yield futures[future], future.result()
+        for future, k in futures.items():
+            if not future.cancel() and future.done() and future.exception() is None:
+                parts[k] = future.result()
 
 
 def _of_extremes(results: list[Result]) -> list[Column]:
@@ -222,23 +218,31 @@ def sweep(scene: Source, vary: Vary, *, executor: Executor | None = None, until:
     rows, source = rows_of(vary), scene_of(scene)
     size = chunk or max(1, len(rows) // (8 * (os.cpu_count() or 1)))
     work = source, None if until is None else seconds(until), columns, measure
-    not_made = InterruptedRun("the sweep was interrupted before this run")
-    results: list[Result] = [(None, None, not_made, [])] * len(rows)
-    done = 0
-    for first, part in _parts(work, rows, size, executor):
-        results[first:first + len(part)] = part
-        done += len(part)
-        for row, given in zip(rows[first:], _measured(part, measure) if measure else []):
+    parts: dict[int, list[Result]] = {}
+
+    def told(first: int) -> None:
+        for row, given in zip(rows[first:], _measured(parts[first], measure) if measure else []):
             if both := sorted(row.keys() & given.keys()):
                 raise ValueError(f'"{both[0]}" is a parameter and a number of measure; give one of them another name')
+        done = sum(map(len, parts.values()))
         if callable(progress):
             progress(done, len(rows))
         elif progress:
             print(f"\r{done} of {len(rows)} runs", end="\n" if done == len(rows) else "", file=sys.stderr, flush=True)
+
+    interrupt = None
+    try:
+        _fill(parts, work, rows, size, executor, told)
+    except KeyboardInterrupt as error:
+        interrupt = error
+    not_made = InterruptedRun("the sweep was interrupted before this run")
+    results: list[Result] = [(None, None, not_made, [])] * len(rows)
+    for first, part in parts.items():
+        results[first:first + len(part)] = part
     parameters = _parameters(source, rows)
     found = _of_measures(_measured(results, measure)) if measure else _of_extremes(results)
     runs = Runs(parameters + found, [c.name for c in parameters], [error for _, _, error, _ in results],
                 [findings for *_, findings in results], [given for given, *_ in results] if measure else [])
-    if done < len(rows):
-        raise InterruptedSweep(runs, done)
+    if interrupt is not None:
+        raise InterruptedSweep(runs, sum(map(len, parts.values()))) from interrupt
     return runs
