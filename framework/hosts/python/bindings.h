@@ -23,6 +23,7 @@
 #include <lockstep/finding.h>
 #include <lockstep/math.h>
 #include <lockstep/scene.h>
+#include "framework/foundation/support/at_end.h"
 
 namespace lockstep::python {
 
@@ -89,6 +90,14 @@ py::object call(const py::handle& f, PyObject* keys, const Args&... args) {
       outlasting([&] { return PyObject_VectorcallDict(f.ptr(), given, sizeof...(args), keys); });
   if (made == nullptr) throw py::error_already_set();
   return py::reinterpret_steal<py::object>(made);
+}
+
+/// Calls a function with a view and more; the view is empty after the call.
+template <class View, class... More>
+py::object call_with(const py::handle& f, View view, const More&... more) {
+  const py::object seen = py::cast(view);
+  const AtEnd end([&] { seen.cast<View&>() = {}; });
+  return call(f, nullptr, seen, more...);
 }
 
 /// Shows the garbage collector what a T refers to: its references().

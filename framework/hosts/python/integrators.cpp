@@ -51,12 +51,7 @@ class PythonIntegrator final : public Integrator {
  private:
   State ended(Dynamics& dynamics, const State& state, double h) const {
     const Locked lock;
-    const py::object view = py::cast(SystemView{&dynamics});
-    struct End {
-      const py::object& view;
-      ~End() { view.cast<SystemView&>() = {}; }
-    } const end{view};
-    const py::object made = call(method_->attr("step"), nullptr, view, py::cast(state), py::float_(h));
+    const py::object made = call_with(method_->attr("step"), SystemView{&dynamics}, py::cast(state), py::float_(h));
     if (!py::isinstance<State>(made))
       throw py::type_error(fmt::format("step() of integrator '{}' returned {}; return the new state", name_,
                                        std::string(py::repr(made))));

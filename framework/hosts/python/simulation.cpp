@@ -16,7 +16,7 @@ namespace lockstep::python {
 namespace {
 
 Mechanism mechanism_of(const py::object& source, Types& types, const Settings& set, const Settings& record,
-                       ReportText& text) {
+                       ReportText& text, Settings& recorded) {
   Scene scene = scene_of(source, types);
   text.title = scene.title, text.description = scene.description;
   const bool places = scene.run.record.empty();  // are recorded if nothing else is
@@ -27,8 +27,9 @@ Mechanism mechanism_of(const py::object& source, Types& types, const Settings& s
   if (places && !record.empty()) mechanism.run.record.clear();
   for (const auto& [name, channel] : record) mechanism.run.record.push_back({channel, name, {}});
   text.panels = mechanism.run.draw;
-  for (const ChannelRequest& r : mechanism.run.record)
-    if (!r.name.empty()) text.channels.emplace_back(r.name, r.channel);
+  for (const ChannelRequest& r : mechanism.run.record) recorded.emplace_back(r.column(), r.channel);
+  for (const auto& [name, channel] : recorded)
+    if (name != channel) text.channels.emplace_back(name, channel);
   return mechanism;
 }
 
@@ -40,36 +41,25 @@ py::dict pose_of(const Body& body, const State& state) {
                   py::arg("v") = array_of(o.v), py::arg("w") = array_of(o.w));
 }
 
-/// A state as functions of events and observers see it: during their call only.
-struct SampleView {
-  const Sample* sample = nullptr;
-  const Sample& get() const {
-    if (sample == nullptr)
-      throw ModelError("a sample is used after the call that it was given to; copy numbers out of it");
-    return *sample;
-  }
-};
-
-/// Changes a state in an event: during its call only.
-struct EditorView {
-  State* state = nullptr;
+/// A state as functions of events see it: during their call only.
+struct StateView {
+  const State* state = nullptr;
   const System* system = nullptr;
-  State& get() const {
-    if (state == nullptr) throw ModelError("the state of an event is used after its call");
+  State* changed = nullptr;  // null: it may be read only
+  const State& get() const {
+    if (state == nullptr) throw ModelError("a state is used after the call that it was given to; copy numbers out of it");
     return *state;
   }
+  py::dict body(const std::string& name) const { return pose_of(system->body(name), get()); }
+  void set_twist(const std::string& name, const py::object& v, const py::object& w) const {
+    if (get(), changed == nullptr) throw ModelError("the state of a condition is read only; change it in \"change\"");
+    const Body& of = system->body(name);
+    Twist twist = body_twist(of, *state);
+    if (!v.is_none()) twist.v = vec3_of(v, "v");
+    if (!w.is_none()) twist.w = vec3_of(w, "w");
+    StateEditor(*changed).set_twist(of, twist);
+  }
 };
-
-// Calls a function with a view that ends with the call.
-template <class View, class Result = py::object>
-Result call_with(const py::handle& f, View view) {
-  const py::object seen = py::cast(view);
-  struct End {
-    const py::object& seen;
-    ~End() { seen.cast<View&>() = {}; }
-  } const end{seen};
-  return py::cast<Result>(call(f, nullptr, seen));
-}
 
 Event event_of(Run& run, const py::dict& given) {
   Event e;
@@ -95,12 +85,12 @@ Event event_of(Run& run, const py::dict& given) {
   if (const py::object when = take("when"))
     e.value = [f = kept(when)](const Sample& s) {
       const Locked lock;
-      return call_with<SampleView, double>(f, {&s});
+      return call_with(f, StateView{&s.state, &s.system()}).cast<double>();
     };
   if (const py::object change = take("change"))
     e.change = [f = kept(change), &run](State& s) {
       const Locked lock;
-      call_with<EditorView>(f, {&s, &run.simulation().system()});
+      call_with(f, StateView{&s, &run.simulation().system(), &s});
     };
   return e;
 }
@@ -111,11 +101,12 @@ ReadScene::ReadScene(const py::object& source, Types given) : types(std::move(gi
   computing([&, &registry = types.changed()] { scene = with_values(std::move(scene), registry, {}); });
 }
 
-std::pair<double, std::string> ReadScene::quantity(const std::string& name,
-                                                   const std::optional<std::string>& text) const {
-  const Variable v = read_variable(name + "=" + text.value_or("0"), scene, types.registry());
-  const double* number = v.values.front().number();
-  return {number != nullptr ? *number : NAN, v.unit};
+std::pair<std::vector<double>, std::string> ReadScene::quantities(const std::string& name,
+                                                                  const std::string& texts) const {
+  const Variable v = read_variable(name + "=" + texts, scene, types.registry());
+  std::vector<double> numbers;
+  for (const Value& value : v.values) numbers.push_back(value.number() != nullptr ? *value.number() : NAN);
+  return {std::move(numbers), v.unit};
 }
 
 Scene scene_of(const py::object& source, Types& types) {
@@ -130,7 +121,7 @@ Scene scene_of(const py::object& source, Types& types) {
 
 Run::Run(const py::object& source, Types given, const Settings& set, const Settings& record, bool with_report)
     : types(std::move(given)), simulation_([&] {
-        Mechanism mechanism = mechanism_of(source, types, set, record, text);
+        Mechanism mechanism = mechanism_of(source, types, set, record, text, recorded);
         std::vector<Solid> solids = mechanism.solids;
         std::vector<Look> looks = mechanism.looks;
         std::optional<Simulation> made;
@@ -152,6 +143,8 @@ void Turns::take() {
 bool Run::goes_on() {
   if (on_step) {
     const Locked lock;
+    between_steps_ = true;
+    const AtEnd over([this] { between_steps_ = false, now_.reset(); });
     const py::object given = call(py::object(on_step), nullptr);
     if (!given.is_none() && !py::bool_(given)) return false;
   }
@@ -161,12 +154,12 @@ bool Run::goes_on() {
 
 void Run::begin() {
   simulation();
-  if (begun_) return;
+  if (begun) return;
   alone([&] {
     simulation().loop().progress = [this](const State&) { return goes_on(); };
     if (report) simulation().add_observer(*report);
   });
-  begun_ = true;
+  begun = true;
 }
 
 void Run::warn_once(std::vector<Finding> findings) {
@@ -219,6 +212,28 @@ py::list Run::columns() {
   return columns_of(rows, simulation().recorder().ranges());
 }
 
+std::pair<double, std::string> Run::value(const std::string& name) {
+  if (simulation(), runner_ != std::thread::id{} && !between_steps_)
+    throw ModelError("\"" + name + "\" cannot be read inside a step; read it in on_step, or between the calls of the run");
+  auto at = read_.find(name);
+  if (at == read_.end()) {
+    const auto own = std::ranges::find(recorded, name, &Settings::value_type::first);
+    if (own == recorded.end() && begun)
+      throw ModelError("\"" + name + "\" is not recorded; give record=[\"" + name + "\"], or read it before the run begins");
+    Channel made = make_channel(simulation_.system(), own == recorded.end() ? name : own->second);
+    if (made.memory || made.of_motion)
+      throw ModelError("\"" + name + "\" depends on the motion before; read its column of the table");
+    at = read_.emplace(name, std::move(made)).first;
+  }
+  begin();
+  double value = 0;
+  alone([&] {
+    if (!now_) now_.emplace(simulation_.dynamics(), simulation_.state(), last_);
+    value = at->second.value(*now_);
+  });
+  return {value, at->second.unit};
+}
+
 py::array_t<double> Run::extremes() {
   take_rows_back();
   const std::span<const ColumnRange> ranges = simulation().recorder().ranges();
@@ -248,37 +263,13 @@ void bind_simulation(py::module_& m) {
         return Params(Value::object({{"t", text}}), time, "time").number("t");
       },
       "A time of a text with a unit, s.");
-  py::class_<SampleView>(m, "Sample", "A state of a run, valid during the call of a function.")
+  py::class_<StateView>(m, "State", "A state of a run, valid during the call of the function of an event.")
       .def_property_readonly(
-          "t", [](const SampleView& s) { return s.get().state.t; }, "Time, s.")
-      .def(
-          "body",
-          [](const SampleView& s, const std::string& name) {
-            return pose_of(s.get().system().body(name), s.get().state);
-          },
-          py::arg("name"), "Pose and twist of a body: x (m), q, v (m/s), w (body axes, rad/s).");
-  py::class_<EditorView>(m, "State", "The state at an event, which its function may change during its call.")
-      .def_property_readonly(
-          "t", [](const EditorView& s) { return s.get().t; }, "Time, s.")
-      .def(
-          "body",
-          [](const EditorView& s, const std::string& name) {
-            const State& state = s.get();
-            return pose_of(s.system->body(name), state);
-          },
-          py::arg("name"), "Pose and twist of a body.")
-      .def(
-          "set_twist",
-          [](const EditorView& s, const std::string& name, const py::object& v, const py::object& w) {
-            State& state = s.get();
-            const Body& body = s.system->body(name);
-            Twist twist = body_twist(body, state);
-            if (!v.is_none()) twist.v = vec3_of(v, "v");
-            if (!w.is_none()) twist.w = vec3_of(w, "w");
-            StateEditor(state).set_twist(body, twist);
-          },
-          py::arg("name"), py::arg("v") = py::none(), py::arg("w") = py::none(),
-          "Sets the velocity of a body's origin (world, m/s) and its angular velocity (body axes, rad/s).");
+          "t", [](const StateView& s) { return s.get().t; }, "Time, s.")
+      .def("body", &StateView::body, py::arg("name"),
+           "Pose and twist of a body: x (m), q (scalar first), v (m/s), w (body axes, rad/s).")
+      .def("set_twist", &StateView::set_twist, py::arg("name"), py::arg("v") = py::none(), py::arg("w") = py::none(),
+           "In a change: sets the velocity of a body's origin (world, m/s) and its angular velocity (body axes, rad/s).");
 
   py::class_<ReadScene>(m, "Scene", "A scene that was read once, for many runs: a source, and types that it names.",
                         collected<ReadScene>())
@@ -289,8 +280,8 @@ void bind_simulation(py::module_& m) {
            py::arg("source"), py::arg("types") = py::none())
       .def_property_readonly(
           "types", [](const ReadScene& s) { return s.types; }, "The types that it names.")
-      .def("quantity", &ReadScene::quantity, py::arg("name"), py::arg("text"),
-           "A value of the scene from a text, in SI, and its unit; None: the present value.");
+      .def("quantities", &ReadScene::quantities, py::arg("name"), py::arg("texts"),
+           "Values for a name of the scene from texts with commas, in SI, and their unit; NaN for words.");
   py::class_<Run>(m, "Run", collected<Run>())
       .def(py::init([](const py::object& source, const Types& types, const Settings& set, const Settings& record,
                        bool report) { return std::make_unique<Run>(source, types, set, record, report); }))
@@ -300,6 +291,7 @@ void bind_simulation(py::module_& m) {
              for (const auto& [name, channel] : channels) requests.emplace_back(name, channel);
              r.simulation(), r.take_rows_back();
              r.simulation().record(std::move(requests));
+             r.recorded.insert(r.recorded.end(), channels.begin(), channels.end());
            })
       .def("begin", &Run::begin)
       .def("until", [](Run& r, double t) { r.advancing([&] { r.simulation().run_until(t); }), r.judge(); })
@@ -309,8 +301,11 @@ void bind_simulation(py::module_& m) {
            [](Run& r, double h) {
              StepReport made;
              r.advancing([&] { made = r.simulation().loop().step(h); });
+             r.judge();
              return made.h;
            })
+      .def("value", &Run::value)
+      .def_readonly("begun", &Run::begun)
       .def("columns", &Run::columns)
       .def("extremes", &Run::extremes)
       .def_property_readonly("title", [](const Run& r) { return r.text.title; })

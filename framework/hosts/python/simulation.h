@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -26,8 +27,8 @@ using Settings = std::vector<std::pair<std::string, std::string>>;  ///< names a
 /// A scene that was read once, with the types that it names, for many runs.
 struct ReadScene {
   ReadScene(const py::object& source, Types given);
-  /// A value in SI with its unit: of a text, or none, then the unit alone counts.
-  std::pair<double, std::string> quantity(const std::string& name, const std::optional<std::string>& text) const;
+  /// Values in SI of texts with commas between them, NaN for words, and their unit.
+  std::pair<std::vector<double>, std::string> quantities(const std::string& name, const std::string& texts) const;
   std::array<py::handle, 1> references() const { return types.references(); }
   Types types;
   Scene scene;
@@ -62,6 +63,7 @@ class Run {
   void advancing(Act&& act) {
     simulation();
     take_rows_back();
+    now_.reset();
     alone(std::forward<Act>(act));
   }
   /// Warns of what the verdict on the run finds.
@@ -71,6 +73,8 @@ class Run {
   /// By column after the time: last value, least and its time, largest and its time.
   py::array_t<double> extremes();
   std::string report_page();
+  /// The value of a recorded column, or of a channel that was read before the run began, at the present time; and its unit.
+  std::pair<double, std::string> value(const std::string& name);
   /// Gives the rows back to the recorder, before it changes or writes them.
   void take_rows_back();
 
@@ -82,6 +86,8 @@ class Run {
   Types types;
   std::optional<Report> report{};
   ReportText text{};    ///< of the report
+  Settings recorded{};   ///< columns and their channels
+  bool begun = false;    ///< whether begin() was called
   py::list functions;   ///< of events
   py::object on_step{};  ///< called after each step; false ends the run; null: none
 
@@ -93,7 +99,10 @@ class Run {
   bool goes_on();
   void warn_once(std::vector<Finding>);
   std::set<std::string> warned_;
-  bool begun_ = false;
+  std::map<std::string, Channel> read_;  // by value()
+  std::optional<Sample> now_;            // of the present state, if value() was called there
+  StepReport last_{};                    // of it: none
+  bool between_steps_ = false;           // in a call, when it calls on_step
   std::shared_ptr<Table> rows_;  // null: the recorder has them
   Turns turns_;
   std::thread::id runner_{};  // none: no call advances it

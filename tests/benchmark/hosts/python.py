@@ -3,7 +3,8 @@
 
     PYTHONPATH=build/release/python LOCKSTEP_PROGRAM=build/release/bin/lockstep python3 tests/benchmark/hosts/python.py
 
-Ratios are medians of pairs in this process, so that the speed of the machine cancels.
+Ratios are medians of pairs in this process, so that the speed of the machine cancels. The test python.benchmark calls the
+same functions for short runs, and checks what they return.
 """
 
 import os
@@ -38,22 +39,26 @@ def of_python(name, until):
     return timed(lambda: ls.Simulation(scene(name), set={"run.until": until}).run())
 
 
-def runs():
-    print("CPU time of a run in Python over those of the program, median of 9 pairs")
-    for name, until in (("andrews_a03", "0.15 s"), ("four_bar", "200 s"), ("nfourbar_40", "20 s"), ("spatial_chain_10", "20 s")):
-        ratios = [of_python(name, until) / of_program(name, until) for _ in range(9)]
+RUNS = {"andrews_a03": "0.15 s", "four_bar": "200 s", "nfourbar_40": "20 s", "spatial_chain_10": "20 s"}
+
+
+def runs(cases=RUNS, repeat=9):
+    print(f"CPU time of a run in Python over those of the program, median of {repeat} pairs")
+    for name, until in cases.items():
+        ratios = [of_python(name, until) / of_program(name, until) for _ in range(repeat)]
         print(f"  {name:20} {statistics.median(ratios):6.3f}   ({min(ratios):.3f} ... {max(ratios):.3f})")
 
 
-def slider(law):
+def slider(law, until=10):
     return {"lockstep": 1,
             "bodies": [{"name": "m", "sphere": {"mass": 2.0, "radius": 0.1}}],
             "joints": [{"name": "A", "type": "revolute", "p": "m", "s": "ground", "at": [0, 0, 0]}],
             "forces": [{"name": "M", "type": "torque_motor", "p": "m", "s": "ground", "at": [0, 0, 0], "torque": law}],
-            "run": {"integrator": "rk4", "step": 1e-4, "until": 10, "output": 10, "record": ["A.rz"]}}
+            "run": {"integrator": "rk4", "step": 1e-4, "until": until, "output": until, "record": ["A.rz"]}}
 
 
-def laws():
+def laws(until=10, repeat=5):
+    """Returns the calls of the law in a run."""
     calls = 0
 
     def counting(t):
@@ -61,50 +66,56 @@ def laws():
         calls += 1
         return 0.1 * ls.sin(3 * t)
 
-    ls.Simulation(slider(counting)).run()
+    ls.Simulation(slider(counting, until)).run()
     kinds = {
         "jets": lambda t: 0.1 * t.sin(),
         "numbers": lambda t: (0.1, 0.0, 0.0),
     }
-    built_in = statistics.median(timed(ls.Simulation(slider({"type": "sine", "amplitude": 0.1, "omega": 3})).run) for _ in range(5))
+    built_in = statistics.median(timed(ls.Simulation(slider({"type": "sine", "amplitude": 0.1, "omega": 3}, until)).run) for _ in range(repeat))
     print(f"a law of Python, {calls} calls in a run; us a call beyond the built-in law, and beyond the same call from Python")
     for name, f in kinds.items():
-        run = statistics.median(timed(ls.Simulation(slider(f)).run) for _ in range(5))
+        run = statistics.median(timed(ls.Simulation(slider(f, until)).run) for _ in range(repeat))
         t = ls.TimeJet(0.3)
 
         def loop():
             for _ in range(calls):
                 f(t)
 
-        alone = statistics.median(timed(loop) for _ in range(5))
+        alone = statistics.median(timed(loop) for _ in range(repeat))
         per = (run - built_in) / calls * 1e6
         print(f"  {name:20} {per:6.2f}   {per - alone / calls * 1e6:6.2f}")
+    return calls
 
 
-def joints():
+def joints(until=20, repeat=5):
+    """Returns the tables by the joint of Python and by the formula."""
     def bead(joint, **keys):
         return {"lockstep": 1, "gravity": [0, -9.81, 0],
                 "bodies": [{"name": "bead", "particle": 1.0, "position": [2, 0, 0]}],
                 "joints": [{"name": "wire", "type": joint, "p": "bead", "s": "ground", "at_p": [2, 0, 0],
                             "at_s": [0, 0, 0], **keys}],
-                "run": {"tolerance": 1e-8, "until": 20, "output": 1, "record": ["bead.y"]}}
+                "run": {"tolerance": 1e-8, "until": until, "output": 1, "record": ["bead.y"]}}
 
-    by = {}
+    by, tables = {}, []
     joint = ls.joint(lambda y: (y.x / 2) ** 2 + y.y**2 - 1, mask="z")
     for name, scene in (("python", bead(joint)), ("formula", bead("function", phi="=(x/2)^2 + y^2 - 1", mask="z"))):
-        by[name] = statistics.median(timed(ls.Simulation(scene).run) for _ in range(5))
+        by[name] = statistics.median(timed(ls.Simulation(scene).run) for _ in range(repeat))
+        tables.append(ls.Simulation(scene).run())
     print(f"a joint of Python over the same formula: {by['python'] / by['formula']:.1f} times the run")
+    return tables
 
 
-def sweeps():
-    print("a sweep of 2000 runs of 10 ms: us a run; of that its start and steps, making the mechanism, and the sweep itself")
+def sweeps(n=2000, few=400):
+    """Returns the runs of each sweep."""
+    made_runs = []
+    print(f"a sweep of {n} runs of 10 ms: us a run; of that its start and steps, making the mechanism, and the sweep itself")
     for name, values in (("pendulum", {"length": 0.7}), ("four_bar", {"crank": 0.11})):
-        n, few = 2000, 400
-        whole = timed(lambda: ls.sweep(scene(name), [values] * n, until=0.01)) / n
+        whole = timed(lambda: made_runs.append(ls.sweep(scene(name), [values] * n, until=0.01))) / n
         read, made = ls.Scene(scene(name), ls.Types()), []
         making = timed(lambda: made.extend(ls.Simulation(read, set=values, report=False) for _ in range(few))) / few
         run = timed(lambda: [each.advance_to(0.01) for each in made]) / few
         print(f"  {name:20} {1e6 * whole:6.0f} = {1e6 * run:5.0f} + {1e6 * making:5.0f} + {1e6 * (whole - run - making):5.0f}")
+    return made_runs
 
 
 if __name__ == "__main__":

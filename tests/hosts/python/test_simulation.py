@@ -212,6 +212,54 @@ class Runs(unittest.TestCase):
         self.assertAlmostEqual(run.until(t + 1)["x"][-1], 1 + 0.1 * math.cos(5 * (t + 1)), 4)
 
 
+class Channels(unittest.TestCase):
+    """Channels at the present time, as a controller reads them."""
+
+    def test_columns_are_those_of_the_table(self):
+        run = ls.Simulation(os.path.join(SCENES, "four_bar.json"), record=["rocker.angle_z"])
+        for k in range(1, 6):
+            run.advance(0.02)
+            table = run.until(0.02 * k)
+            for name in table.names[1:]:
+                self.assertEqual(run[name], table[name][-1], name)
+                self.assertEqual(run[name].unit, table[name].unit)
+
+    def test_a_channel_in_closed_form(self):
+        run = ls.Simulation(oscillator())
+        self.assertAlmostEqual(run["m.ax"], -25 * 0.1, 12)
+        self.assertEqual(repr(run["m.ax"]), "-2.5 m/s^2")
+        for k in range(1, 4):
+            run.advance(0.1)
+            self.assertAlmostEqual(run["m.ax"], -2.5 * math.cos(0.5 * k), 8)
+        again = pickle.loads(pickle.dumps(run["m.ax"]))
+        self.assertEqual((again, again.unit), (run["m.ax"], "m/s^2"))
+
+    def test_in_an_observer_and_without_an_effect(self):
+        run, other = ls.Simulation(oscillator()), ls.Simulation(oscillator())
+        seen = [run["m.ax"]]
+        run.on_step(lambda: seen.append(run["m.ax"] + 25 * (run["x"] - 1)))
+        np.testing.assert_array_equal(run.until(1)["x"], other.until(1)["x"])
+        np.testing.assert_allclose(seen[1:], 0, atol=1e-12)
+        self.assertGreater(len(seen), 5)
+
+    def test_what_cannot_be_read_is_named(self):
+        run = ls.Simulation(oscillator(record=[{"x": "m.x"}, {"top": "=max(m.x)"}]))
+        for name, words in (("top", "depends on the motion before"), ("m.xx", "m.x")):
+            with self.assertRaisesRegex(ls.ModelError, words):
+                run[name]
+        run.until(0.1)
+        with self.assertRaisesRegex(ls.ModelError, '"m.vx" is not recorded; give record='):
+            run["m.vx"]
+        run = ls.Simulation(oscillator())
+        run["x"]
+        run.on("e", when=lambda s: run["x"] - 1)
+        with self.assertRaisesRegex(ls.Error, "inside a step"):
+            try:
+                run.until(1)
+            except ls.UserCodeError as error:
+                raise error.__cause__
+
+
 class Ends(unittest.TestCase):
     """The interpreter ends while a daemon thread is inside a run."""
 

@@ -19,13 +19,13 @@ from lockstep.errors import (
 from lockstep.jets import arccos, arcsin, arctan, arctan2, cos, cosh, exp, log, norm, sin, sinh, sqrt, tan, tanh
 from lockstep.simulation import Array, Simulation
 from lockstep.sweeps import InterruptedSweep, Runs, sweep
-from lockstep.table import Column, Range, Table
+from lockstep.table import Column, Range, Table, Value
 from lockstep.types import force, integrator, joint, law
 
 __all__ = [
     "Array", "AssemblyError", "Column", "DoubtfulResult", "Equilibrium", "Error", "FileError", "Finding", "FindingWarning",
     "InterruptedRun", "InterruptedSweep", "Jet", "LinearSystem", "Mechanism", "Mode", "ModelError", "ModelWarning", "Modes",
     "NonFiniteError", "PluginError", "Pose", "Range", "Reaction", "Runs", "Scene", "SceneError", "Simulation",
-    "SolveError", "StepError", "Table", "TimeJet", "Types", "UserCodeError", "WrongResult", "arccos", "arcsin",
+    "SolveError", "StepError", "Table", "TimeJet", "Types", "UserCodeError", "Value", "WrongResult", "arccos", "arcsin",
     "arctan", "arctan2", "cos", "cosh", "exp", "force", "integrator", "inverse", "joint", "kinematics", "law",
     "linearize", "log", "modes", "norm", "sin", "sinh", "sqrt", "statics", "sweep", "tan", "tanh"]

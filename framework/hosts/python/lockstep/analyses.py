@@ -35,57 +35,51 @@ def _subject(scene: Source | Simulation, values: Mapping[str, Quantity], types: 
 
 @dataclass(frozen=True)
 class Reaction:
-    """What a joint, or its drive, exerts on a body at marker P."""
+    """What a joint, or its drive, exerts on a body at marker P: force (3, world, N) and moment (3, world, N m).
+
+    `is_unique` is False if the joints are redundant, so that other reactions are equally possible.
+    """
 
     body: str
     force: Array
-    """World, N."""
     moment: Array
-    """World, N m."""
     is_unique: bool
-    """False: the joints are redundant, and other reactions are equally possible."""
 
 
 @dataclass(frozen=True)
 class Pose:
-    """Where a body is."""
+    """Where a body is: its origin x (3, world, m) and its quaternion q (4, scalar first)."""
 
     x: Array
-    """Origin, world, m."""
     q: Array
-    """Quaternion, scalar first."""
 
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """A mechanism at rest."""
+    """A mechanism at rest.
+
+    `bodies` and `reactions` by name, of the joint "A" or its drive "A.drive". `t`: time at which laws are taken, s.
+    `stability`: "stable", "neutral", "unstable", "sticking", "not judged" or "no free motion". `freedoms`: degrees of
+    freedom that no drive holds. `softest`: the lowest stiffness over mass, 1/s^2; if negative a motion grows. `unstable`
+    and `neutral`: motions that grow, or have no stiffness, in words, with stiffness over mass, 1/s^2. `energy`: potential, J.
+    `unbalanced`: the largest unbalanced force, relative to the largest force on a body. `largest_move`: of a centre of mass
+    from the given start, m. `is_singular`: constraints nearly lose rank; reactions may be very large.
+    """
 
     bodies: dict[str, Pose]
     reactions: dict[str, Reaction]
-    """By joint: "A"; of its drive: "A.drive"."""
     t: float
-    """Time at which laws are taken, s."""
     stability: str
-    """"stable", "neutral", "unstable", "sticking", "not judged" or "no free motion"."""
     freedoms: int
-    """Degrees of freedom that no drive holds."""
     softest: float
-    """The lowest stiffness over mass, 1/s^2; negative: a motion grows."""
     unstable: list[tuple[str, float]]
-    """Motions that grow, in words, with stiffness over mass, 1/s^2."""
     neutral: list[tuple[str, float]]
-    """Motions without stiffness."""
     energy: float
-    """Potential energy, J."""
     method: str
-    """How it was found."""
     held_by_friction: bool
     unbalanced: float
-    """Largest unbalanced force, relative to the largest force on a body."""
     largest_move: float
-    """Of a centre of mass from the given start, m."""
     is_singular: bool
-    """Whether constraints nearly lose rank there; reactions may then be very large."""
     findings: list[Finding]
 
     def __repr__(self) -> str:
@@ -98,32 +92,33 @@ class Equilibrium:
 
 @dataclass(frozen=True)
 class Mode:
-    """A motion in which all bodies move as exp(eigenvalue t)."""
+    """A motion in which all bodies move as exp(eigenvalue t).
+
+    `kind`: "oscillation", "decay", "growth", or "rigid": without restoring force. `eigenvalue`: 1/s, of a pair that with the
+    positive imaginary part. `frequency`: Hz, of the damped motion. `damping`: the ratio, 0 without damping; if negative it
+    grows. `bound`: error of the eigenvalue by round-off, 1/s. `shape`: by body, translation of its centre of mass (3, world,
+    m) and rotation (3, world axes, rad).
+    """
 
     kind: str
-    """"oscillation", "decay", "growth", or "rigid": without restoring force."""
     eigenvalue: complex
-    """1/s; of a pair that with the positive imaginary part."""
     frequency: float
-    """Hz, of the damped motion."""
     damping: float
-    """Damping ratio: 0 without damping, negative: it grows."""
     bound: float
-    """Error of the eigenvalue by round-off, 1/s."""
     shape: dict[str, tuple[Complex, Complex]]
-    """By body: translation of its centre of mass (world, m) and rotation (world axes, rad)."""
 
 
 @dataclass(frozen=True)
 class Modes:
-    """The modes of a mechanism: rigid ones first, then by rising size of the eigenvalue."""
+    """The modes of a mechanism: rigid ones first, then by rising size of the eigenvalue.
+
+    `eigenvalues`: all of them, 1/s, pairs as two. `is_complete`: whether these are all modes.
+    """
 
     modes: list[Mode]
     eigenvalues: Complex
-    """All of them, 1/s; pairs as two."""
     freedoms: int
     is_complete: bool
-    """Whether these are all modes."""
     findings: list[Finding]
 
     @property
@@ -155,21 +150,21 @@ class Modes:
 
 @dataclass(frozen=True)
 class LinearSystem:
-    """x' = A x + B u, y = C x + D u, deviations from a state. scipy.signal.StateSpace(*system) takes it."""
+    """x' = A x + B u, y = C x + D u, deviations from a state. scipy.signal.StateSpace(*system) takes it.
+
+    `states`: "rod.turn_z", displacements, one a degree of freedom, then their rates. `inputs`: a drive has three, "A.rz" and
+    its rates "A.rz_d" and "A.rz_dd". `units`: of states, inputs and outputs by name. `accuracy`: relative error of B, C, D.
+    """
 
     A: Array
     B: Array
     C: Array
     D: Array
     states: list[str]
-    """"rod.turn_z": displacements, one a degree of freedom, then their rates."""
     inputs: list[str]
-    """A drive has three columns: "A.rz", and its rates "A.rz_d" and "A.rz_dd"."""
     outputs: list[str]
     units: dict[str, str]
-    """Of states, inputs and outputs by name."""
     accuracy: float
-    """Relative error of B, C and D."""
     findings: list[Finding]
 
     def __iter__(self) -> Iterator[Array]:

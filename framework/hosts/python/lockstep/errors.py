@@ -13,25 +13,22 @@ from typing import Any
 
 
 class Error(Exception):
-    """Base of the errors of lockstep. Its facts are attributes; None if they do not apply."""
+    """Base of the errors of lockstep. Its facts are attributes; None if they do not apply.
+
+    `thing`: name of the joint, body, force, law, ...; `thing_kind`: "joint", ...; `key`: the parameter; `value`: as it was
+    found, with its unit; `problem`: what is wrong; `advice`: what to do next; place in a file; `t`: simulated time, s.
+    """
 
     thing: str | None = None
-    """Name of the joint, body, force, law, ..."""
     thing_kind: str | None = None
-    """"joint", "body", ..."""
     key: str | None = None
-    """The parameter."""
     value: str | None = None
-    """The value that was found, with its unit."""
     problem: str | None = None
-    """What is wrong."""
     advice: str | None = None
-    """What to do next."""
     file: str | None = None
     line: int | None = None
     column: int | None = None
     t: float | None = None
-    """Simulated time, s."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restored, (type(self), str(self), dict(self.__dict__))
@@ -97,24 +94,22 @@ def error_of(kind: str, sentence: str, facts: dict[str, Any]) -> Error:
 
 @dataclass(frozen=True)
 class Finding:
-    """A remark about a scene, a start or a run. None if a field does not apply."""
+    """A remark about a scene, a start or a run. None if a field does not apply.
+
+    `code`: "energy-not-conserved", never changes; `severity`: "note", "warning", "doubt" or "wrong"; `value`: what was
+    measured, and `limit`: what it was compared with, in `unit`; `t`: simulated time, s; `place`: "four_bar.json:4:64".
+    """
 
     code: str
-    """"energy-not-conserved"; never changes."""
     severity: str
-    """"note", "warning", "doubt" or "wrong"."""
     thing: str | None
     message: str
     advice: str | None
     value: float | None
-    """What was measured, in `unit`."""
     limit: float | None
-    """What it was compared with, in `unit`."""
     unit: str | None
     t: float | None
-    """Simulated time, s."""
     place: str | None
-    """"four_bar.json:4:64"."""
     text: str
 
     def __str__(self) -> str:

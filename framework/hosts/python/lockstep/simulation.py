@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lockstep._core import Run as _Run
-from lockstep._core import Sample, Scene, State, Types
+from lockstep._core import Scene, State, Types
 from lockstep._core import seconds as _seconds
 from lockstep.errors import Finding, ModelError
-from lockstep.table import Table
+from lockstep.table import Table, Value
 
 if TYPE_CHECKING:
     from lockstep.builder import Mechanism
@@ -101,17 +101,15 @@ class Simulation:
         self._subject = self.scene, types_of(self.scene, types), pairs_of({**(set or {}), **parameters})
         self._report = in_notebook() if report is None else report
         self._run = _Run(*self._subject, pairs_of_columns(record), self._report)
-        self._began = False
 
     def record(self, channels: Sequence[str] | Mapping[str, str]) -> None:
         """Adds columns before the run begins: channels, or names with channels or formulas."""
         self._run.record(pairs_of_columns(channels))
 
-    def begin(self) -> None:
+    def begin(self) -> _Run:
         """Assembles the start. Called by whatever needs it."""
-        if not self._began:
-            self._run.begin()
-            self._began = True
+        self._run.begin()
+        return self._run
 
     def until(self, t: Quantity) -> Table:
         """Runs to the time t, and returns the table so far. May be called again."""
@@ -125,8 +123,8 @@ class Simulation:
 
     def advance_to(self, t: float | None) -> None:
         """Runs to the time t, s, or None: to the end that the scene gives."""
-        self.begin()
-        self._run.run() if t is None else self._run.until(t)
+        run = self.begin()
+        run.run() if t is None else run.until(t)
 
     @property
     def units(self) -> dict[str, str]:
@@ -139,63 +137,62 @@ class Simulation:
 
     def advance(self, h: Quantity) -> None:
         """Runs on by exactly h, s, as a controller in a loop does."""
-        self.begin()
-        self._run.advance(seconds(h))
+        self.begin().advance(seconds(h))
 
     def step(self, h: Quantity = 0.0) -> float:
         """Makes one step of at most h, s, and returns its length."""
-        self.begin()
-        return self._run.step(seconds(h))
+        return self.begin().step(seconds(h))
 
     @property
     def table(self) -> Table:
         """The columns so far. They stay as they are when the run goes on."""
         return Table.of(self._run.columns(), self._run.title)
 
+    def __getitem__(self, name: str) -> Value:
+        """A recorded column, or a channel, at the present time: run["A.rz"], in SI, with its unit.
+
+        Also in on_step. What is not recorded is read first before the run begins; else it is a ModelError.
+        """
+        return Value(*self._run.value(name))
+
     @property
     def t(self) -> float:
         """The present time, s."""
-        self.begin()
-        return self._run.t
+        return self.begin().t
 
     @property
     def findings(self) -> list[Finding]:
         """What is remarkable about the run so far, also as warnings."""
-        self.begin()
-        return self._run.findings()
+        return self.begin().findings()
 
     @property
     def steps(self) -> int:
         """Accepted steps."""
-        self.begin()
-        return int(self._run.report()["steps"])
+        return int(self.begin().report()["steps"])
 
     @property
     def stopped_by(self) -> str:
         """Names of the events that ended the run; "" if none did."""
-        self.begin()
-        return str(self._run.report()["stopped_by"])
+        return str(self.begin().report()["stopped_by"])
 
     def body(self, name: str) -> dict[str, Any]:
         """Pose and twist of a body now: x (m), q, v (m/s), w (body axes, rad/s)."""
-        self.begin()
-        return self._run.body(name)
+        return self.begin().body(name)
 
     @property
     def inputs(self) -> Inputs:
         """Numbers that forces and laws read: run.inputs["u"] = 0.3. A value acts from the next step on."""
         return Inputs(self._run)
 
-    def on(self, name: str, *, when: Callable[[Sample], float] | None = None,
+    def on(self, name: str, *, when: Callable[[State], float] | None = None,
            at: Quantity | None = None, crossing: str = "any",
            stop: bool = False, once: bool = True, activate: Sequence[str] = (), deactivate: Sequence[str] = (),
            change: Callable[[State], object] | None = None, tolerance: float = 1e-9) -> None:
-        """Adds an event: at a time, s, or when a function of a Sample passes zero ("rising", "falling", "any").
+        """Adds an event: at a time, s, or when a function of a State passes zero ("rising", "falling", "any").
 
-        `change` may set velocities of the State that it is called with. `stop` ends the run.
+        `change` may set velocities of its State. `stop` ends the run.
         """
-        self.begin()
-        self._run.add_event({"name": name, "when": when, "at": None if at is None else seconds(at),
+        self.begin().add_event({"name": name, "when": when, "at": None if at is None else seconds(at),
                              "crossing": crossing, "stop": stop, "once": once,
                              "activate": list(activate), "deactivate": list(deactivate), "change": change,
                              "tolerance": tolerance})
@@ -206,18 +203,15 @@ class Simulation:
 
     def activate(self, name: str) -> None:
         """Activates a joint, a force or an event."""
-        self.begin()
-        self._run.activate(name)
+        self.begin().activate(name)
 
     def deactivate(self, name: str) -> None:
         """Deactivates a joint, a force or an event."""
-        self.begin()
-        self._run.deactivate(name)
+        self.begin().deactivate(name)
 
     def subject(self) -> tuple[Any, Types, list[tuple[str, str]], _Run]:
         """Its scene, types and values, and the run itself, for analyses at its present state."""
-        self.begin()
-        return *self._subject, self._run
+        return *self._subject, self.begin()
 
     def save(self, file: str | os.PathLike[str]) -> None:
         """Writes a checkpoint, from which load() continues to the last bit."""
@@ -228,8 +222,7 @@ class Simulation:
 
     def load(self, file: str | os.PathLike[str]) -> None:
         """Continues from a checkpoint of the same scene."""
-        self.begin()
-        self._run.load(os.fspath(file))
+        self.begin().load(os.fspath(file))
 
     @property
     def channels(self) -> dict[str, str]:
@@ -243,7 +236,7 @@ class Simulation:
             out.write(page)
 
     def _repr_html_(self) -> str:
-        if not (self._report and self._began):
+        if not (self._report and self._run.begun):
             return f"<pre>{html.escape(repr(self))}</pre>"
         try:
             page = html.escape(self._run.report_page(), quote=True)
@@ -253,7 +246,7 @@ class Simulation:
 
     def __repr__(self) -> str:
         name = self._run.title or "a scene without a title"
-        return f"Simulation of {name}" + (f", t = {self.t:g} s" if self._began else ", not begun")
+        return f"Simulation of {name}" + (f", t = {self.t:g} s" if self._run.begun else ", not begun")
 
 
 class Inputs:

@@ -35,19 +35,13 @@ class Runs(Table):
 
     For each recorded column "x" of the runs there are "x.last", "x.min" and "x.max", and "x.t_min" and "x.t_max", the
     times of the extremes, s. Numbers that a `measure` returned have its names. Rows of runs that failed are NaN.
+    `varied`: names of the parameters. By run: `errors`, what it raised or None, `findings`, and what `measure` returned.
     """
 
     def __init__(self, columns: list[Column], varied: list[str], errors: list[Exception | None],
                  findings: list[list[Finding]], measured: list[Any]) -> None:
         super().__init__(columns)
-        self.varied = varied
-        """Names of the parameters."""
-        self.errors = errors
-        """By run: what it raised, or None."""
-        self.findings = findings
-        """By run."""
-        self.measured = measured
-        """By run: what `measure` returned."""
+        self.varied, self.errors, self.findings, self.measured = varied, errors, findings, measured
 
     @property
     def failed(self) -> list[int]:
@@ -188,16 +182,14 @@ def _parameters(scene: Any, rows: list[Row]) -> list[Column]:
     columns = []
     for name in dict.fromkeys(itertools.chain.from_iterable(rows)):
         given = [row.get(name, math.nan) for row in rows]
+        texts = list(dict.fromkeys(v for v in given if isinstance(v, str)))
         known: dict[Any, float] = {}
         unit = ""
-        first = [v for v in given[:1] if isinstance(v, numbers.Real)]
-        for value in dict.fromkeys([*first, *(v for v in given if isinstance(v, str))]):
-            try:
-                known[value], unit = read.quantity(name, text_of(value, name))
-            except (Error, TypeError, ValueError):
-                known[value] = math.nan
-        columns.append(Column([known[v] if isinstance(v, str) else float(v) if isinstance(v, numbers.Real) else math.nan
-                               for v in given], name, unit))
+        with suppress(Error):
+            values, unit = read.quantities(name, ",".join(texts or ["0"]))
+            known = dict(zip(texts, values))
+        columns.append(Column([known.get(v, math.nan) if isinstance(v, str) else float(v)
+                               if isinstance(v, numbers.Real) else math.nan for v in given], name, unit))
     return columns
 
 

@@ -11,24 +11,38 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 
+class Value(float):
+    """A number with its `unit`: "N"; "" without dimension."""
+
+    unit: str
+
+    def __new__(cls, value: float, unit: str) -> Value:
+        made = super().__new__(cls, value)
+        made.unit = unit
+        return made
+
+    def __getnewargs__(self) -> tuple[float, str]:
+        return float(self), self.unit
+
+    def __repr__(self) -> str:
+        return f"{float(self):.9g} {self.unit}".rstrip()
+
+
 class Range(NamedTuple):
-    """An extreme of a column over the motion."""
+    """An extreme of a column over the motion: value, in the unit of the column, and time t, s."""
 
     value: float
-    """In the unit of the column."""
     t: float
-    """When, s."""
 
     def __repr__(self) -> str:
         return f"{self.value:.9g} at t = {self.t:.9g} s"
 
 
 class Column(np.ndarray[Any, np.dtype[np.float64]]):
-    """A column: an array with name, unit, and the extremes of the motion, also between rows."""
+    """A column: an array with name, unit ("" without dimension), and the extremes of the motion, also between rows."""
 
     name: str
     unit: str
-    """"N"; "" without dimension."""
 
     def __new__(cls, values: ArrayLike, name: str = "", unit: str = "", extremes: Any = None) -> Column:
         column = np.asarray(values, dtype=float).view(cls)
