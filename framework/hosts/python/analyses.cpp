@@ -72,33 +72,20 @@ py::dict statics(const py::object& source, Types types, const Settings& set, Run
   State state;
   EquilibriumReport report;
   std::vector<std::pair<std::string, NamedReaction>> reactions;
-  UniquenessReport unique;
   analysing(run, [&] {
     made = of.built();
     dynamics.reset(new Dynamics(make_dynamics(*made, of.registry)));
     state = start_or_present(*made, *dynamics, of.run);
     state.v.setZero();
     report = find_equilibrium(*dynamics, state, {.friction = friction, .nearest = nearest});
-    const VecX none = VecX::Zero(6 * made->system.n_slots());
-    const Evaluation& e = dynamics->gather(state);
-    reactions = reactions_of(made->system, {e.inputs(), none, report.lambda, e.rows()});
-    unique = uniqueness(*dynamics, state);
+    reactions = reactions_at_rest(*dynamics, state, report, uniqueness(*dynamics, state));
   });
   py::dict bodies, joints;
-  for (const auto& [name, pose] : named_poses(made->system, state)) {
-    const std::array<double, 4> q{pose.q.w, pose.q.x, pose.q.y, pose.q.z};
-    bodies[py::str(name)] = py::make_tuple(array_of(pose.x), py::array_t<double>(4, q.data()));
-  }
-  for (const auto& [name, r] : reactions) {
-    const auto is_of = [&, start = name + "."](const std::string& channel) { return channel.starts_with(start); };
-    const double least = kNegligible * report.largest_force;
-    const auto rounded = [](const Vec3& x, double zero) {
-      return array_of(Vec3(x.unaryExpr([zero](double each) { return std::abs(each) <= zero ? 0 : each; })));
-    };
+  for (const auto& [name, pose] : named_poses(made->system, state))
+    bodies[py::str(name)] = py::make_tuple(pose.x, numbers_of(pose.q));
+  for (const auto& [name, r] : reactions)
     joints[py::str(name)] =
-        py::make_tuple(r.body, rounded(r.wrench.force, least), rounded(r.wrench.moment, least * made->system.length()),
-                       r.note.empty() && std::ranges::none_of(unique.channels, is_of));
-  }
+        py::make_tuple(r.body, r.wrench.force, r.wrench.moment, r.note.empty());
   const Stability& s = report.stability;
   return py::dict(py::arg("bodies") = bodies, py::arg("reactions") = joints, py::arg("t") = state.t,
                   py::arg("stability") = s.freedoms == 0 ? "no free motion" : to_string(s.kind),
@@ -146,23 +133,10 @@ LinearMotionOptions motion_options(const py::object& spin, bool frozen) {
   return options;
 }
 
-/// Calls an analysis, and names the arguments that help against its errors.
-template <class Analysis>
-auto with_words_of_python(Analysis&& analysis) {
-  try {
-    return analysis();
-  } catch (const ModelError& error) {
-    const std::string words = error.what();
-    const std::size_t advice = words.find("; use an equilibrium");
-    if (advice == std::string::npos) throw;
-    throw ModelError(words.substr(0, advice) +
-                     "; equilibrium=True takes the static equilibrium, spin=[x, y, z] a steady rotation, "
-                     "frozen=True this state");
-  }
-}
+constexpr const char* kAdvice =
+    "; equilibrium=True takes the static equilibrium, spin=[x, y, z] a steady rotation, frozen=True this state";
 
 using Complex = std::complex<double>;
-py::array_t<Complex> array_of(const Eigen::Vector3cd& v) { return py::array_t<Complex>(3, v.data()); }
 
 py::dict modes(const py::object& source, Types types, const Settings& set, Run* run, const py::object& spin,
                bool frozen, bool equilibrium, int count) {
@@ -171,13 +145,13 @@ py::dict modes(const py::object& source, Types types, const Settings& set, Run* 
   Modes found;
   analysing(run, [&] {
     const MechanismAt at = of.at(of.built(), equilibrium);
-    found = with_words_of_python([&] { return find_modes(*at.dynamics, at.state, options); });
+    found = with_advice(kAdvice, [&] { return find_modes(*at.dynamics, at.state, options); });
   });
   constexpr const char* kKinds[] = {"rigid", "oscillation", "decay", "growth"};
   py::list all;
   for (const Mode& mode : found.modes) {
     py::dict shape;
-    for (const BodyShape& s : mode.shape) shape[py::str(s.body)] = py::make_tuple(array_of(s.move), array_of(s.turn));
+    for (const BodyShape& s : mode.shape) shape[py::str(s.body)] = py::make_tuple(s.move, s.turn);
     all.append(py::make_tuple(kKinds[static_cast<std::size_t>(mode.kind)], mode.value, mode.frequency(),
                               mode.is_marginal() ? 0.0 : mode.damping(), mode.bound, shape));
   }
@@ -205,10 +179,10 @@ py::dict linearized(const py::object& source, Types types, const Settings& set, 
     types.check(*built.mechanism);
     const std::vector<Channel> channels = channels_of(*built.mechanism, outputs);
     const MechanismAt at = of.at(std::move(built.mechanism), equilibrium);
-    s = with_words_of_python([&] { return linearize(*at.dynamics, at.state, built.inputs, channels, options); });
+    s = with_advice(kAdvice, [&] { return linearize(*at.dynamics, at.state, built.inputs, channels, options); });
   });
-  return py::dict(py::arg("A") = matrix_of(s.A), py::arg("B") = matrix_of(s.B), py::arg("C") = matrix_of(s.C),
-                  py::arg("D") = matrix_of(s.D), py::arg("states") = signals_of(s.states),
+  return py::dict(py::arg("A") = s.A, py::arg("B") = s.B, py::arg("C") = s.C,
+                  py::arg("D") = s.D, py::arg("states") = signals_of(s.states),
                   py::arg("inputs") = signals_of(s.inputs), py::arg("outputs") = signals_of(s.outputs),
                   py::arg("accuracy") = s.accuracy, py::arg("findings") = objects_of(s.notes));
 }

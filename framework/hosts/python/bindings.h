@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -171,17 +172,9 @@ void warn(const std::vector<Finding>&);
 template <class Act>
 std::vector<Finding> found_by(Act&& act, bool holds = false) {
   FindingScope scope;
-  std::exception_ptr error;
-  {
-    std::optional<Unlocked> unlocked;
-    if (!holds) unlocked.emplace();
-    try {
-      act();
-    } catch (...) {
-      error = std::current_exception();
-    }
-  }
-  if (error) std::rethrow_exception(error);
+  std::optional<Unlocked> unlocked;
+  if (!holds) unlocked.emplace();
+  act();
   return std::move(scope.found);
 }
 /// The same; the findings become warnings of Python.
@@ -190,19 +183,8 @@ void computing(Act&& act) {
   warn(found_by(std::forward<Act>(act)));
 }
 
-/// A vector as an array of three numbers.
-inline py::array_t<double> array_of(const Vec3& v) { return py::array_t<double>(3, v.data()); }
-/// A vector of numbers as an array of its own.
-inline py::array_t<double> array_of(const VecX& v) { return py::array_t<double>(v.size(), v.data()); }
-/// A matrix as an array of rows.
-template <class M>
-py::array_t<double> matrix_of(const M& m) {
-  py::array_t<double> a({m.rows(), m.cols()});
-  auto at = a.template mutable_unchecked<2>();
-  for (Eigen::Index i = 0; i < m.rows(); ++i)
-    for (Eigen::Index j = 0; j < m.cols(); ++j) at(i, j) = m(i, j);
-  return a;
-}
+/// A quaternion as four numbers, the scalar first.
+inline Eigen::Vector4d numbers_of(const Quat& q) { return {q.w, q.x, q.y, q.z}; }
 /// Three numbers of a sequence or an array. Throws TypeError, naming `what`.
 Vec3 vec3_of(const py::handle&, const char* what);
 

@@ -91,21 +91,21 @@ void bind_integrators(py::module_& m) {
           "__truediv__", [](const StateRate& a, double k) { return times(a, 1 / k); }, py::is_operator())
       .def("__neg__", [](const StateRate& a) { return times(a, -1); })
       .def_property_readonly(
-          "q", [](const StateRate& k) { return array_of(k.q); }, "7 per rigid group: m/s, 1/s.")
+          "q", [](const StateRate& k) { return k.q; }, "7 per rigid group: m/s, 1/s.")
       .def_property_readonly(
-          "v", [](const StateRate& k) { return array_of(k.v); }, "6 per rigid group: m/s^2, rad/s^2.")
+          "v", [](const StateRate& k) { return k.v; }, "6 per rigid group: m/s^2, rad/s^2.")
       .def_property_readonly(
-          "s", [](const StateRate& k) { return array_of(k.s); }, "Of the integrated states.");
+          "s", [](const StateRate& k) { return k.s; }, "Of the integrated states.");
   py::class_<State>(m, "MechanismState", "Positions and velocities of a mechanism, for integrators.")
       .def_readonly("t", &State::t, "Time, s.")
       .def_property(
-          "q", [](const State& y) { return array_of(y.q); }, &set_part<&State::q>,
+          "q", [](const State& y) { return y.q; }, &set_part<&State::q>,
           "7 per rigid group: centre of mass (world, m), quaternion (scalar first).")
       .def_property(
-          "v", [](const State& y) { return array_of(y.v); }, &set_part<&State::v>,
+          "v", [](const State& y) { return y.v; }, &set_part<&State::v>,
           "6 per rigid group: velocity (world, m/s), angular velocity (own axes, rad/s).")
       .def_property(
-          "s", [](const State& y) { return array_of(y.s); }, &set_part<&State::s>, "Integrated states.")
+          "s", [](const State& y) { return y.s; }, &set_part<&State::s>, "Integrated states.")
       .def("__copy__", [](const State& y) { return y; })
       .def(
           "moved",

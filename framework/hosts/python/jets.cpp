@@ -22,7 +22,7 @@ void bind_jet(py::module_& m, const char* name) {
   py::class_<J> jet(m, name, "A number with its exact derivatives.");
   jet.def(py::init<double>(), py::arg("value"))
       .def_readonly("value", &J::v)
-      .def_property_readonly("gradient", [](const J& a) { return array_of(VecX(a.g)); })
+      .def_property_readonly("gradient", [](const J& a) { return VecX(a.g); })
       .def("__float__",
            [](const J& a) -> double {
              throw py::type_error(

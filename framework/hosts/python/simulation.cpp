@@ -36,9 +36,8 @@ Mechanism mechanism_of(const py::object& source, Types& types, const Settings& s
 py::dict pose_of(const Body& body, const State& state) {
   const Pose p = body_pose(body, state);
   const Twist o = body_twist(body, state);
-  const std::array<double, 4> q{p.q.w, p.q.x, p.q.y, p.q.z};
-  return py::dict(py::arg("x") = array_of(p.x), py::arg("q") = py::array_t<double>(4, q.data()),
-                  py::arg("v") = array_of(o.v), py::arg("w") = array_of(o.w));
+  return py::dict(py::arg("x") = p.x, py::arg("q") = numbers_of(p.q), py::arg("v") = o.v,
+                  py::arg("w") = o.w);
 }
 
 /// A state as functions of events see it: during their call only.
@@ -50,7 +49,10 @@ struct StateView {
     if (state == nullptr) throw ModelError("a state is used after the call that it was given to; copy numbers out of it");
     return *state;
   }
-  py::dict body(const std::string& name) const { return pose_of(system->body(name), get()); }
+  py::dict body(const std::string& name) const {
+    const State& at = get();
+    return pose_of(system->body(name), at);
+  }
   void set_twist(const std::string& name, const py::object& v, const py::object& w) const {
     if (get(), changed == nullptr) throw ModelError("the state of a condition is read only; change it in \"change\"");
     const Body& of = system->body(name);
@@ -61,38 +63,32 @@ struct StateView {
   }
 };
 
-Event event_of(Run& run, const py::dict& given) {
+// `when`: None, or a function that passes zero. `change`: None, or a function that changes the state.
+void add_event(Run& run, std::string name, const py::object& when, std::optional<double> at, const std::string& crossing,
+               bool stop, bool once, std::vector<std::string> activate, std::vector<std::string> deactivate,
+               const py::object& change, double tolerance) {
+  static const std::map<std::string, Event::Crossing> words{{"rising", Event::Crossing::rising},
+                                                            {"falling", Event::Crossing::falling},
+                                                            {"any", Event::Crossing::any}};
+  const auto word = words.find(crossing);
+  if (word == words.end())
+    throw py::value_error("crossing is \"" + crossing + "\"; must be rising, falling or any");
   Event e;
-  const auto take = [&](const char* key) -> py::object {
-    return given.contains(key) && !given[key].is_none() ? py::object(given[key]) : py::object();
-  };
-  const auto kept = [&](const py::object& f) { return run.functions.append(f), py::handle(f); };
-  e.name = py::str(given["name"]);
-  if (const py::object at = take("at")) e.at = at.cast<double>();
-  if (const py::object crossing = take("crossing")) {
-    const auto word = crossing.cast<std::string>();
-    if (word != "rising" && word != "falling" && word != "any")
-      throw py::value_error("crossing is \"" + word + "\"; must be rising, falling or any");
-    e.crossing = word == "rising"    ? Event::Crossing::rising
-                 : word == "falling" ? Event::Crossing::falling
-                                     : Event::Crossing::any;
-  }
-  if (const py::object tolerance = take("tolerance")) e.tolerance = tolerance.cast<double>();
-  if (const py::object once = take("once")) e.once = once.cast<bool>();
-  if (const py::object stop = take("stop")) e.stop = stop.cast<bool>();
-  if (const py::object names = take("activate")) e.activate = names.cast<std::vector<std::string>>();
-  if (const py::object names = take("deactivate")) e.deactivate = names.cast<std::vector<std::string>>();
-  if (const py::object when = take("when"))
-    e.value = [f = kept(when)](const Sample& s) {
+  e.name = std::move(name), e.crossing = word->second, e.tolerance = tolerance, e.once = once, e.stop = stop;
+  e.activate = std::move(activate), e.deactivate = std::move(deactivate);
+  if (at) e.at = *at;
+  if (!when.is_none())
+    e.value = [f = py::handle(when)](const Sample& s) {
       const Locked lock;
       return call_with(f, StateView{&s.state, &s.system()}).cast<double>();
     };
-  if (const py::object change = take("change"))
-    e.change = [f = kept(change), &run](State& s) {
+  if (!change.is_none())
+    e.change = [f = py::handle(change), &run](State& s) {
       const Locked lock;
       call_with(f, StateView{&s, &run.simulation().system(), &s});
     };
-  return e;
+  run.functions.append(when), run.functions.append(change);
+  run.simulation().add_event(std::move(e));
 }
 
 }  // namespace
@@ -144,7 +140,7 @@ bool Run::goes_on() {
   if (on_step) {
     const Locked lock;
     between_steps_ = true;
-    const AtEnd over([this] { between_steps_ = false, now_.reset(); });
+    const AtEnd over([this] { between_steps_ = false, present_.pass(); });
     const py::object given = call(py::object(on_step), nullptr);
     if (!given.is_none() && !py::bool_(given)) return false;
   }
@@ -215,37 +211,11 @@ py::list Run::columns() {
 std::pair<double, std::string> Run::value(const std::string& name) {
   if (simulation(), runner_ != std::thread::id{} && !between_steps_)
     throw ModelError("\"" + name + "\" cannot be read inside a step; read it in on_step, or between the calls of the run");
-  auto at = read_.find(name);
-  if (at == read_.end()) {
-    const auto own = std::ranges::find(recorded, name, &Settings::value_type::first);
-    if (own == recorded.end() && begun)
-      throw ModelError("\"" + name + "\" is not recorded; give record=[\"" + name + "\"], or read it before the run begins");
-    Channel made = make_channel(simulation_.system(), own == recorded.end() ? name : own->second);
-    if (made.memory || made.of_motion)
-      throw ModelError("\"" + name + "\" depends on the motion before; read its column of the table");
-    at = read_.emplace(name, std::move(made)).first;
-  }
+  const Channel& channel = present_.channel(simulation_, recorded, name);
   begin();
   double value = 0;
-  alone([&] {
-    if (!now_) now_.emplace(simulation_.dynamics(), simulation_.state(), last_);
-    value = at->second.value(*now_);
-  });
-  return {value, at->second.unit};
-}
-
-py::array_t<double> Run::extremes() {
-  take_rows_back();
-  const std::span<const ColumnRange> ranges = simulation().recorder().ranges();
-  const std::vector<Column>& columns = simulation().table().columns();
-  py::array_t<double> all({ranges.size(), std::size_t{5}});
-  double* out = all.mutable_data();
-  for (std::size_t k = 0; k < ranges.size(); ++k, out += 5) {
-    const ColumnRange& r = ranges[k];
-    const std::vector<double>& values = columns[k + 1].values;
-    std::ranges::copy(std::array{values.empty() ? NAN : values.back(), r.least, r.t_least, r.most, r.t_most}, out);
-  }
-  return all;
+  alone([&] { value = present_.value(simulation_, channel); });
+  return {value, channel.unit};
 }
 
 std::string Run::report_page() {
@@ -307,14 +277,7 @@ void bind_simulation(py::module_& m) {
       .def("value", &Run::value)
       .def_readonly("begun", &Run::begun)
       .def("columns", &Run::columns)
-      .def("extremes", &Run::extremes)
       .def_property_readonly("title", [](const Run& r) { return r.text.title; })
-      .def("units",
-           [](Run& r) {
-             std::vector<std::pair<std::string, std::string>> all;
-             for (const Column& c : r.simulation().table().columns()) all.emplace_back(c.name, c.unit);
-             return all;
-           })
       .def_property_readonly("t", [](Run& r) { return r.simulation().state().t; })
       .def("body",
            [](Run& r, const std::string& name) {
@@ -330,19 +293,14 @@ void bind_simulation(py::module_& m) {
       .def("set_input", [](Run& r, const std::string& name, double value) { r.simulation().input(name).set(value); })
       .def("activate", [](Run& r, const std::string& name) { r.advancing([&] { r.simulation().activate(name); }); })
       .def("deactivate", [](Run& r, const std::string& name) { r.advancing([&] { r.simulation().deactivate(name); }); })
-      .def("add_event", [](Run& r, const py::dict& event) { r.simulation().add_event(event_of(r, event)); })
+      .def("add_event", &add_event)
       .def("set_on_step",
            [](Run& r, const py::object& f) { r.on_step = f.is_none() ? py::object() : f; })
       .def("save", [](Run& r, const std::string& file) { r.advancing([&] { r.simulation().save(file); }); })
       .def("load", [](Run& r, const std::string& file) { r.advancing([&] { r.simulation().load(file); }); })
       .def("findings", [](Run& r) { return objects_of(r.simulation().verdict().findings); })
-      .def("report",
-           [](Run& r) {
-             const SimulationReport& made = r.simulation().loop().report();
-             return py::dict(py::arg("steps") = made.steps, py::arg("rejected") = made.rejected,
-                             py::arg("impacts") = made.impacts, py::arg("largest_violation") = made.largest_violation,
-                             py::arg("stopped_by") = made.stopped_by);
-           })
+      .def_property_readonly("steps", [](Run& r) { return r.simulation().loop().report().steps; })
+      .def_property_readonly("stopped_by", [](Run& r) { return r.simulation().loop().report().stopped_by; })
       .def("channels",
            [](Run& r) {
              r.simulation().loop();

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -19,6 +18,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include "framework/hosts/python/bindings.h"
+#include "framework/tools/simulation/present_channels.h"
 
 namespace lockstep::python {
 
@@ -53,7 +53,7 @@ class Run {
   template <class Act>
   void alone(Act&& act) {
     simulation();
-    const Ended ended{runner_, std::exchange(runner_, std::this_thread::get_id())};
+    const AtEnd ended([this, before = std::exchange(runner_, std::this_thread::get_id())] { runner_ = before; });
     warn_once(found_by(std::forward<Act>(act), types.has_functions()));
   }
   /// Begins the run. From then on an interrupt (Ctrl-C) ends it after a step.
@@ -63,17 +63,15 @@ class Run {
   void advancing(Act&& act) {
     simulation();
     take_rows_back();
-    now_.reset();
+    present_.pass();
     alone(std::forward<Act>(act));
   }
   /// Warns of what the verdict on the run finds.
   void judge() { warn_once(simulation().verdict().findings); }
   /// The columns so far, as arrays without a copy: they stay as they are while the run goes on.
   py::list columns();
-  /// By column after the time: last value, least and its time, largest and its time.
-  py::array_t<double> extremes();
   std::string report_page();
-  /// The value of a recorded column, or of a channel that was read before the run began, at the present time; and its unit.
+  /// The value of a recorded column or of a channel at the present time, and its unit.
   std::pair<double, std::string> value(const std::string& name);
   /// Gives the rows back to the recorder, before it changes or writes them.
   void take_rows_back();
@@ -92,16 +90,10 @@ class Run {
   py::object on_step{};  ///< called after each step; false ends the run; null: none
 
  private:
-  struct Ended {  // on_step and other functions of Python may use the run in its own thread
-    std::thread::id &runner, before;
-    ~Ended() { runner = before; }
-  };
   bool goes_on();
   void warn_once(std::vector<Finding>);
   std::set<std::string> warned_;
-  std::map<std::string, Channel> read_;  // by value()
-  std::optional<Sample> now_;            // of the present state, if value() was called there
-  StepReport last_{};                    // of it: none
+  PresentChannels present_;
   bool between_steps_ = false;           // in a call, when it calls on_step
   std::shared_ptr<Table> rows_;  // null: the recorder has them
   Turns turns_;

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <optional>
 
-#include <lockstep/author/check.h>
 #include <lockstep/author/formula.h>
 #include <lockstep/author/loader.h>
 #include <lockstep/author/phi_links.h>
 #include "framework/description/scene/system_of.h"
 #include "framework/hosts/python/bindings.h"
+#include "framework/tools/check/derivatives.h"
 
 namespace lockstep::python {
 
@@ -151,13 +151,11 @@ struct PythonRows {
   }
 };
 
-template <class Phi>
-class PythonJoint final : public std::conditional_t<Phi::spec.pairs == 1, PhiLock<Phi>, PhiCoupling<Phi>> {
+template <class Phi, class Base = std::conditional_t<Phi::spec.pairs == 1, PhiLock<Phi>, PhiCoupling<Phi>>>
+class PythonJoint final : public Base {
  public:
   template <class... Args>
-  explicit PythonJoint(std::string type, Args&&... args)
-      : std::conditional_t<Phi::spec.pairs == 1, PhiLock<Phi>, PhiCoupling<Phi>>(std::forward<Args>(args)...),
-        type_(std::move(type)) {}
+  explicit PythonJoint(std::string type, Args&&... args) : Base(std::forward<Args>(args)...), type_(std::move(type)) {}
   std::string_view type() const override { return type_; }
 
  private:
@@ -229,8 +227,8 @@ struct EndsView {
   double t;
 };
 
-py::object as_array(const Vec3& v) { return array_of(v); }
-py::object as_array(const Mat3& A) { return matrix_of(A); }
+py::object as_array(const Vec3& v) { return py::cast(v); }
+py::object as_array(const Mat3& A) { return py::cast(A); }
 py::object as_objects(py::object list) {
   const py::module_ numpy = py::module_::import("numpy");
   return numpy.attr("array")(std::move(list), py::arg("dtype") = "object");
@@ -377,31 +375,12 @@ std::string Types::add(const py::handle& given) {
 
 void Types::check(Mechanism& m) const {
   if (*checked_ || !has_functions()) return;
-  CheckOptions options{.states = 1};
-  if (m.run.until > 0) options.to = m.run.until;
-  const auto right = [](const CheckReport& report, const Thing& thing, const char* advice) {
-    for (const CheckFinding& f : report.findings())  // others, such as jumps, are no wrong derivatives
-      if (f.what.find("finite differences") != std::string::npos)
-        throw ModelError(fmt::format("{}: {}; {}", thing.words(), f.what, advice), {.thing = thing, .advice = advice});
+  const auto is_own = [&](const Lock& link) {
+    return std::ranges::any_of(added_, [&](const auto& type) { return type.second == link.type(); });
   };
-  const auto law_is_right = [&](const auto& law) {
-    if (!law) return;  // those of the library may be made of laws of Python
-    const LawLabel* label = label_of(law);
-    const std::string name = label != nullptr ? label->type : "";
-    right(check_law(*law, options, name), {.kind = "law", .name = name},
-          "compute with t itself, not t.value, or return the value and both its rates");
-  };
-  for (const auto& link : m.system.links()) {
-    if (std::ranges::find(added_, link->type(), [](const auto& of) { return std::string_view(of.second); }) != added_.end())
-      right(check_lock(system_of(m), *link, options), {.kind = "joint", .name = link->name()},
-            "compute with the coordinates themselves, not their .value");
-    for (const auto& [p, s] : link->pairs())
-      for (const Marker* marker : {p, s}) law_is_right(marker->translation_law), law_is_right(marker->rotation_law);
-    if (const Jointed* joint = link->jointed()) {
-      law_is_right(joint->imposed().move), law_is_right(joint->imposed().turn);
-      for (const Drive& drive : joint->imposed().drives) law_is_right(drive.law);
-    }
-  }
+  refuse_wrong_derivatives(system_of(m), m.run.until, is_own,
+                           {"compute with t itself, not t.value, or return the value and both its rates",
+                            "compute with the coordinates themselves, not their .value"});
   *checked_ = true;
 }
 

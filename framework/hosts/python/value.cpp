@@ -26,9 +26,7 @@ Value object_from(const py::dict& members, Types& types, const std::string& plac
 
 Value value_of(const py::handle& o, Types& types, const std::string& place) {
   if (Py_EnterRecursiveCall(" in a scene") != 0) throw py::error_already_set();
-  struct Leave {
-    ~Leave() { Py_LeaveRecursiveCall(); }
-  } const leave;
+  const AtEnd leave(&Py_LeaveRecursiveCall);
   static const py::handle numpy_bool = py::object(py::module_::import("numpy").attr("bool_")).release();
   const bool is_array = py::isinstance<py::array>(o);
   if (is_array && py::reinterpret_borrow<py::array>(o).ndim() == 0) return value_of(o[py::tuple()], types, place);

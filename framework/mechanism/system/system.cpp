@@ -200,16 +200,25 @@ Force& System::add(std::unique_ptr<Force> force) {
   return added;
 }
 
+// A state that a channel needs; a run has those of its start.
+[[noreturn]] static void refuse_late_state(const std::string& name) {
+  throw ModelError({.thing = {.kind = "integrated state", .name = name},
+                    .problem = "the run of its system has begun",
+                    .advice = "record what needs it before the run"});
+}
+
 Auxiliary& System::add(std::unique_ptr<Auxiliary> auxiliary) {
   if (!auxiliary) throw ModelError("add: no auxiliary was given; make one first");
+  if (!run_.expired()) refuse_late_state(auxiliary->name());
   ready_ = false;
   return *auxiliaries_.emplace_back(std::move(auxiliary));
 }
 
 CountedAngle& System::count(std::unique_ptr<CountedAngle> angle) {
   if (!angle) throw ModelError("count: no angle was given; make one first");
-  const auto [place, is_new] = angle_of_.try_emplace(angle->name(), angle.get());
-  if (!is_new) return *place->second;
+  if (const auto known = angle_of_.find(angle->name()); known != angle_of_.end()) return *known->second;
+  if (!run_.expired()) refuse_late_state(angle->name());
+  angle_of_.emplace(angle->name(), angle.get());
   angles_.push_back(std::move(angle));
   ready_ = false;
   return *angles_.back();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <lockstep/dynamics.h>
+#include <lockstep/error.h>
 #include <lockstep/recorder.h>
 #include <lockstep/scene.h>
 
@@ -26,6 +27,18 @@ LOCKSTEP_API MechanismAt mechanism_at(std::unique_ptr<Mechanism>, const Registry
 /// The assembled start of a mechanism in the slots' own coordinates; or the present state of a run of the same scene, if
 /// there is one, whose inputs the mechanism takes. Throws ModelError if the run was changed after its scene was read.
 LOCKSTEP_API State start_or_present(Mechanism&, Dynamics&, Simulation* run);
+
+/// Calls an analysis; its error for a state that is no steady motion gets the next move in the host's words.
+template <class Analysis>
+auto with_advice(const char* advice, Analysis&& analysis) {
+  try {
+    return analysis();
+  } catch (const ModelError& error) {
+    const std::string words = error.what();
+    if (words.find("neither an equilibrium") == std::string::npos) throw;
+    throw ModelError(words.substr(0, words.find("; use an equilibrium")) + advice);
+  }
+}
 
 /// Channels by their names, or by those of columns that the scene records.
 LOCKSTEP_API std::vector<Channel> channels_of(Mechanism&, const std::vector<std::string>& names);

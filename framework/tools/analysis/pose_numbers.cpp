@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/analysis/pose_numbers.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <lockstep/author/lock.h>
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 namespace {
@@ -63,6 +67,25 @@ std::vector<PoseNumber> force_numbers(const System& system, const Inputs& in) {
       if (const std::string& unit = own[k].unit; unit != "W" && !unit.ends_with("/s"))
         all.push_back({force->name() + "." + own[k].name, unit,
                        unit.starts_with("N") && !force->acts(in) ? 0 : shows->quantity(k, in)});
+  }
+  return all;
+}
+
+std::vector<std::pair<std::string, NamedReaction>> reactions_at_rest(Dynamics& dynamics, const State& state,
+                                                                     const EquilibriumReport& report,
+                                                                     const UniquenessReport& unique) {
+  const System& system = dynamics.system();
+  const Evaluation& e = dynamics.gather(state);
+  const VecX still = VecX::Zero(6 * system.n_slots());
+  const double force = kNegligible * report.largest_force, moment = force * system.length();
+  auto all = reactions_of(system, {e.inputs(), still, report.lambda, e.rows()});
+  for (auto& [name, reaction] : all) {
+    const auto is_of = [&, &its = name](const std::string& channel) {
+      return channel.starts_with(its + ".force_on_p_world_") || channel.starts_with(its + ".torque_on_p_world_");
+    };
+    for (double& x : reaction.wrench.force) x = std::abs(x) <= force ? 0 : x;
+    for (double& x : reaction.wrench.moment) x = std::abs(x) <= moment ? 0 : x;
+    if (reaction.note.empty() && std::ranges::any_of(unique.channels, is_of)) reaction.note = "not unique";
   }
   return all;
 }

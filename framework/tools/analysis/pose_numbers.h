@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include <lockstep/analysis.h>
 #include <lockstep/dynamics.h>
+#include <lockstep/equilibrium.h>
 #include <lockstep/recorder.h>
 
 namespace lockstep {
@@ -21,6 +23,12 @@ struct NamedReaction {
 
 /// Of all active joints, by their names.
 LOCKSTEP_API std::vector<std::pair<std::string, NamedReaction>> reactions_of(const System&, const Evaluated&);
+
+/// The same at rest, of a state in which an equilibrium was found; rounding is zero, and a reaction that is not unique has a
+/// note.
+LOCKSTEP_API std::vector<std::pair<std::string, NamedReaction>> reactions_at_rest(Dynamics&, const State&,
+                                                                                  const EquilibriumReport&,
+                                                                                  const UniquenessReport&);
 
 /// A number with the name of its channel, "crank.x" or "A.force_on_p_world_x".
 struct PoseNumber {

@@ -28,19 +28,9 @@ struct StateFound {
 /// t, and "state": spin, residual motion.
 const Fields<StateFound>& state_fields();
 
-/// Calls an analysis, and adds the next move in the program to its errors.
-template <class Analysis>
-auto with_words_of_program(Analysis&& analysis) {
-  try {
-    return analysis();
-  } catch (const ModelError& error) {
-    const std::string words = error.what();
-    if (words.find("neither an equilibrium") == std::string::npos) throw;
-    throw ModelError(
-        words.substr(0, words.find("; use an equilibrium")) +
-        "\n  hint: --equilibrium takes the static equilibrium (lockstep statics prints it), --at T another time,"
-        "\n  --spin X,Y,Z a steady rotation, --frozen this state");
-  }
-}
+/// The next move in the program, for with_advice().
+inline constexpr const char* kAdvice =
+    "\n  hint: --equilibrium takes the static equilibrium (lockstep statics prints it), --at T another time,"
+    "\n  --spin X,Y,Z a steady rotation, --frozen this state";
 
 }  // namespace lockstep

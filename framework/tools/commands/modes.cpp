@@ -181,7 +181,7 @@ Result analyse_modes(const Arguments& args) {
   const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], args["--csv"], loaded.scene);
   const MechanismAt at =
       motion_state(std::make_unique<Mechanism>(build_mechanism(loaded.scene, loaded.registry)), loaded.registry, args);
-  const Modes found = with_words_of_program([&] { return find_modes(*at.dynamics, at.state, options); });
+  const Modes found = with_advice(kAdvice, [&] { return find_modes(*at.dynamics, at.state, options); });
   CommandFindings::add(found.notes);
   Result result(loaded, kFoundModesFields, FoundModes{{at.state.t, found.spin, found.unrest}, found});
   if (!args["--csv"].empty()) result.write(args["--csv"], csv_text(found));

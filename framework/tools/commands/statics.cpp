@@ -117,22 +117,11 @@ struct AtRest {
   int number = 0, found = 0;  // of --all: its own; of starts that lead here
 };
 
-bool is_unique(const UniquenessReport& unique, const std::string& reaction) {
-  return std::ranges::none_of(unique.channels, [&](const std::string& channel) {
-    return channel.starts_with(reaction + ".force_on_p_world_") ||
-           channel.starts_with(reaction + ".torque_on_p_world_");
-  });
-}
-
 /// `tells`: whether its notes are findings of the command.
 AtRest found_of(Resting& r, bool tells = true) {
-  AtRest found{r.report, named_poses(r.m.system, r.state), reactions_of(r.m.system, r.values()), r.quantities()};
   const UniquenessReport unique = uniqueness(r.dynamics, r.state);
-  for (auto& [name, reaction] : found.reactions) {
-    for (double& x : reaction.wrench.force) x = r.without_rounding(x, "N");
-    for (double& x : reaction.wrench.moment) x = r.without_rounding(x, "N m");
-    if (reaction.note.empty() && !is_unique(unique, name)) reaction.note = "not unique";
-  }
+  AtRest found{r.report, named_poses(r.m.system, r.state), reactions_at_rest(r.dynamics, r.state, r.report, unique),
+               r.quantities()};
   if (!tells) return found;
   CommandFindings::add(r.report.notes);
   note_near(r.near.all, r.m.run.nearly_redundant);

@@ -10,11 +10,9 @@ namespace lockstep {
 
 const Channel& PresentChannels::channel(Simulation& run,
                                         const std::vector<std::pair<std::string, std::string>>& recorded,
-                                        const std::string& name, bool begun) {
+                                        const std::string& name) {
   if (const auto known = channels_.find(name); known != channels_.end()) return known->second;
   const auto own = std::ranges::find(recorded, name, &std::pair<std::string, std::string>::first);
-  if (own == recorded.end() && begun)
-    throw ModelError("\"" + name + "\" is not recorded; record it, or read it before the run begins");
   Channel made = make_channel(run.system(), own == recorded.end() ? name : own->second);
   if (made.memory || made.of_motion)
     throw ModelError("\"" + name + "\" depends on the motion before; read its column of the table");

@@ -16,10 +16,10 @@ class Simulation;
 
 class LOCKSTEP_API PresentChannels {
  public:
-  /// A column of `recorded`, names and their channels, or a channel of the system; after the run has begun only one that
-  /// was read before, because others may need states. Throws ModelError, also for one that depends on the motion before.
+  /// A column of `recorded`, names and their channels, or a channel of the system. Throws ModelError, also for one that
+  /// depends on the motion before, or needs a state that a run which has begun lacks.
   const Channel& channel(Simulation&, const std::vector<std::pair<std::string, std::string>>& recorded,
-                         const std::string& name, bool begun);
+                         const std::string& name);
   /// Its value. The mechanism is evaluated once for all channels, until pass() is called.
   double value(Simulation&, const Channel&);
   /// The state changes.

@@ -248,8 +248,12 @@ class Channels(unittest.TestCase):
             with self.assertRaisesRegex(ls.ModelError, words):
                 run[name]
         run.until(0.1)
-        with self.assertRaisesRegex(ls.ModelError, '"m.vx" is not recorded; give record='):
-            run["m.vx"]
+        self.assertAlmostEqual(run["m.vx"], -0.5 * math.sin(0.5), 8)
+        four_bar = ls.Simulation(os.path.join(SCENES, "four_bar.json"), set={"run.output": 0.01})
+        four_bar.until(0.01)
+        with self.assertRaisesRegex(ls.ModelError, "run of its system has begun; record what needs it before the run"):
+            four_bar["coupler.angle_x"]
+        self.assertEqual(len(four_bar.until(0.02)), 3)
         run = ls.Simulation(oscillator())
         run["x"]
         run.on("e", when=lambda s: run["x"] - 1)

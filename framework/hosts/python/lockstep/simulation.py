@@ -129,11 +129,11 @@ class Simulation:
     @property
     def units(self) -> dict[str, str]:
         """Of the recorded columns, the time first."""
-        return dict(self._run.units())
+        return {name: unit for name, unit, *_ in self._run.columns()}
 
     def extremes(self) -> Array:
-        """By recorded column after the time: last value, least value and its time, largest value and its time."""
-        return self._run.extremes()
+        """By recorded column after the time: last value, least value and its time, largest value and its time (n x 5)."""
+        return np.array([[values[-1], *range[:4]] for _, _, values, range in self._run.columns()[1:] if range])
 
     def advance(self, h: Quantity) -> None:
         """Runs on by exactly h, s, as a controller in a loop does."""
@@ -151,7 +151,7 @@ class Simulation:
     def __getitem__(self, name: str) -> Value:
         """A recorded column, or a channel, at the present time: run["A.rz"], in SI, with its unit.
 
-        Also in on_step. What is not recorded is read first before the run begins; else it is a ModelError.
+        Also in on_step. Counted angles and works that are not recorded are a ModelError once the run has begun.
         """
         return Value(*self._run.value(name))
 
@@ -168,12 +168,12 @@ class Simulation:
     @property
     def steps(self) -> int:
         """Accepted steps."""
-        return int(self.begin().report()["steps"])
+        return self.begin().steps
 
     @property
     def stopped_by(self) -> str:
         """Names of the events that ended the run; "" if none did."""
-        return str(self.begin().report()["stopped_by"])
+        return self.begin().stopped_by
 
     def body(self, name: str) -> dict[str, Any]:
         """Pose and twist of a body now: x (m), q, v (m/s), w (body axes, rad/s)."""
@@ -192,10 +192,8 @@ class Simulation:
 
         `change` may set velocities of its State. `stop` ends the run.
         """
-        self.begin().add_event({"name": name, "when": when, "at": None if at is None else seconds(at),
-                             "crossing": crossing, "stop": stop, "once": once,
-                             "activate": list(activate), "deactivate": list(deactivate), "change": change,
-                             "tolerance": tolerance})
+        self.begin().add_event(name, when, None if at is None else seconds(at), crossing, stop, once, list(activate),
+                               list(deactivate), change, tolerance)
 
     def on_step(self, function: Callable[[], bool | None] | None) -> None:
         """Calls a function after each step; False ends the run."""

@@ -8,7 +8,8 @@ import inspect
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any, Protocol, overload
+from functools import partial
+from typing import Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,38 +58,18 @@ def _keys(function: Callable[..., Any], first: int) -> list[tuple[str, float | N
     return keys
 
 
-class _Decorator(Protocol):
-    @overload
-    def __call__(self, function: Callable[..., Any], **options: Any) -> Type: ...
-    @overload
-    def __call__(self, **options: Any) -> Callable[[Callable[..., Any]], Type]: ...
-
-
-def _decorator(make: Callable[..., Type]) -> _Decorator:
-    """Lets `make(function, **options)` be used with and without options."""
-
-    def decorated(function: Callable[..., Any] | None = None, **options: Any) -> Any:
-        if function is None:
-            return lambda f: make(f, **options)
-        return make(function, **options)
-
-    decorated.__name__ = decorated.__qualname__ = make.__name__
-    decorated.__doc__ = make.__doc__
-    return decorated
-
-
-@_decorator
-def law(function: Callable[..., Any], *, breaks: Sequence[float] = ()) -> Type:
+def law(function: Callable[..., Any] | None = None, *, breaks: Sequence[float] = ()) -> Any:
     """A law of motion: a function of the time, s, in the unit of what it drives.
 
     It is called with a jet, by which its rates are exact, or returns the value and both its derivatives as a tuple.
     Further parameters are keys in the scene. `breaks`: times, s, at which it or a derivative jumps.
     """
+    if function is None:
+        return partial(law, breaks=breaks)
     return _type("law", function, 1, breaks=tuple(float(t) for t in breaks))
 
 
-@_decorator
-def joint(function: Callable[..., Any], *, rows: int = 1, mask: str = "", pairs: int = 1) -> Type:
+def joint(function: Callable[..., Any] | None = None, *, rows: int = 1, mask: str = "", pairs: int = 1) -> Any:
     """A joint that holds a function of the pose of P relative to S at zero: ls.joint(lambda y: y.x**2 + y.y**2 - 1).
 
     y has x, y, z (m), e0 ... e3, angle_z (rad, counted) and t (s). A function of `rows` 2 or 3 returns as many numbers.
@@ -96,30 +77,32 @@ def joint(function: Callable[..., Any], *, rows: int = 1, mask: str = "", pairs:
     """
     if rows not in (1, 2, 3):
         raise ValueError(f"rows is {rows}; give 1, 2 or 3")
+    if function is None:
+        return partial(joint, rows=rows, mask=mask, pairs=pairs)
     return _type("joint", function, pairs, rows=rows, mask=mask)
 
 
-@_decorator
 def force(function: Callable[..., Any]) -> Type:
     """A force on P's body at the origin of P, and its opposite on S's body: a function of the markers.
 
-    at.P and at.S have x (m), v (m/s), w (rad/s) in the world, and A; at.t is the time. It returns the force (world, N), or
-    a dictionary of "force", "torque" (world, N m), "potential" (J) and "dissipation" (W).
+    at.P and at.S have x (m), v (m/s), w (rad/s) in the world, and A; at.t is the time, s. It returns the force (world, N),
+    or a dictionary of "force", "torque" (world, N m), "potential" (J) and "dissipation" (W).
     """
     return _type("force", function, 1)
 
 
-@_decorator
-def integrator(function: type, *, order: int = 1) -> Type:
+def integrator(function: type | None = None, *, order: int = 1) -> Any:
     """An integrator of fixed steps: a class whose step(system, y, h) returns the state after h, s.
 
     system.rates(y) solves the equations of motion, y.moved(h, rates) is the state after h at constant rates. The end is
     projected onto the constraints afterwards. begin(), if there is one, is called at starts and after events. Parameters of
     the constructor are keys in the scene. `order`: of convergence.
     """
+    if function is None:
+        return partial(integrator, order=order)
     return _type("integrator", function, 0, order=order)
 
 
 def type_of(given: Callable[..., Any]) -> Type:
     """A Type, or a function of time as a law."""
-    return given if isinstance(given, Type) else law(given)
+    return given if isinstance(given, Type) else _type("law", given, 1)
