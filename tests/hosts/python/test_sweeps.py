@@ -102,6 +102,13 @@ class Sweeps(unittest.TestCase):
         self.assertEqual([type(e) for e in ls.sweep(oscillator(), {"m": [1.0]}, measure=raises).errors],
                          [ZeroDivisionError])
 
+    def test_single_values(self):
+        runs = ls.sweep(oscillator(), {"k": np.array(40.0), "m": [1.0, np.float32(2)]})
+        np.testing.assert_allclose(runs["x.last"], exact(40, np.array([1, 2])), atol=1e-9)
+        runs = ls.sweep(oscillator(), {"k": b"40"})
+        self.assertIsInstance(runs.errors[0], TypeError)
+        self.assertIn("k is b'40'", str(runs.errors[0]))
+
     def test_an_unknown_name_is_an_error_of_each_run(self):
         runs = ls.sweep(oscillator(), {"kk": [1.0, 2.0]})
         self.assertEqual(runs.failed, [0, 1])

@@ -209,7 +209,8 @@ def kinematics(scene: Source | Simulation, *, times: ArrayLike | None = None,
                types: _core.Types | None = None, **parameters: Quantity) -> Table:
     """The motion of a fully driven mechanism at these times, s, without integration. Masses may be missing.
 
-    The columns are those that the scene records, and those of `record`. Default of times: those of the scene.
+    The columns are those that the scene records, and those of `record`. Default of times: those of the scene. ModelError
+    names drives that are missing or too many, AssemblyError the time of a pose that cannot be reached.
     """
     return _driven(False, scene, times, record, {**(set or {}), **parameters}, types)
 
@@ -227,7 +228,8 @@ def modes(scene: Source | Simulation, *, equilibrium: bool = False, count: int =
     """Frequencies, damping ratios and shapes about an equilibrium or a steady rotation.
 
     `equilibrium`: finds the static equilibrium first. `count`: only so many, the lowest. `spin`: angular velocity of the
-    axes of a steady rotation, rad/s; default: found. `frozen`: takes a state that is neither.
+    axes of a steady rotation (3, rad/s); default: found. `frozen`: takes a state that is neither, which else is a
+    ModelError.
     """
     found = _core.modes(*_subject(scene, {**(set or {}), **parameters}, types), spin, frozen, equilibrium, count)
     found["modes"] = [Mode(*m) for m in found["modes"]]

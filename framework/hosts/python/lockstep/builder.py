@@ -12,6 +12,7 @@ from lockstep._core import Types
 from lockstep.simulation import Simulation
 
 _SHAPES = ("rod", "box", "cylinder", "sphere", "compound")
+_OF_BODIES = ("position", "orientation", "velocity", "visual", "omega_world", "omega_body")
 
 
 @cache
@@ -79,11 +80,9 @@ class Mechanism:
         """A body by the keys of scenes: mass, center, inertia, position, orientation, velocity, ..."""
         return self._add("bodies", name, **keys)
 
-    def _shape(self, shape: str, name: str, *, position: Any = None, orientation: Any = None, velocity: Any = None,
-               visual: Any = None, omega_world: Any = None, omega_body: Any = None, **keys: Any) -> Named:
-        places = {"position": position, "orientation": orientation, "velocity": velocity, "visual": visual,
-                  "omega_world": omega_world, "omega_body": omega_body}
-        return self.body(name, **{shape: keys}, **{k: v for k, v in places.items() if v is not None})
+    def _shape(self, shape: str, name: str, **keys: Any) -> Named:
+        own = {k: keys.pop(k) for k in _OF_BODIES if k in keys}
+        return self.body(name, **{shape: keys}, **own)
 
     def particle(self, name: str, mass: Any, position: Any, **keys: Any) -> Named:
         """A particle: mass, kg, and position, m."""

@@ -91,7 +91,8 @@ class Simulation:
 
     Further arguments set parameters of the scene: Simulation("four_bar.json", crank="120 mm"). `set` takes paths too:
     {"run.until": "2 s", "bodies.rod.mass": 1.2}. `record`: channels to record in addition, or names of columns with their
-    channels or formulas. `report`: whether poses are kept for a report; default: in a notebook.
+    channels or formulas. `report`: whether poses are kept for a report; default: in a notebook. SceneError, ModelError and
+    FileError name what is wrong with a scene; a run that fails raises an Error with its time t, s, and keeps its rows.
     """
 
     def __init__(self, scene: Source, *, set: Mapping[str, Quantity] | None = None,
@@ -176,7 +177,7 @@ class Simulation:
         return self.begin().stopped_by
 
     def body(self, name: str) -> dict[str, Any]:
-        """Pose and twist of a body now: x (m), q, v (m/s), w (body axes, rad/s)."""
+        """Pose and twist of a body now: x (3, m), q (4, scalar first), v (3, m/s), w (3, body axes, rad/s)."""
         return self.begin().body(name)
 
     @property

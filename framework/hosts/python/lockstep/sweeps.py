@@ -72,7 +72,8 @@ def rows_of(vary: Vary) -> list[Row]:
     if hasattr(vary, "to_dict"):
         return list(vary.to_dict("records"))
     if isinstance(vary, Mapping):
-        lists = [[v] if isinstance(v, (str, int, float, np.number)) else list(v) for v in vary.values()]
+        lists = [[v] if isinstance(v, (str, bytes)) or (hasattr(v, "__float__") and np.ndim(v) == 0) else list(v)
+                 for v in vary.values()]
         return [dict(zip(vary, row)) for row in itertools.product(*lists)]
     return [dict(row) for row in vary]
 

@@ -21,7 +21,7 @@ class Value(float):
         made.unit = unit
         return made
 
-    def __getnewargs__(self) -> tuple[float, str]:
+    def __getnewargs__(self) -> tuple[float, str]:  # type: ignore[override]
         return float(self), self.unit
 
     def __repr__(self) -> str:

@@ -58,18 +58,18 @@ def _keys(function: Callable[..., Any], first: int) -> list[tuple[str, float | N
     return keys
 
 
-def law(function: Callable[..., Any] | None = None, *, breaks: Sequence[float] = ()) -> Any:
+def law(function: Callable[..., Any] | None = None, *, breaks: Sequence[float] = ()) -> Type:
     """A law of motion: a function of the time, s, in the unit of what it drives.
 
     It is called with a jet, by which its rates are exact, or returns the value and both its derivatives as a tuple.
     Further parameters are keys in the scene. `breaks`: times, s, at which it or a derivative jumps.
     """
     if function is None:
-        return partial(law, breaks=breaks)
+        return partial(law, breaks=breaks)  # type: ignore[return-value]  # a decorator
     return _type("law", function, 1, breaks=tuple(float(t) for t in breaks))
 
 
-def joint(function: Callable[..., Any] | None = None, *, rows: int = 1, mask: str = "", pairs: int = 1) -> Any:
+def joint(function: Callable[..., Any] | None = None, *, rows: int = 1, mask: str = "", pairs: int = 1) -> Type:
     """A joint that holds a function of the pose of P relative to S at zero: ls.joint(lambda y: y.x**2 + y.y**2 - 1).
 
     y has x, y, z (m), e0 ... e3, angle_z (rad, counted) and t (s). A function of `rows` 2 or 3 returns as many numbers.
@@ -78,7 +78,7 @@ def joint(function: Callable[..., Any] | None = None, *, rows: int = 1, mask: st
     if rows not in (1, 2, 3):
         raise ValueError(f"rows is {rows}; give 1, 2 or 3")
     if function is None:
-        return partial(joint, rows=rows, mask=mask, pairs=pairs)
+        return partial(joint, rows=rows, mask=mask, pairs=pairs)  # type: ignore[return-value]
     return _type("joint", function, pairs, rows=rows, mask=mask)
 
 
@@ -91,7 +91,7 @@ def force(function: Callable[..., Any]) -> Type:
     return _type("force", function, 1)
 
 
-def integrator(function: type | None = None, *, order: int = 1) -> Any:
+def integrator(function: type | None = None, *, order: int = 1) -> Type:
     """An integrator of fixed steps: a class whose step(system, y, h) returns the state after h, s.
 
     system.rates(y) solves the equations of motion, y.moved(h, rates) is the state after h at constant rates. The end is
@@ -99,7 +99,7 @@ def integrator(function: type | None = None, *, order: int = 1) -> Any:
     the constructor are keys in the scene. `order`: of convergence.
     """
     if function is None:
-        return partial(integrator, order=order)
+        return partial(integrator, order=order)  # type: ignore[return-value]
     return _type("integrator", function, 0, order=order)
 
 
