@@ -84,8 +84,7 @@ py::dict statics(const py::object& source, Types types, const Settings& set, Run
   for (const auto& [name, pose] : named_poses(made->system, state))
     bodies[py::str(name)] = py::make_tuple(pose.x, numbers_of(pose.q));
   for (const auto& [name, r] : reactions)
-    joints[py::str(name)] =
-        py::make_tuple(r.body, r.wrench.force, r.wrench.moment, r.note.empty());
+    joints[py::str(name)] = py::make_tuple(r.body, r.wrench.force, r.wrench.moment, r.note.empty());
   const Stability& s = report.stability;
   return py::dict(py::arg("bodies") = bodies, py::arg("reactions") = joints, py::arg("t") = state.t,
                   py::arg("stability") = s.freedoms == 0 ? "no free motion" : to_string(s.kind),
@@ -181,10 +180,10 @@ py::dict linearized(const py::object& source, Types types, const Settings& set, 
     const MechanismAt at = of.at(std::move(built.mechanism), equilibrium);
     s = with_advice(kAdvice, [&] { return linearize(*at.dynamics, at.state, built.inputs, channels, options); });
   });
-  return py::dict(py::arg("A") = s.A, py::arg("B") = s.B, py::arg("C") = s.C,
-                  py::arg("D") = s.D, py::arg("states") = signals_of(s.states),
-                  py::arg("inputs") = signals_of(s.inputs), py::arg("outputs") = signals_of(s.outputs),
-                  py::arg("accuracy") = s.accuracy, py::arg("findings") = objects_of(s.notes));
+  return py::dict(py::arg("A") = s.A, py::arg("B") = s.B, py::arg("C") = s.C, py::arg("D") = s.D,
+                  py::arg("states") = signals_of(s.states), py::arg("inputs") = signals_of(s.inputs),
+                  py::arg("outputs") = signals_of(s.outputs), py::arg("accuracy") = s.accuracy,
+                  py::arg("findings") = objects_of(s.notes));
 }
 
 }  // namespace

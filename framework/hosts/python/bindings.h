@@ -87,8 +87,7 @@ class Turns {
 template <class... Args>
 py::object call(const py::handle& f, PyObject* keys, const Args&... args) {
   PyObject* const given[] = {args.ptr()..., nullptr};
-  PyObject* const made =
-      outlasting([&] { return PyObject_VectorcallDict(f.ptr(), given, sizeof...(args), keys); });
+  PyObject* const made = outlasting([&] { return PyObject_VectorcallDict(f.ptr(), given, sizeof...(args), keys); });
   if (made == nullptr) throw py::error_already_set();
   return py::reinterpret_steal<py::object>(made);
 }

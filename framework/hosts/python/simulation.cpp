@@ -36,8 +36,7 @@ Mechanism mechanism_of(const py::object& source, Types& types, const Settings& s
 py::dict pose_of(const Body& body, const State& state) {
   const Pose p = body_pose(body, state);
   const Twist o = body_twist(body, state);
-  return py::dict(py::arg("x") = p.x, py::arg("q") = numbers_of(p.q), py::arg("v") = o.v,
-                  py::arg("w") = o.w);
+  return py::dict(py::arg("x") = p.x, py::arg("q") = numbers_of(p.q), py::arg("v") = o.v, py::arg("w") = o.w);
 }
 
 /// A state as functions of events see it: during their call only.
@@ -46,7 +45,8 @@ struct StateView {
   const System* system = nullptr;
   State* changed = nullptr;  // null: it may be read only
   const State& get() const {
-    if (state == nullptr) throw ModelError("a state is used after the call that it was given to; copy numbers out of it");
+    if (state == nullptr)
+      throw ModelError("a state is used after the call that it was given to; copy numbers out of it");
     return *state;
   }
   py::dict body(const std::string& name) const {
@@ -64,15 +64,13 @@ struct StateView {
 };
 
 // `when`: None, or a function that passes zero. `change`: None, or a function that changes the state.
-void add_event(Run& run, std::string name, const py::object& when, std::optional<double> at, const std::string& crossing,
-               bool stop, bool once, std::vector<std::string> activate, std::vector<std::string> deactivate,
-               const py::object& change, double tolerance) {
-  static const std::map<std::string, Event::Crossing> words{{"rising", Event::Crossing::rising},
-                                                            {"falling", Event::Crossing::falling},
-                                                            {"any", Event::Crossing::any}};
+void add_event(Run& run, std::string name, const py::object& when, std::optional<double> at,
+               const std::string& crossing, bool stop, bool once, std::vector<std::string> activate,
+               std::vector<std::string> deactivate, const py::object& change, double tolerance) {
+  static const std::map<std::string, Event::Crossing> words{
+      {"rising", Event::Crossing::rising}, {"falling", Event::Crossing::falling}, {"any", Event::Crossing::any}};
   const auto word = words.find(crossing);
-  if (word == words.end())
-    throw py::value_error("crossing is \"" + crossing + "\"; must be rising, falling or any");
+  if (word == words.end()) throw py::value_error("crossing is \"" + crossing + "\"; must be rising, falling or any");
   Event e;
   e.name = std::move(name), e.crossing = word->second, e.tolerance = tolerance, e.once = once, e.stop = stop;
   e.activate = std::move(activate), e.deactivate = std::move(deactivate);
@@ -210,7 +208,8 @@ py::list Run::columns() {
 
 std::pair<double, std::string> Run::value(const std::string& name) {
   if (simulation(), runner_ != std::thread::id{} && !between_steps_)
-    throw ModelError("\"" + name + "\" cannot be read inside a step; read it in on_step, or between the calls of the run");
+    throw ModelError("\"" + name +
+                     "\" cannot be read inside a step; read it in on_step, or between the calls of the run");
   const Channel& channel = present_.channel(simulation_, recorded, name);
   begin();
   double value = 0;
@@ -239,7 +238,8 @@ void bind_simulation(py::module_& m) {
       .def("body", &StateView::body, py::arg("name"),
            "Pose and twist of a body: x (m), q (scalar first), v (m/s), w (body axes, rad/s).")
       .def("set_twist", &StateView::set_twist, py::arg("name"), py::arg("v") = py::none(), py::arg("w") = py::none(),
-           "In a change: sets the velocity of a body's origin (world, m/s) and its angular velocity (body axes, rad/s).");
+           "In a change: sets the velocity of a body's origin (world, m/s) and its angular velocity (body axes, "
+           "rad/s).");
 
   py::class_<ReadScene>(m, "Scene", "A scene that was read once, for many runs: a source, and types that it names.",
                         collected<ReadScene>())
@@ -290,12 +290,12 @@ void bind_simulation(py::module_& m) {
              return names;
            })
       .def("input", [](Run& r, const std::string& name) { return r.simulation().input(name).value(); })
-      .def("set_input", [](Run& r, const std::string& name, double value) { r.simulation().input(name).set(value); })
+      .def("set_input", [](Run& r, const std::string& name,
+                           double value) { r.advancing([&] { r.simulation().input(name).set(value); }); })
       .def("activate", [](Run& r, const std::string& name) { r.advancing([&] { r.simulation().activate(name); }); })
       .def("deactivate", [](Run& r, const std::string& name) { r.advancing([&] { r.simulation().deactivate(name); }); })
       .def("add_event", &add_event)
-      .def("set_on_step",
-           [](Run& r, const py::object& f) { r.on_step = f.is_none() ? py::object() : f; })
+      .def("set_on_step", [](Run& r, const py::object& f) { r.on_step = f.is_none() ? py::object() : f; })
       .def("save", [](Run& r, const std::string& file) { r.advancing([&] { r.simulation().save(file); }); })
       .def("load", [](Run& r, const std::string& file) { r.advancing([&] { r.simulation().load(file); }); })
       .def("findings", [](Run& r) { return objects_of(r.simulation().verdict().findings); })

@@ -83,10 +83,10 @@ class Run {
 
   Types types;
   std::optional<Report> report{};
-  ReportText text{};    ///< of the report
+  ReportText text{};     ///< of the report
   Settings recorded{};   ///< columns and their channels
   bool begun = false;    ///< whether begin() was called
-  py::list functions;   ///< of events
+  py::list functions;    ///< of events
   py::object on_step{};  ///< called after each step; false ends the run; null: none
 
  private:
@@ -94,7 +94,7 @@ class Run {
   void warn_once(std::vector<Finding>);
   std::set<std::string> warned_;
   PresentChannels present_;
-  bool between_steps_ = false;           // in a call, when it calls on_step
+  bool between_steps_ = false;   // in a call, when it calls on_step
   std::shared_ptr<Table> rows_;  // null: the recorder has them
   Turns turns_;
   std::thread::id runner_{};  // none: no call advances it

@@ -358,8 +358,8 @@ std::string Types::add(const py::handle& given) {
     });
   } else if (kind == "joint") {
     const JointSpec spec{name, type.attr("mask").cast<std::string>(), type.attr("rows").cast<int>()};
-    registry.links.add(
-        info, [f, spec](const Attachment& a, const Params& p) { return make_joint(a, spec, Function(f, p)); });
+    registry.links.add(info,
+                       [f, spec](const Attachment& a, const Params& p) { return make_joint(a, spec, Function(f, p)); });
   } else if (kind == "force") {
     registry.forces.add(info, [f, name](const Attachment& a, const Params& p) -> std::unique_ptr<Force> {
       return std::make_unique<PythonForce>(name, a.name, p_of(a, p), has_s(a) ? &s_of(a, p) : nullptr, Function(f, p));

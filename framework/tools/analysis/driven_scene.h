@@ -24,8 +24,9 @@ LOCKSTEP_API std::vector<double> pose_times(const RunSettings&);
 
 /// Goes through the poses at these times. At each pose `seen` is called, after the observers, which see the motion between
 /// the poses and no outputs. An error has its cause; `lines` gives it further lines.
-LOCKSTEP_API void follow(DrivenMotion&, Dynamics&, const std::vector<double>& times,
-                         const std::vector<Observer*>& observers, const std::function<void(const Sample&)>& seen,
-                         const std::function<std::string()>& lines = [] { return std::string(); });
+LOCKSTEP_API void follow(
+    DrivenMotion&, Dynamics&, const std::vector<double>& times, const std::vector<Observer*>& observers,
+    const std::function<void(const Sample&)>& seen,
+    const std::function<std::string()>& lines = [] { return std::string(); });
 
 }  // namespace lockstep

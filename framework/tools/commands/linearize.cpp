@@ -84,8 +84,8 @@ Result linearize_scene(const Arguments& args) {
   MechanismWithInputs built = inputs_of(loaded, args);
   const std::vector<Channel> outputs = channels_of(*built.mechanism, args.all("--outputs"));
   const MechanismAt at = motion_state(std::move(built.mechanism), loaded.registry, args);
-  const StateSpace s = with_advice(kAdvice, 
-      [&] { return linearize(*at.dynamics, at.state, built.inputs, outputs, motion_options(args)); });
+  const StateSpace s = with_advice(
+      kAdvice, [&] { return linearize(*at.dynamics, at.state, built.inputs, outputs, motion_options(args)); });
   CommandFindings::add(s.notes);
   Result result(loaded, kLinearizeFields, Linearized{{at.state.t, s.spin, s.unrest}, s});
   if (!args["--csv"].empty()) result.write(args["--csv"], csv_text(s));

@@ -408,6 +408,9 @@ class Inputs(unittest.TestCase):
                                 "force": {"type": "input", "name": "u"}}])
         run = ls.Simulation(scene)
         self.assertEqual(list(run.inputs), ["u"])
+        for u in (3.0, -1.0):
+            run.inputs["u"] = u
+            self.assertAlmostEqual(run["m.az"], u / 2, 12)
         v = z = 0.0
         for k in range(100):
             run.inputs["u"] = u = math.cos(0.1 * k)
