@@ -159,7 +159,7 @@ class Sweeps(unittest.TestCase):
             self.skipTest("matplotlib is missing")
         matplotlib.use("Agg")
         runs = ls.sweep(oscillator(), {"k": [40.0, 50.0, 60.0]})
-        axes = runs.plot("x.last").axes[0]
+        axes = runs.plot("x.last")[0]
         np.testing.assert_array_equal(axes.lines[0].get_xdata(), [40, 50, 60])
         self.assertEqual(axes.get_xlabel(), "k [N/m]")
 

@@ -35,7 +35,7 @@ class Range(NamedTuple):
     t: float
 
     def __repr__(self) -> str:
-        return f"{self.value:.9g} at t = {self.t:.9g} s"
+        return f"{self.value:.6g} at t = {self.t:.6g} s"
 
 
 class Column(np.ndarray[Any, np.dtype[np.float64]]):
@@ -149,7 +149,7 @@ class Table:
         return pandas.DataFrame({n: np.asarray(c) for n, c in self._columns.items()}).set_index("t")
 
     def plot(self, *names: str, x: str | None = None, axes: Any = None) -> Any:
-        """Plots columns over the column x by matplotlib, one panel per unit, and returns the figure.
+        """Plots columns over the column x by matplotlib, one panel per unit, and returns the panels (Axes).
 
         Default of `names`: all columns; of x: the first, which is the time, or the first parameter of a sweep.
         """
@@ -170,7 +170,7 @@ class Table:
                 panel.legend()
         axes[-1].set_xlabel(self[x].label)
         axes[0].set_title(self.title)
-        return axes[0].figure
+        return list(axes)
 
     def __repr__(self) -> str:
         if len(self) == 0:
