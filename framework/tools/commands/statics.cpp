@@ -9,10 +9,12 @@
 #include <lockstep/analysis.h>
 #include <lockstep/equilibrium.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/builder.h"
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/foundation/support/lines.h"
+#include "framework/tools/analysis/solver_at_rest.h"
 #include "framework/tools/analysis/wild_starts.h"
 #include "framework/tools/commands/pose_columns.h"
 #include "framework/tools/commands/state_at.h"
@@ -26,18 +28,36 @@
 #include "framework/tools/program/pictures.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/rank/cause.h"
+#include "framework/tools/scene_run/requirements.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {
 
-/// The lengths and angles that a scene records.
-std::vector<Channel> lengths_and_angles(Mechanism& m) {
+/// The mechanism of a scene without what functions of the motion give, as max(x): these are reported.
+Mechanism build_at_rest(const Scene& scene, const Registry& registry) {
+  Mechanism m = build_observed(scene, registry);
+  const auto leave_out = [&](std::vector<ChannelRequest>& all, const char* key, const char* what) {
+    std::erase_if(all, [&](const ChannelRequest& r) {
+      const bool moves = placed(r.where, key, [&] { return make_channel(system_of(m), r.channel).of_motion; });
+      if (moves)
+        CommandFindings::add({&finding::analysis_note, "",
+                              fmt::format("{} \"{}\" has no value at rest: it is a function of the motion", what,
+                                          r.column())});
+      return moves;
+    });
+  };
+  leave_out(m.run.record, "run.record", "column"), leave_out(m.run.require, "scene.require", "requirement");
+  return m;
+}
+
+/// The lengths and angles that a scene records, and the columns that it computes.
+std::vector<Channel> recorded_at_rest(Mechanism& m) {
   std::vector<Channel> all;
   for (const ChannelRequest& request : m.run.record) {
     Channel c = make_channel(system_of(m), request.channel);
     c.name = request.column();
-    if (c.unit == "rad" || c.unit == "m") all.push_back(std::move(c));
+    if (request.channel.starts_with('=') || c.unit == "rad" || c.unit == "m") all.push_back(std::move(c));
   }
   return all;
 }
@@ -45,15 +65,18 @@ std::vector<Channel> lengths_and_angles(Mechanism& m) {
 /// A scene at rest. It must not be moved in memory.
 struct Resting {
   Mechanism m;
+  std::unique_ptr<Recorder> requirements;
   std::vector<Channel> recorded;
   Dynamics dynamics;
   NearRows near{};
   State state;
   EquilibriumReport report{};
+  Dynamics at_rest{system_of(m), std::make_unique<SolverAtRest>(report.lambda)};
 
   Resting(const Scene& scene, const Registry& registry)
-      : m(build_observed(scene, registry)),
-        recorded(lengths_and_angles(m)),
+      : m(build_at_rest(scene, registry)),
+        requirements(make_requirements(m)),
+        recorded(recorded_at_rest(m)),
         dynamics(make_dynamics(m, registry)),
         state(decided_start(dynamics, m, &near)) {}
 
@@ -75,25 +98,25 @@ struct Resting {
     begin(args, before);
     report = find_equilibrium(dynamics, state, {.friction = friction, .nearest = args.has("--nearest")});
   }
-  /// Constraints and multipliers at rest, without accelerations.
-  Evaluated values() {
-    const Evaluation& e = dynamics.gather(state);
-    none_.setZero(6 * m.system.n_slots());
-    return {e.inputs(), none_, report.lambda, e.rows()};
-  }
+  const Evaluated& values() { return at_rest.solution_at(state); }
   /// What the scene records of it, and what forces show.
   std::vector<PoseNumber> quantities() {
     std::vector<PoseNumber> all;
     const StepReport none{};
-    const Sample sample(dynamics, state, none);
-    for (const Channel& c : recorded) try {
-        all.push_back({c.name, c.unit, c.value(sample)});
-      } catch (const Error&) {  // it needs accelerations, which are not defined here
-        all.push_back({c.name, c.unit, NAN});
-      }
+    const Sample sample(at_rest, state, none);
+    for (const Channel& c : recorded) {
+      if (c.memory) c.memory->start(sample);
+      all.push_back({c.name, c.unit, c.value(sample)});
+    }
     for (PoseNumber& n : force_numbers(m.system, dynamics.inputs(state))) all.push_back(std::move(n));
     for (PoseNumber& n : all) n.value = without_rounding(n.value, n.unit);
     return all;
+  }
+  /// Requirements that do not hold there.
+  std::vector<Finding> broken() {
+    const StepReport none{};
+    if (requirements) requirements->start(Sample(at_rest, state, none));
+    return broken_requirements(m, requirements.get());
   }
   double without_rounding(double x, std::string_view unit) const {
     const double force = kNegligible * report.largest_force, length = m.system.length();
@@ -103,9 +126,6 @@ struct Resting {
                                          : kRoundOff;
     return std::abs(x) <= least ? 0 : x;  // of other units: quaternions, angles
   }
-
- private:
-  VecX none_;
 };
 
 /// What is found of it.
@@ -115,6 +135,7 @@ struct AtRest {
   std::vector<std::pair<std::string, NamedReaction>> reactions;
   std::vector<PoseNumber> quantities;
   int number = 0, found = 0;  // of --all: its own; of starts that lead here
+  std::vector<Finding> broken{};
 };
 
 /// `tells`: whether its notes are findings of the command.
@@ -122,6 +143,7 @@ AtRest found_of(Resting& r, bool tells = true) {
   const UniquenessReport unique = uniqueness(r.dynamics, r.state);
   AtRest found{r.report, named_poses(r.m.system, r.state), reactions_at_rest(r.dynamics, r.state, r.report, unique),
                r.quantities()};
+  found.broken = r.broken();
   if (!tells) return found;
   CommandFindings::add(r.report.notes);
   note_near(r.near.all, r.m.run.nearly_redundant);
@@ -265,10 +287,11 @@ std::string overview_of(const AllAtRest& found) {
 /// Of --vary.
 struct Varied {
   std::size_t found = 0;
-  long failed = 0;
+  long failed = 0, broken = 0;
 };
 const Fields<Varied> kVariedFields{{"equilibria", "", "equilibria", &Varied::found},
-                                   {"failed", "", "failed", &Varied::failed}};
+                                   {"failed", "", "failed", &Varied::failed},
+                                   {"broken", "", "with broken requirements", &Varied::broken, unless_zero}};
 
 /// An equilibrium as numbers: what was found, poses and reactions (not if `brief`), what is recorded.
 std::vector<PoseNumber> numbers_of(Resting& r, bool brief = false) {
@@ -324,7 +347,11 @@ std::vector<PoseNumber> drawn_of(Resting& r) {
 /// Draws columns over the value that varies, the first. Of run.draw remain those that have values at rest.
 void draw_curves(const Arguments& args, const std::string& title, const Table& curves, RunSettings run,
                  std::vector<std::string>& files) {
-  for (auto& panel : run.draw) std::erase_if(panel, [&](const std::string& name) { return !curves.has(name); });
+  for (auto& panel : run.draw)
+    std::erase_if(panel, [&](const std::string& name) {
+      if (!curves.has(name)) tell(fmt::format("note: not drawn: \"{}\" is no column at rest\n", name));
+      return !curves.has(name);
+    });
   std::erase_if(run.draw, [](const auto& panel) { return panel.empty(); });
   RowEnvelope rows(curves);
   for (std::size_t i = 0; i < curves.n_rows(); ++i) rows.add(curves, i);
@@ -365,7 +392,10 @@ Result vary(const Arguments& args) {
       const std::vector<PoseNumber> numbers = numbers_of(*now, record.empty());
       if (width != 0 && line.size() + numbers.size() + 1 != width)
         throw ModelError("its columns are not those of the values before; vary values that keep bodies and joints");
-      const std::string status = before ? branch_status(args, *before, *now) : "ok";
+      std::string status = before ? branch_status(args, *before, *now) : "ok";
+      const std::vector<Finding> broken = now->broken();
+      for (const Finding& f : broken) status = (status == "ok" ? "" : status + "; ") + f.message;
+      varied.broken += broken.empty() ? 0 : 1;
       if (width == 0) {
         found_of(*now), note_friction(now->m.system);
         add_titles(lines[0], numbers), lines[0].emplace_back("status"), width = lines[0].size();
@@ -395,7 +425,7 @@ Result vary(const Arguments& args) {
       draw_curves(args, scenes.loaded.title(), curves, settings, result.files);
     if (record.empty()) tell(text_of(CommandFindings::added()));
   }
-  result.code = varied.failed > 0 ? kExitFailure : kExitOk;
+  result.code = varied.failed > 0 ? kExitFailure : varied.broken > 0 ? kExitNotConserved : kExitOk;
   return result;
 }
 
@@ -410,9 +440,13 @@ Result find_all(const Arguments& args) {
   for (Equilibrium& e : report.all) {
     first.state = std::move(e.state), first.report = std::move(e.report);
     found.all.push_back(found_of(first, found.all.empty()));
-    found.all.back().number = static_cast<int>(found.all.size()), found.all.back().found = e.found;
+    AtRest& each = found.all.back();
+    each.number = static_cast<int>(found.all.size()), each.found = e.found;
+    for (Finding& f : each.broken) f.message = fmt::format("equilibrium {}: {}", each.number, f.message);
+    CommandFindings::add(each.broken);
   }
   Result result(loaded, kAllRestFields, found);
+  result.code = exit_code_of(CommandFindings::added(), false);
   if (!args.has("--verbose")) result.brief = overview_of(found);
   return result;
 }
@@ -429,7 +463,10 @@ Result find_rest(const Arguments& args) {
   if (!record.empty()) check_overwrites(record, loaded.scene);
   Resting resting(loaded.scene, loaded.registry);
   resting.find(args, nullptr, true);
-  Result result(loaded, kRestFields, found_of(resting));
+  const AtRest found = found_of(resting);
+  CommandFindings::add(found.broken);
+  Result result(loaded, kRestFields, found);
+  result.code = exit_code_of(found.broken, false);
   if (record.empty()) return result;
   std::vector<Cells> lines(2);
   const std::vector<PoseNumber> numbers = numbers_of(resting);
