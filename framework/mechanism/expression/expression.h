@@ -144,6 +144,10 @@ LOCKSTEP_API std::vector<std::string> names_in(const Expression&);
 /// for three, with "_x", "_y", "_z". Throws ModelError as Expression.
 LOCKSTEP_API std::vector<std::string> channels_in(const std::string& column);
 
+/// What is wrong with a channel in the formula of a law.
+inline constexpr const char* kLawOfTime =
+    "; a law is a function of t: forces of function_force and joints of formulas read channels";
+
 /// A name without its quotes, which a formula of channels keeps: 'P.x' is a channel even if a point is called P.
 inline std::string without_quotes(const std::string& name) {
   return name.starts_with('\'') ? name.substr(1, name.size() - 2) : name;

@@ -6,6 +6,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/expression/evaluate.h"
+#include "framework/mechanism/params/csv_reader.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 
@@ -22,6 +23,37 @@ template double FormulaFunction::operator()(std::span<const double>) const;
 template Time FormulaFunction::operator()(std::span<const Time>) const;
 template Jet<4> FormulaFunction::operator()(std::span<const Jet<4>>) const;
 template Jet<8> FormulaFunction::operator()(std::span<const Jet<8>>) const;
+
+namespace {
+
+// The SI unit of the arguments (axis 0) or values (1) of a table, by its points or the header of its file; "": none.
+std::string unit_of_axis(const Value& table, std::size_t axis, const std::string& place) {
+  std::string unit;
+  const Value *points = table.find("points"), *file = table.find("file"),
+              *column = table.find(axis == 0 ? "t_column" : "y_column");
+  if (file != nullptr && file->text() != nullptr) try {
+      const CsvReader reader(path_of_file(*file));
+      const bool named = column != nullptr && column->text() != nullptr;
+      unit = reader.columns()[reader.find(named ? *column->text() : axis == 0 ? "t" : "y")].unit;
+      return dimension_of(unit) ? si_unit(*dimension_of(unit)) : "";
+    } catch (const FileError&) {  // the law reports it
+      return {};
+    }
+  for (std::size_t i = 0; points != nullptr && points->list() != nullptr && i < points->list()->size(); ++i) {
+    const Value::List* const point = (*points->list())[i].list();
+    const std::string* const text = point != nullptr && point->size() > axis ? (*point)[axis].text() : nullptr;
+    if (text == nullptr || !read_quantity(*text, Unit::any).problem.empty()) continue;
+    const Dimension d = dimension_of_text(*text);
+    if (!unit.empty() && unit != si_unit(d))
+      lockstep::refuse((*point)[axis].where, item(item(part_of(place, "points"), i), axis),
+                       "\"" + *text + "\" is " + article_name_of(d) + ", but the points before are in " + unit +
+                           " there; give all the same dimension");
+    unit = si_unit(d);
+  }
+  return unit;
+}
+
+}  // namespace
 
 Key constants_key() {
   return {"parameters", Form::any, Unit::none, kOptional,
@@ -56,9 +88,10 @@ std::vector<NamedNumbers> read_constants(const Value& object, const std::string&
     } else if (m.value.object() == nullptr) {
       c.values = {read_number(m.value, Unit::any, place)};
       note_unit(m.value);
-    } else if (const Value* const points = m.value.find("points"); points != nullptr && points->list() != nullptr) {
-      for (const Value& point : *points->list())
-        if (point.list() != nullptr && point.list()->size() > 1) note_unit((*point.list())[1]);
+    } else {
+      const std::string argument = unit_of_axis(m.value, 0, place);
+      c.unit = unit_of_axis(m.value, 1, place);
+      if (!argument.empty()) c.unit += std::string(kOf) + argument;
     }
   }
   return all;

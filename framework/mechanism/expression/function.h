@@ -35,8 +35,10 @@ struct Term {
 struct Meaning {
   Amount amount{};            ///< of variables its value means nothing
   int variable = -1;          ///< the first of its variables; -1: constant
-  LawPtr<MotionLaw> table{};  ///< of a table
-  bool is_known = true;       ///< whether its dimension is known
+  LawPtr<MotionLaw> table{};  ///< of a table; null if dimensions alone are asked for
+  bool is_table = false;
+  std::optional<Exponents> argument{};  ///< of a table, if it has a unit
+  bool is_known = true;                 ///< whether its dimension is known
   bool clash = false;         ///< whether it is a variable and a constant
 
   /// `with_unit`: whether its unit counts as one that is written in the formula.
@@ -98,7 +100,8 @@ extern template LOCKSTEP_API Jet<8> FormulaFunction::operator()(std::span<const 
 /// among them. Throws SceneError.
 LOCKSTEP_API std::vector<NamedNumbers> read_constants(const Params&, const std::string& key);
 
-/// The same of the object itself, which stands at `place`; tables have no law.
+/// The same of the object itself, which stands at `place`; tables have no law. The unit of a table is "Pa of m": of its
+/// values, and of its arguments if these have one. Throws SceneError if an axis has units of two dimensions.
 LOCKSTEP_API std::vector<NamedNumbers> read_constants(const Value& object, const std::string& place);
 
 /// The key "parameters" of a type with formulas.

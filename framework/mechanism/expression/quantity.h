@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <lockstep/author/params.h>
 #include <lockstep/detail/export.h>
@@ -26,6 +27,9 @@ inline Exponents exponents_of(const Dimension& d) { return {double(d.m), double(
 Exponents settled(Exponents);
 /// The dimension of these exponents; nothing if a unit has none of them, fractional or high ones.
 std::optional<Dimension> whole(const Exponents&);
+
+/// Between the units of the values and arguments of a table.
+inline constexpr std::string_view kOf = " of ";
 
 /// A number or a vector with its dimension.
 struct Amount {

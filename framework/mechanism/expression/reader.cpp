@@ -135,7 +135,7 @@ class FormulaReader {
       known.emplace_back("pi");
       refuse(n, "unknown name \"" + n.name + "\"" + text::suggestion(n.name, known));
     }
-    if (m->table) refuse(n, "a table has a value at an argument only; write table(" + n.name + ", x)");
+    if (m->is_table) refuse(n, "a table has a value at an argument only; write table(" + n.name + ", x)");
     Part q{m->amount};
     for (int k = 0; k < (q.is_vector ? 3 : 1); ++k)
       q.term[k] = m->variable < 0 ? constant(m->amount.v[k]) : variable(m->variable + k);
@@ -273,6 +273,13 @@ class FormulaReader {
   [[noreturn]] void refuse_argument(const Node& n, const Amount& q, const char* expected) const {
     refuse(n, std::string(signature_of(n.function).name) + " of " + called(q) + "; " + expected + " is expected");
   }
+  // Of dimensions alone; a plain number is in SI.
+  void expect(const Node& n, const Amount& x, const Exponents& wanted, const std::string& what) const {
+    if (what_ != Read::dimension || !x.measured || x.any || x.is_zero) return;
+    if (without_radian(settled(x.dimension)) == without_radian(wanted)) return;
+    const Amount of{.dimension = wanted};
+    refuse(n, what + " is " + called(x) + "; " + called(of) + " is expected");
+  }
   void check_range(const Node& n, const std::vector<Part>& a) const {
     const double x = a[0].v[0];
     const Function f = n.function;
@@ -315,6 +322,8 @@ class FormulaReader {
     for (std::size_t k = 1; k < a.size() && f.takes == Takes::alike; ++k)
       unite(n, a[0], a[k], "arguments of one function");
     if (of_values()) check_range(n, a);
+    if (n.function == Function::at || n.function == Function::last)
+      expect(n, a[1], {0, 0, 1, 0}, "the second argument of " + std::string(f.name));
     q.any = a[0].any && (f.takes == Takes::alike || f.gives == Gives::alike || f.gives == Gives::root);
     if (f.gives == Gives::alike) q.dimension = a[0].dimension;
     if (f.gives == Gives::root) q.dimension = scaled(a[0].dimension, 0.5);
@@ -336,13 +345,14 @@ class FormulaReader {
     if (of_values()) refuse(n, "a table is of the motion; formulas of parameters and points cannot read it");
     const Node& name = e_.node(n.children[0]);
     const Meaning* const m = name.operation == Operation::name && name.name != "pi" ? names_(name) : nullptr;
-    if (m == nullptr || !m->table)
+    if (m == nullptr || !m->is_table)
       refuse(name, "the name of a table is expected, which the scene defines under \"tables\"");
     const Part x = child(n, 1);
     if (x.is_vector) refuse_argument(n, x, "a number");
+    if (m->argument) expect(n, x, *m->argument, "the argument of table \"" + name.name + "\"");
     Term t{Operation::call, Function::table};
     t.parts = {x[0]}, t.n_parts = 1, t.table = m->table;
-    Part q = pure(put(t));
+    Part q = pure(m->table ? put(t) : variable(0));
     q.measured = true, q.any = !m->amount.measured;
     if (!q.any) q.dimension = m->amount.dimension, q.with_unit = m->amount.with_unit;
     return q;

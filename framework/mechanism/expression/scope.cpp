@@ -35,11 +35,14 @@ void Scope::add(const std::string& name, const Meaning& as) {
 
 void Scope::add(const std::vector<NamedNumbers>& constants) {
   for (const NamedNumbers& c : constants) {
-    Meaning m{.table = c.table};
+    Meaning m{.table = c.table, .is_table = c.values.empty()};
     m.amount.is_vector = c.values.size() == 3;
     std::ranges::copy(c.values, m.amount.v.data());
-    if (!c.unit.empty()) {
-      const std::optional<Dimension> d = lockstep::dimension_of(c.unit);
+    const std::size_t of = c.unit.find(kOf);
+    const std::string unit = c.unit.substr(0, of);
+    if (of != std::string::npos) m.argument = exponents_of(*lockstep::dimension_of(c.unit.substr(of + kOf.size())));
+    if (!unit.empty()) {
+      const std::optional<Dimension> d = lockstep::dimension_of(unit);
       m.is_known = d.has_value(), m.amount.dimension = exponents_of(d.value_or(Dimension{}));
       m.amount.measured = m.amount.with_unit = true;
     }
@@ -94,7 +97,8 @@ const Meaning& Scope::of(const Expression& e, const Node& n) {
     }
     name = find(n.name);
   } else if (name == nullptr) {
-    problem = "unknown name \"" + n.name + "\"" + text::suggestion(n.name, names());
+    const bool of_law = !entries_.empty() && entries_.front().first == "t";
+    problem = "unknown name \"" + n.name + "\"" + text::suggestion(n.name, names()) + (of_law ? kLawOfTime : "");
   }
   if (name == nullptr) e.refuse(n, problem);
   if (name->clash)
@@ -111,7 +115,7 @@ void Scope::check(const Expression& e, const std::optional<Dimension>& value) {
   const auto has_unit = [this](const Node& n) {
     if (n.operation == Operation::number) return n.measured && n.dimension != Dimension{};
     const Meaning* const name = n.operation == Operation::name ? find(n.name) : nullptr;
-    return name != nullptr && name->amount.with_unit;
+    return name != nullptr && (name->amount.with_unit || name->argument);
   };
   if (std::ranges::none_of(e.nodes(), has_unit)) return;
   std::string hint = "; this formula has a unit, so all its quantities have units", before = ": ";

@@ -41,9 +41,9 @@ Mechanism build_at_rest(const Scene& scene, const Registry& registry) {
     std::erase_if(all, [&](const ChannelRequest& r) {
       const bool moves = placed(r.where, key, [&] { return make_channel(system_of(m), r.channel).of_motion; });
       if (moves)
-        CommandFindings::add({&finding::analysis_note, "",
-                              fmt::format("{} \"{}\" has no value at rest: it is a function of the motion", what,
-                                          r.column())});
+        report_finding({&finding::analysis_note, "",
+                        fmt::format("{} \"{}\" has no value at rest: it is a function of the motion", what,
+                                    r.column())});
       return moves;
     });
   };
