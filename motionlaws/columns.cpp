@@ -96,8 +96,8 @@ Columns read_columns(const std::string& path, const std::string& t_column, const
     std::vector<double> row;
     for (const Wanted& w : wanted) row.push_back(number_of(lines, cells, w));
     if (!rows.empty() && row[0] <= rows.back()[0])
-      lines.refuse("time " + text::number(row[0]) + " does not come after " + text::number(rows.back()[0]) +
-                   "; sort the rows by time");
+      lines.refuse("column '" + t_column + "': " + text::number(row[0]) + " does not come after " +
+                   text::number(rows.back()[0]) + "; sort the rows by this column");
     rows.push_back(std::move(row));
   }
   if (rows.empty()) throw FileError(path + ": has no rows of numbers");

@@ -33,8 +33,8 @@ void SplineCurve::check(const MatX& y) const {
     require(std::isfinite(t_[i]) && y.row(static_cast<Eigen::Index>(i)).allFinite(), law, "points",
             "have a number that is not finite in " + place);
     require(i == 0 || t_[i] > t_[i - 1], law, "points",
-            "must have increasing times; " + place + " is at " + text::number(t_[i]) + " s, the one before at " +
-                text::number(t_[i - (i > 0)]) + " s");
+            "must increase in their first number; " + place + " has " + text::number(t_[i]) + ", the one before " +
+                text::number(t_[i - (i > 0)]));
   }
   if (k_.ends == SplineEnds::periodic) {
     const double gap = (y.bottomRows(1) - turn_ * y.topRows(1)).cwiseAbs().maxCoeff();
@@ -95,8 +95,9 @@ void SplineCurve::at(double t, double* y, double* yd, double* ydd) const {
     if (t < first() - kEarly * T || t >= last() - kEarly * T) go_on = 0;
     t = std::clamp(t, first(), last());
   } else if (!(t >= first() - 1e-9 * T && t <= last() + 1e-9 * T)) {  // with slack for sums of steps
-    throw ModelError("law '" + law_ + "' has points from " + text::brief(first()) + " s to " + text::brief(last()) +
-                     " s and no value at t = " + text::brief(t) + " s; add points, or set \"outside\" to \"hold\"");
+    throw ModelError("law '" + law_ + "' has points from " + text::brief(first()) + " to " + text::brief(last()) +
+                     " and no value at " + text::brief(t) + "; add points, or set \"outside\" to \"" +
+                     (k_.ends == SplineEnds::periodic ? "repeat" : "hold") + "\"");
   }
   const auto next = std::upper_bound(t_.begin() + 1, t_.end() - 1, t);
   const std::size_t i = static_cast<std::size_t>(next - t_.begin()) - 1;

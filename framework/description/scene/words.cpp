@@ -57,7 +57,7 @@ a name: cardan (xyz), euler (zxz), hpb (zxy).
 "parameters", "points", positions of bodies, and units; in a law t; in a function joint x y z, rz, e0 e1 e2 e3 and t.
   "=sqrt(a^2 + b^2)"    "=A + crank*[cos(phi), sin(phi), 0]"    "=rod.to - rod.from"    "=0.1*sin(w*t) + (t > 1 ? 2*(t-1)^2 : 0)")_"},
     {"unit",
-     R"_(a text with a unit is converted to SI: m g s N Nm J W Hz rad Pa bar l with prefixes n u m c d k M; deg, rev, turn, rpm,
+     R"_(a text with a unit is converted to SI: m g s N Nm J W Hz rad Pa bar l with prefixes n u m c d h k M G; deg, rev, turn, rpm,
 min, h, t, in, ft, kgf, hp, psi; products, powers and one group of divisors. A unit of another quantity is an error.
   "12 mm"    "1200 rpm"    "0.3 g/cm^3"    "5 N m/rad")_"}};
 

@@ -344,9 +344,14 @@ class FormulaReader {
   Part of_table(const Node& n) {
     if (of_values()) refuse(n, "a table is of the motion; formulas of parameters and points cannot read it");
     const Node& name = e_.node(n.children[0]);
-    const Meaning* const m = name.operation == Operation::name && name.name != "pi" ? names_(name) : nullptr;
+    const Meaning* m = nullptr;
+    if (name.operation == Operation::name && name.name != "pi") try {
+        m = names_(name);
+      } catch (const ModelError&) {  // whatever else is wrong with it, it is no table
+      }
     if (m == nullptr || !m->is_table)
-      refuse(name, "the name of a table is expected, which the scene defines under \"tables\"");
+      refuse(name, "the name of a table is expected" + (name.name.empty() ? "" : ", \"" + name.name + "\" is none") +
+                       "; define it under \"tables\" of the scene");
     const Part x = child(n, 1);
     if (x.is_vector) refuse_argument(n, x, "a number");
     if (m->argument) expect(n, x, *m->argument, "the argument of table \"" + name.name + "\"");
@@ -373,7 +378,9 @@ class FormulaReader {
       for (std::size_t i = 0; i < 3; ++i) v[k][static_cast<int>(i)] = term(a[k][i]).value;
       Amount other = a[k];
       q.is_vector = vector;
-      if (k < 4) unite(n, q, other, "arguments of one function");
+      if (!other.measured) continue;  // in SI
+      if (k < 4 && q.measured) unite(n, q, other, "arguments of one function");
+      if (k < 4) q.dimension = other.dimension, q.measured = true;
     }
     const Meeting m =
         circles ? meeting_of_circles(v[0], v[1][0], v[2], v[3][0], v[4][0], a.size() == 6 ? v[5] : Vec3(Vec3::UnitZ()))

@@ -62,12 +62,14 @@ const Meaning* Scope::find(const std::string& name) {
   return &entries_.back().second;
 }
 
-// Three numbers whose names begin with this one.
+// Three numbers whose names begin with this one, or with it before "@".
 void Scope::find_vector(const std::string& name) {
-  if (find(name) != nullptr || name.find('@') != std::string::npos) return;
-  for (const char* between : {"_", ".", ""}) try {
-      Meaning whole = others_(name + between + "x");
-      others_(name + between + "y"), others_(name + between + "z");
+  if (find(name) != nullptr) return;
+  const std::size_t at = std::min(name.find('@'), name.size());
+  for (const std::string between : {"_", ".", ""}) try {
+      const auto part = [&](char axis) { return others_(name.substr(0, at) + between + axis + name.substr(at)); };
+      Meaning whole = part('x');
+      part('y'), part('z');
       whole.amount.is_vector = true;
       return add(name, whole);
     } catch (const ModelError&) {  // not these

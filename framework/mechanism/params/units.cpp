@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include <lockstep/text.h>
 #include "framework/mechanism/params/read.h"
@@ -97,8 +98,17 @@ struct Prefix {
   std::string_view name;
   int ten;
 };
-constexpr std::array<Prefix, 9> kPrefixes{
-    {{"n", -9}, {"u", -6}, {"\u00b5", -6}, {"\u03bc", -6}, {"m", -3}, {"c", -2}, {"d", -1}, {"k", 3}, {"M", 6}}};
+constexpr std::array<Prefix, 11> kPrefixes{{{"n", -9},
+                                            {"u", -6},
+                                            {"\u00b5", -6},
+                                            {"\u03bc", -6},
+                                            {"m", -3},
+                                            {"c", -2},
+                                            {"d", -1},
+                                            {"h", 2},
+                                            {"k", 3},
+                                            {"M", 6},
+                                            {"G", 9}}};
 
 std::optional<UnitFactor> symbol(std::string_view name) {
   for (const Symbol& s : kSymbols)
@@ -262,12 +272,17 @@ Measured read_quantity(std::string_view text, Unit unit, int per_second) {
   if (rest.front() == ',') return {0, quoted + " has a comma in its number; the decimal separator is a point"};
 
   Measured result;
-  const UnitFactor factor = unit_factor(rest, result.problem);
+  UnitFactor factor = unit_factor(rest, result.problem);
   if (!result.problem.empty()) return {0, quoted + ": " + result.problem};
   if (unit != Unit::any && !(factor.dimension == dimension)) {
     std::string given = article_name_of(factor.dimension);
     if (rest.find('J') != std::string_view::npos && given == article_name_of(Unit::torque)) given = "an energy";
-    return {0, quoted + " is " + given + "; here " + wanted(words, per_second)};
+    const int turns = dimension.rad - std::exchange(factor.dimension.rad, dimension.rad);
+    const std::string hint = factor.dimension == dimension && std::abs(turns) == 1
+                                 ? std::string("; only the radian differs: ") + (turns > 0 ? "multiply" : "divide") +
+                                       " by 1 rad in a formula"
+                                 : "";
+    return {0, quoted + " is " + given + "; here " + wanted(words, per_second) + hint};
   }
   result.value = to_si(x, factor);
   if (!std::isfinite(result.value)) return {0, quoted + " is beyond the range of numbers (1e308)"};

@@ -37,7 +37,7 @@ struct Measured {
 };
 
 /// Number and unit of `text`, which must be of the dimension `unit`. A unit is a product of powers with at most one run
-/// of divisors: "N m/rad", "kg m^2", "m/s/s", "g/cm^3". Symbols: m g s N Nm J W Hz rad Pa bar l with n u m c d k M before
+/// of divisors: "N m/rad", "kg m^2", "m/s/s", "g/cm^3". Symbols: m g s N Nm J W Hz rad Pa bar l with n u m c d h k M G before
 /// them; deg, rev, turn, rpm, min, h, t, in, ft, kgf, hp, psi. Independent of the locale. With `per_second`, of that dimension per second, to
 /// this power. Of Unit::none is a number with the unit "1", as formulas give it.
 LOCKSTEP_API Measured read_quantity(std::string_view text, Unit unit, int per_second = 0);

@@ -2,10 +2,13 @@
 #include "framework/mechanism/system/coordinate_names.h"
 
 #include <algorithm>
+#include <array>
+#include <string>
 #include <string_view>
 
 #include <lockstep/author/lock.h>
 #include <lockstep/error.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {
@@ -47,6 +50,10 @@ constexpr Rule kRules[] = {
     {pair, "distance", Kind::distance, 0, "distance between the two origins"},
     {pair, "distance_d", Kind::distance, 1, "rate of the distance; 0 if the origins meet"}};
 
+constexpr const char* kCanRead =
+    "can read coordinates and rates of joints (crank.rz, crank.rz_d), and motions of bodies and markers (P.x, P.vx, "
+    "P.distance@Q)";
+
 std::string for_axis(std::string_view text, int axis) {
   std::string named(text);
   std::ranges::replace(named, '?', "xyz"[axis]);
@@ -59,6 +66,32 @@ std::shared_ptr<Coordinate> coordinate_of(CoordinateOwner owner, std::string_vie
   for (const NamedCoordinate& c : coordinates_of(owner))
     if (c.name == name && c.of.order < 2) return std::make_shared<Coordinate>(c.of, m, n);
   return nullptr;
+}
+
+// Why a formula of a force cannot read this: it is found by solving for it, misspelt, or of nothing. `words`: coordinates of
+// the object that it names; none if there is no such object.
+[[noreturn]] void refuse_name(const System& system, const std::string& name, const std::vector<std::string>& words) {
+  const std::size_t at = std::min(name.find('@'), name.size()), dot = name.rfind('.', at);
+  const std::string word = name.substr(dot + 1, at - dot - 1), quoted = "\"" + name + "\"";
+  const auto is_in = [&](std::string_view part) { return word.find(part) != std::string::npos; };
+  const auto is_second = [&](CoordinateOwner owner) {
+    return std::ranges::any_of(coordinates_of(owner), [&](const auto& c) { return c.name == word && c.of.order > 1; });
+  };
+  if (std::ranges::any_of(std::array{"force", "torque", "drive", "power", "work"}, is_in) || is_second(joint) ||
+      is_second(frame))
+    throw ModelError(quoted + " depends on what this formula gives, as all forces and accelerations do; it " + kCanRead);
+  if (!words.empty())
+    throw ModelError(quoted + ": there is no coordinate \"" + word + "\"" + text::suggestion(word, words) +
+                     "; a formula of a force " + kCanRead);
+  std::vector<std::string> names;
+  for (const Body& b : system.bodies()) names.push_back(b.name);
+  for (const Marker& m : system.markers()) names.push_back(m.name);
+  for (const auto& l : system.links()) names.push_back(l->name());
+  const std::string first = name.substr(0, dot);
+  const bool is_second_frame = at < name.size() && frame_named(system, first);
+  const std::string missing = is_second_frame ? name.substr(at + 1) : first;
+  throw ModelError(quoted + " is no parameter or table, and no body, marker or joint is called \"" + missing + "\"" +
+                   text::suggestion(missing, names));
 }
 
 }  // namespace
@@ -95,10 +128,15 @@ std::shared_ptr<Coordinate> coordinate_named(const System& system, const std::st
         found = coordinate_of(joint, word, {p->body, p}, {s->body, s});
       }
     if (found) return found;
+    const bool is_joint =
+        std::ranges::any_of(system.links(), [&](const auto& link) { return !of_pair && link->name() == owner; });
+    if (!is_joint && !(m && n)) continue;
+    std::vector<std::string> words;
+    for (const NamedCoordinate& c : coordinates_of(is_joint ? joint : of_pair ? pair : frame))
+      if (c.of.order < 2) words.push_back(c.name);
+    refuse_name(system, name, words);
   }
-  throw ModelError("\"" + name +
-                   "\" is no parameter, table or coordinate; a formula of a force can read coordinates and rates of "
-                   "joints (crank.rz, crank.rz_d), and motions of bodies and markers (P.x, P.vx, P.distance@Q)");
+  refuse_name(system, name, {});
 }
 
 }  // namespace lockstep

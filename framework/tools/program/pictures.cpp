@@ -97,7 +97,11 @@ std::string why_not(const std::string& csv, const Table& table) {
 RunOutputs checked_outputs(const Loaded& loaded, const Arguments& args, const Table& columns, const std::string& csv) {
   RunOutputs out = outputs_of(loaded.scene);
   if (!args["--headers"].empty()) out.units = args["--headers"] == "units";
-  for (const std::string& text : args.all("--picture")) out.pictures.push_back(picture_of(text, columns));
+  for (const std::string& text : args.all("--picture")) {
+    const PictureRequest picture = picture_of(text, columns);
+    const auto is_same = [&](const PictureRequest& p) { return p.x == picture.x && p.y == picture.y; };
+    if (std::ranges::none_of(out.pictures, is_same)) out.pictures.push_back(picture);
+  }
   check_overwrites(csv, loaded.scene, out.pictures);
   return out;
 }

@@ -205,6 +205,9 @@ std::vector<std::string> meant_by(const std::string& quantity, const std::vector
   if (const std::optional<Object> whole = find_object(system, channel))
     throw ModelError(fmt::format("channel \"{0}\": this is {1}; add a quantity, such as \"{0}.{2}\"", channel,
                                  whole->label, whole->entries.front().name));
+  if (frame_named(system, object))
+    throw ModelError(fmt::format("channel \"{}\": add a quantity, such as \"{}.x{}\"", channel, object,
+                                 channel.substr(std::min(channel.find('@'), channel.size()))));
   std::vector<std::string> names;
   each_object(system, [&](const char*, const std::string& name, const auto&) {
     if (name.find_first_of(".(") == std::string::npos) names.push_back(name);
