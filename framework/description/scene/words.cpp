@@ -61,6 +61,20 @@ a name: cardan (xyz), euler (zxz), hpb (zxy).
 min, h, t, in, ft, kgf, hp, psi; products, powers and one group of divisors. A unit of another quantity is an error.
   "12 mm"    "1200 rpm"    "0.3 g/cm^3"    "5 N m/rad")_"}};
 
+// Functions of formulas, by their names.
+const std::pair<std::set<std::string>, const char*> kFunctions[] = {
+    {{"table"},
+     R"_(table(name, x), the value at x of a table, which the scene defines under "tables"; x has the unit of its first column
+  "force": "=-area*table(gas, crank.rz)")_"},
+    {{"meet"},
+     R"_(meet(A, r, B, s, side), where circles of radii r and s about A and B meet, left or right of the way from A to B;
+meet(A, B, C, D), where the lines AB and CD meet; in points and parameters
+  "points": {"C": "=meet(A, 0.2, B, 0.3, left)"})_"},
+    {{"min", "max", "mean", "rms", "integral", "at", "last", "rate"},
+     R"_(functions of the motion, in columns: min(x), max(x), mean(x), rms(x), integral(x) so far, at(x, time);
+mean(last(x, T)) is of the last T seconds; rate(x) is the derivative by time
+  "record": [{"mean torque": "=mean(last(A.drive.torque_on_p_link_z, 0.2 s))"}])_"}};
+
 // "stops, a key of link: list of objects: see ...", owners of the same meaning together.
 std::string key_lines(const Registry& registry, const std::string& word) {
   std::vector<std::pair<std::string, std::vector<std::string>>> meanings;
@@ -84,6 +98,8 @@ std::string describe_word(const Registry& registry, const std::string& word) {
   std::string text;
   for (const Word& form : kForms)
     if (word == form.name || word == std::string(form.name) + "s") text += word + ": " + form.text + "\n";
+  for (const auto& [names, help] : kFunctions)
+    if (names.contains(word)) text += word + ": " + help + "\n";
   for (const Unit unit : units())
     if (word == name_of(unit))
       text += word + ": a quantity in " + si_unit(unit) + ", or a text with a unit: \"" + example_of(unit) + "\"\n";
@@ -94,6 +110,7 @@ std::vector<std::string> known_words(const Registry& registry) {
   const std::vector<Description> described = all_descriptions(registry);
   std::set<std::string> words;
   for (const Word& form : kForms) words.insert(form.name);
+  for (const auto& [names, help] : kFunctions) words.insert(names.begin(), names.end());
   for (const Unit unit : units()) words.insert(name_of(unit));
   for (const Description& d : described)
     for (const Key& key : d.info.keys) words.insert(key.name);

@@ -41,6 +41,12 @@ struct Meaning {
   bool is_known = true;                 ///< whether its dimension is known
   bool clash = false;         ///< whether it is a variable and a constant
 
+  /// A coordinate of the mechanism by its name.
+  static Meaning of_coordinate(int number, const Dimension& d) {
+    Meaning m = of_variable(number, d);
+    m.amount.named = true;
+    return m;
+  }
   /// `with_unit`: whether its unit counts as one that is written in the formula.
   static Meaning of_variable(int number, const std::optional<Dimension>& d, bool with_unit = false) {
     Meaning m{.variable = number, .is_known = d.has_value()};

@@ -39,6 +39,7 @@ struct Amount {
   bool measured = false;   ///< whether units took part; numbers without any are those of their place, in SI
   bool is_zero = false;    ///< a written 0, which is of every dimension
   bool with_unit = false,  ///< in dimension_of(): whether a unit was written, not only variables read
+      named = false,       ///< likewise: whether it reads a coordinate of the mechanism by its name
       any = false;         ///< likewise: a plain number times a variable, of unknown dimension
 
   static Amount number(double x) {

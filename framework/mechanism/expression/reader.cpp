@@ -80,7 +80,7 @@ class FormulaReader {
   bool is_number(const Amount& q) const {
     if (what_ == Read::terms) return true;
     if (of_values()) return q.dimension == Exponents{};
-    return q.any || !q.with_unit || without_radian(q.dimension) == Exponents{};
+    return q.any || !(q.with_unit || q.named) || without_radian(q.dimension) == Exponents{};
   }
   std::string called(const Amount& q) const {
     return what_ != Read::terms ? article_name_of(q) : q.is_vector ? "a vector" : "a number";
@@ -166,7 +166,7 @@ class FormulaReader {
     if (a.any) a.dimension = b.dimension, a.measured = b.measured;
     if (b.any) b.dimension = a.dimension, b.measured = a.measured;
     a.any = b.any = (a.any && (b.any || b.is_zero)) || (b.any && a.is_zero);
-    a.with_unit = b.with_unit = a.with_unit || b.with_unit;
+    a.with_unit = b.with_unit = a.with_unit || b.with_unit, a.named = b.named = a.named || b.named;
   }
   // Whether a product has a plain number as a factor of what varies.
   bool is_free(const Part& a, const Part& b) const {
@@ -200,6 +200,7 @@ class FormulaReader {
     q.dimension = product(a.dimension, b.dimension, divides ? -1 : 1);
     q.measured = a.measured || b.measured, q.is_zero = false;
     q.any = a.any || b.any || is_free(a, b), q.with_unit = a.with_unit || b.with_unit;
+    q.named = a.named || b.named;
     return q;
   }
 

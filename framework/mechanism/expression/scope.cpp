@@ -119,9 +119,10 @@ void Scope::check(const Expression& e, const std::optional<Dimension>& value) {
     const Meaning* const name = n.operation == Operation::name ? find(n.name) : nullptr;
     return name != nullptr && (name->amount.with_unit || name->argument);
   };
-  if (std::ranges::none_of(e.nodes(), has_unit)) return;
-  std::string hint = "; this formula has a unit, so all its quantities have units", before = ": ";
-  for (const std::string& name : names_in(e))
+  const bool has_units = std::ranges::any_of(e.nodes(), has_unit);
+  if (!has_units && std::ranges::none_of(entries_, [](const Entry& x) { return x.second.amount.named; })) return;
+  std::string hint = has_units ? "; this formula has a unit, so all its quantities have units" : "", before = ": ";
+  for (const std::string& name : has_units ? names_in(e) : std::vector<std::string>())
     if (const Meaning* const read = find(name); read != nullptr && read->variable >= 0 && read->is_known)
       hint += before + name + " is " + article_name_of(read->amount), before = ", ";
   const std::optional<Amount> q = dimension_of(e, e.root(), hint, false);

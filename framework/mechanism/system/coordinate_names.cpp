@@ -51,8 +51,8 @@ constexpr Rule kRules[] = {
     {pair, "distance_d", Kind::distance, 1, "rate of the distance; 0 if the origins meet"}};
 
 constexpr const char* kCanRead =
-    "can read coordinates and rates of joints (crank.rz, crank.rz_d), and motions of bodies and markers (P.x, P.vx, "
-    "P.distance@Q)";
+    "formulas of forces read coordinates and rates of joints (crank.rz, crank.rz_d), and motions of bodies and markers "
+    "(P.x, P.vx, P.distance@Q)";
 
 std::string for_axis(std::string_view text, int axis) {
   std::string named(text);
@@ -79,10 +79,10 @@ std::shared_ptr<Coordinate> coordinate_of(CoordinateOwner owner, std::string_vie
   };
   if (std::ranges::any_of(std::array{"force", "torque", "drive", "power", "work"}, is_in) || is_second(joint) ||
       is_second(frame))
-    throw ModelError(quoted + " depends on what this formula gives, as all forces and accelerations do; it " + kCanRead);
+    throw ModelError(quoted + " depends on what this formula gives, as all forces and accelerations do; " + kCanRead);
   if (!words.empty())
     throw ModelError(quoted + ": there is no coordinate \"" + word + "\"" + text::suggestion(word, words) +
-                     "; a formula of a force " + kCanRead);
+                     "; " + kCanRead);
   std::vector<std::string> names;
   for (const Body& b : system.bodies()) names.push_back(b.name);
   for (const Marker& m : system.markers()) names.push_back(m.name);

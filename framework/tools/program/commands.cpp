@@ -329,6 +329,7 @@ int run_program(std::vector<Command> (*commands)(), bool calls_tools, int argc, 
     std::vector<const char*> words(argv, argv + argc);
     if (argc > 1 && std::string_view(argv[1]) == "plugins" && (argc == 2 || argv[2][0] == '-'))
       words.insert(words.begin() + 2, "list");
+    if (argc > 1 && std::string_view(argv[1]) == "help") words.erase(words.begin() + 1), words.push_back("--help");
     return printed(run_words({made, calls_tools}, static_cast<int>(words.size()), words.data()));
   } catch (const std::bad_alloc&) {
     return out_of_memory();
