@@ -84,12 +84,13 @@ TEST_CASE("pictures of one column against another are drawn on request", "[runne
   const std::string run = "run '" + kFourBar + "' --until 0.1 --record path.csv ";
   for (const char* name : {"path.By_over_Bx.png", "path.By_over_Bx.svg"})
     fs::remove(kRunnerFolder + "/" + std::string(name));
-  const Called r = call(run + "--picture Bx:By --picture t:theta");
+  const Called r = call(run + "--picture Bx:By --picture t:theta --picture Bx:By");
   INFO(r.text);
   CHECK(r.exit == 0);
   testing::require_gnuplot();
   for (const char* name : {"path.By_over_Bx.png", "path.By_over_Bx.svg", "path.theta_over_t.svg"}) {
     CHECK(contains(r.text, name));
+    CHECK(r.text.find(name) == r.text.rfind(name));  // once
     CHECK(fs::file_size(kRunnerFolder + "/" + std::string(name)) > 1000);
   }
   std::ifstream svg(kRunnerFolder + "/path.By_over_Bx.svg");

@@ -172,7 +172,7 @@ TEST_CASE("each kind of failure has its number", "[runner]") {
 TEST_CASE("a run beyond the end of a spline is an error of the scene, which is named", "[runner]") {
   const std::string spline = R"({"type": "spline", "points": [[0, 1], [0.2, 1.1], [0.5, 1.3]]})";
   const std::string path = R"({"type": "path", "points": [[0, 0,0,0], [0.2, 0.1,0,-0.1], [0.5, 0.3,0,-0.2]]})";
-  const std::string end = "has points from 0 s to 0.5 s and no value at t = ";
+  const std::string end = "has points from 0 to 0.5 and no value at ";
   const auto driven = [&](const std::string& law) {
     return R"("links": [{)" + kHinge + R"(, "drive": {"axis": "rz", "law": )" + law + "}}], ";
   };

@@ -17,6 +17,8 @@ using namespace lockstep::testing;
 namespace fs = std::filesystem;
 
 TEST_CASE("every command of another program has its help, and appears in that of lockstep", "[runner]") {
+  CHECK(call("help").text == call("--help").text);
+  CHECK(call("help statics").text == call("statics --help").text);
   const std::string help = call("--help").text, manual = call("man").text;
   for (const Verb& verb : verbs()) {
     if (verb.program.empty()) continue;

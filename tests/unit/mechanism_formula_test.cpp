@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Formulas that see the mechanism: tables as functions, and forces that read coordinates of others.
 #include <cmath>
+#include <fstream>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <lockstep/author/formula.h>
@@ -304,17 +306,91 @@ TEST_CASE("a formula couples the coordinates of joints", "[unit][links]") {
   }
 }
 
+TEST_CASE("a table has one unit per axis, by its points or its file", "[unit][expression]") {
+  const auto scene = [](const std::string& points, const std::string& column) {
+    return R"("tables": {"T": {"type": "spline", )" + points + R"(}}, "bodies": [{"name": "a", "particle": 1}],
+      "run": {"until": 0, "record": [{"c": ")" + column + "\"}]}";
+  };
+  const auto points = [&](const std::string& list) { return "\"points\": [" + list + "]"; };
+  check_words(refusal(scene(points(R"(["0 m", "1 bar"],
+      ["0.5 m", "3 N"])"), "=a.x")),
+              {"formulas.json:2", "scene.tables.T.points[1][1]", "\"3 N\" is a force", "the points before are in Pa"});
+  check_words(refusal(scene(points(R"([0, 1], ["1 m", "3 N"], ["2 s", 4])"), "=a.x")),
+              {"scene.tables.T.points[2][0]", "\"2 s\" is a time", "in m there"});
+  const std::string file = "formula_axis_units.csv";
+  std::ofstream(file) << "t [mm],y [bar]\n0,1\n500,3\n1000,4\n";
+  const auto problem = [&](const std::string& given, const std::string& column) {
+    return message_of<Error>([&] { run_of(scene(given, column)); });
+  };
+  const std::string given = points(R"(["0 m", "1 bar"], ["50 cm", "3e5 Pa"], [1, "4 bar"])");
+  for (const std::string& from : {given, "\"file\": \"" + file + "\""}) {
+    const Table t = run_of(scene(from, "=table(T, a.x + 0.5 m)"));
+    CHECK(t["c"][0] == 3e5);
+    CHECK(t.column("c").unit == "Pa");
+    check_words(problem(from, "=table(T, a.x) + 1 kg"), {"a quantity in kg/m/s^2 and a mass are added"});
+    check_words(problem(from, "=table(T, a.vx)"), {"the argument of table \"T\" is a speed; a length is expected"});
+    check_words(problem(from, "=table(T, t)"), {"is a time; a length is expected"});
+    check_words(problem(from, "=table(U, a.x)"), {"the name of a table is expected, \"U\" is none"});
+  }
+  check_words(problem(given, "=at(a.y, 3 m)"), {"the second argument of at is a length; a time is expected"});
+  check_words(problem(given, "=mean(last(a.y, 0.5 m))"), {"the second argument of last is a length"});
+}
+
+// Oracle: the rate of the table, which is a line.
+TEST_CASE("the law of a drive reads a table with units", "[unit][expression]") {
+  const auto driven = [](const std::string& y) {
+    return R"("tables": {"T": {"type": "spline", "points": [["0 s", "0 m"], ["1 s", "300 mm"]]}},
+      "bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 0.1}}],
+      "joints": [{"name": "A", "type": "prismatic", "p": "a", "s": "ground", "at": [0, 0, 0], "axis": "z",
+        "drive": {"axis": "z", "law": {"type": "formula", "y": ")" + y + R"("}}}],
+      "run": {"until": 1, "output": 0.25, "record": ["A.z", "A.z_d"]})";
+  };
+  for (const auto& [y, factor] : {std::pair{"=table(T, t)", 1.0}, {"=2*table(T, t)", 2}, {"=table(T, t) + 0 m", 1}}) {
+    const Table t = run_of(driven(y));
+    for (std::size_t i = 0; i < t.n_rows(); ++i) {
+      CHECK(t["A.z"][i] == Approx(0.3 * factor * t["t"][i]).margin(1e-12));
+      CHECK(t["A.z_d"][i] == Approx(0.3 * factor).epsilon(1e-9));
+    }
+  }
+  check_words(refusal(driven("=table(T, 2 m)")), {"the argument of table \"T\" is a length; a time is expected"});
+  check_words(refusal(driven("=table(T, t)/(1 s)")), {"its value is a speed; a length is expected"});
+  for (const char* channel : {"=0.1*A.z_d", "=0.1*a.x"})
+    check_words(refusal(driven(channel)),
+                {"a law is a function of t: forces of function_force and joints of formulas read channels"});
+}
+
+// Oracle: the components.
+TEST_CASE("a formula reads vectors seen from another frame", "[unit][expression]") {
+  const Table t = run_of(R"~("bodies": [{"name": "a", "particle": 1, "position": [1, 2, 2], "velocity": [3, 0, 4]},
+      {"name": "o", "sphere": {"mass": 1, "radius": 0.1}, "omega_world": [0, 0, 2]}],
+    "run": {"until": 0, "record": [{"v": "=norm(a.v@o)"}, {"vx": "=a.v@o.x"}, {"r": "=norm(a@o)"}, {"w": "=norm(o.omega@a)"}]})~");
+  CHECK(t["r"][0] == Approx(3));
+  CHECK(t["vx"][0] == Approx(3 + 2 * 2));  // v - w x d, d = (1, 2, 2)
+  CHECK(t["v"][0] == Approx(std::hypot(7, -2, 4)));
+  CHECK(t["w"][0] == Approx(2));
+  check_words(message_of<Error>([] {
+                run_of(R"("bodies": [{"name": "a", "particle": 1}, {"name": "o", "particle": 1}],
+                  "run": {"until": 0, "record": ["a@o"]})");
+              }),
+              {"channel \"a@o\": add a quantity, such as \"a.x@o\""});
+}
+
 TEST_CASE("a formula of a force reports what it cannot read", "[unit][forces]") {
   const auto problem = [](const std::string& force) {
     return refusal(carriages(R"({"name": "f", "type": "function_force", "link": "A", "force": ")" + force + R"("})",
                              R"("record": [])"));
   };
-  CHECK(problem("=k*C.z").find("\"C.z\" is no parameter, table or coordinate") != std::string::npos);
-  CHECK(problem("=B.force_on_p_world_x").find("coordinates and rates of joints") != std::string::npos);
+  check_words(problem("=k*C.z"), {"\"C.z\" is no parameter or table", "no body, marker or joint is called \"C\""});
+  check_words(problem("=k*Bb.z"), {"is called \"Bb\"; did you mean \"B\"?"});
+  check_words(problem("=k*b.x@cc"), {"is called \"cc\""});
+  check_words(problem("=k*B.zz"), {"\"B.zz\": there is no coordinate \"zz\"", "did you mean"});
+  for (const char* solved : {"=B.force_on_p_world_x", "=B.z_dd*1 kg", "=b.ax*1 kg"})
+    check_words(problem(solved), {"depends on what this formula gives", "coordinates and rates of joints"});
+  check_words(problem("=3*sin(b.x)"), {"sin of a length", "an angle or a pure number is expected"});
   CHECK(problem("=k*B.z_d").find("a force is expected") != std::string::npos);
   CHECK(problem("=mean(B.z)*k").find("can be the outer function of a column only") != std::string::npos);
   CHECK(problem("=k*a").find("a number is expected; this is a vector") != std::string::npos);
-  CHECK(problem("=table(gas, q)").find("unknown name \"gas\"") != std::string::npos);
+  CHECK(problem("=table(gas, q)").find("the name of a table is expected, \"gas\" is none") != std::string::npos);
   CHECK(refusal(R"("parameters": {"f": 2}, "tables": {"f": {"type": "spline", "points": [[0, 1], [1, 2]]}})")
             .find("has this name") != std::string::npos);
   CHECK(refusal(R"("tables": {"sin": {"type": "spline", "points": [[0, 1], [1, 2]]}})").find("not a valid name") !=

@@ -55,6 +55,9 @@ TEST_CASE("two circles meet to the left and to the right of the line of their ce
   is(met("meet(A, three, [0, 0, 0.5 m], four, left, [0, 1, 0])"), {0.24, 0, 0.18});
   is(met("meet(A, three, [0, 0, 0.5 m], four, right, [0, 1 m, 0])"), {-0.24, 0, 0.18});
   is(met("meet(A, three, high - [0, 0, 0.1 m], four, left, [0, -3, 0])"), {0.18, 0, 0.24});
+  // plain numbers are in SI
+  is(met("meet(A, 0.3, B, 0.4, left)"), {0.18, 0.24, 0});
+  is(met("meet(A, n, B, four, left)"), {0.18, 0.24, 0});
   // the side as a number
   is(met("meet(A, three, B, four, side)"), {0.18, -0.24, 0});
   is(met("meet(A, three, B, four, side)", {"side=2"}), {0.18, 0.24, 0});
@@ -129,7 +132,6 @@ TEST_CASE("a point that does not exist is an error with its name, the sizes and 
            Bad{"meet(A, three, B, four, three)", {"argument 5 of meet is a length"}},
            Bad{"meet(A, B, A, B, left)", {"argument 2 of meet is a vector (a length)"}},
            Bad{"meet(A, m, B, four, left)", {"a length and a mass"}},
-           Bad{"meet(A, n, B, four, left)", {"a length and a pure number", "give the number a unit"}},
            Bad{"meet(A, three, B)", {"meet takes 4 or more arguments, and 3 are given"}},
            Bad{"meet(A, B, up, up + B)", {"the lines are parallel"}},
            Bad{"meet(A, A, up, B)", {"the lines are parallel, or two points of a line coincide"}},

@@ -132,6 +132,14 @@ TEST_CASE("spline reproduces the polynomials that its ends admit", "[unit][motio
   check_formula(*laws::spline({{0, 0}, {1, 1}}, {.degree = 5, .ends = SplineEnds::clamped}), u345, 0, 1, 1e-14);
 }
 
+TEST_CASE("a law without a value beyond its points reports the setting that extends it", "[unit][motionlaws]") {
+  const auto problem = [](SplineEnds ends) {
+    return testing::message_of<ModelError>([&] { laws::spline({{0, 1}, {1, -1}, {2, 1}}, {.ends = ends})->at(3); });
+  };
+  testing::check_words(problem(SplineEnds::natural), {"has points from 0 to 2 and no value at 3", "\"outside\" to \"hold\""});
+  testing::check_words(problem(SplineEnds::periodic), {"\"outside\" to \"repeat\""});
+}
+
 TEST_CASE("periodic spline meets itself and repeats", "[unit][motionlaws]") {
   for (const int degree : {3, 5}) {
     const auto law = laws::spline(kRough, {.degree = degree, .ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
@@ -236,7 +244,7 @@ TEST_CASE("columns of a CSV file, and errors with file and line", "[unit][motion
   write("t,y\n0,1\n1\n");
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":3:2: has 1 cell"));
   write("t,y\n0,1\n2,1\n1,5\n");
-  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":4") && says("time 1 does not come after 2"));
+  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":4") && says("column 't': 1 does not come after 2"));
   write("t,y\n");
   testing::check_words(testing::message_of<FileError>([&] { read_columns(path, "t", {"y"}); }), {"no rows of numbers"});
 

@@ -115,7 +115,7 @@ const std::vector<Symbol> kSymbols = {{"m", 1, 0, {1, 0, 0, 0}, true},
                                       {"ft", 3048, -4, {1, 0, 0, 0}, false}};  // 12 in
 const std::vector<std::pair<std::string, int>> kPrefixes = {
     {"", 0},   {"n", -9}, {"u", -6}, {"\u00b5", -6}, {"\u03bc", -6},  // both signs that are read as micro
-    {"m", -3}, {"c", -2}, {"d", -1}, {"k", 3},       {"M", 6}};
+    {"m", -3}, {"c", -2}, {"d", -1}, {"h", 2},       {"k", 3},       {"M", 6}, {"G", 9}};
 
 /// x 10^ten as the digits say it, to the last bit.
 double decimal(double x, int ten) { return std::stod(std::to_string(static_cast<int>(x)) + "e" + std::to_string(ten)); }
@@ -151,7 +151,10 @@ TEST_CASE("every unit is read with every prefix, its powers and as a divisor", "
       check(read_quantity("5 1/" + unit, Unit::any), 5 / s.mantissa, -1);
       check(in_si(7, unit), 7 * s.mantissa, 1);
     }
-  CHECK(n_read == 9 * 10 + 10);
+  CHECK(n_read == 9 * 12 + 10);
+  CHECK(read_quantity("210 GPa", Unit::any).value == 2.1e11);
+  CHECK(read_quantity("1013 hPa", Unit::any).value == 101300);
+  CHECK(read_quantity("2 GW", Unit::any).value == 2e9);
 }
 
 TEST_CASE("every unit understands its own SI symbol and its own example", "[unit][model]") {
@@ -172,7 +175,9 @@ TEST_CASE("a unit of another dimension is rejected by both names", "[unit][model
               {"\"30 deg\" is an angle", "a length is expected", "12 mm"});
   check_words(read_quantity("10 Hz", Unit::angular_speed).problem, {"is a frequency", "an angular speed", "1200 rpm"});
   check_words(read_quantity("3 N m", Unit::torsion_stiffness).problem,
-              {"is a torque", "torsional stiffness", "N m/rad"});
+              {"is a torque", "torsional stiffness", "N m/rad", "only the radian differs: divide by 1 rad in a formula"});
+  check_words(read_quantity("3 N m/rad", Unit::torque).problem, {"multiply by 1 rad"});
+  CHECK(read_quantity("30 deg", Unit::length).problem.find("radian") == std::string::npos);
   check_words(read_quantity("3 kg", Unit::force).problem, {"is a mass", "a force"});
   check_words(read_quantity("3 kg m", Unit::mass).problem, {"is a quantity in kg m", "a mass"});
   check_words(read_quantity("3 J", Unit::length).problem, {"\"3 J\" is an energy", "a length is expected"});

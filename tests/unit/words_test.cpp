@@ -44,6 +44,8 @@ TEST_CASE("every key, form and unit of a scene is described", "[unit][scene]") {
   CHECK(describe_word(registry, "stops").find("of link: limits of the free coordinates") != std::string::npos);
   CHECK(describe_word(registry, "stiffness").find("in N/m") != std::string::npos);
   CHECK(describe_word(registry, "stifness").empty());
+  for (const char* function : {"table", "meet", "mean", "rms", "rate", "last"})
+    CHECK(describe_word(registry, function).find(std::string(function) + "(") != std::string::npos);
 }
 
 TEST_CASE("the examples in the description of a form are readable", "[unit][scene]") {
