@@ -131,7 +131,7 @@ TEST_CASE("the tangent of a force has the derivatives to all that its formula re
     "forces": [{"name": "f", "type": "function_force", "p": "a", "s": "b", "at": [0.3, 0.1, 0], "coordinate": "y",
       "force": "=q*C.rz + 3*qd*c.distance@d - dot(c.v, d) + C.angle_x_d*c.distance_d@a + c.omega_x@d*max(C.y_d, q)"},
       {"name": "g", "type": "function_force", "p": "a", "s": "b", "at": [0.3, 0.1, 0], "coordinate": "rx",
-      "torque": "=(q + a.omega_world_x - c.omega_body_y)*c.x@a + qd*C.vz^2"},
+      "torque": "=(q + a.omega_world_x - c.omega_body_y)*c.x@a + qd*C.vz^2 + c.angle_y*d.qz + c.angle_z@d*d.qw@c*c.center_vy"},
       {"name": "h", "type": "function_force", "p": "a", "s": "b", "at_p": [0.3, 0.1, 0], "at_s": [0, 0.5, 0],
       "coordinate": "distance", "force": "=q^2*C.z"}],
     "run": {"until": 1})~");
@@ -188,7 +188,8 @@ TEST_CASE("the tangent of a force has the derivatives to all that its formula re
 TEST_CASE("a formula of a force reads the channels that it names", "[unit][forces]") {
   for (const std::string name :
        {"C.y", "C.vx", "C.z_d", "C.angle_x", "C.angle_z", "C.angle_y_d", "C.omega_y", "a.x", "a.vz", "a.omega_world_x",
-        "c.omega_body_y", "C.P.y", "c.x@d", "c.vy@C.P", "c.omega_z@d", "c.distance@d", "c.distance_d@a"}) {
+        "c.omega_body_y", "C.P.y", "c.x@d", "c.vy@C.P", "c.omega_z@d", "c.distance@d", "c.distance_d@a", "c.angle_x",
+        "C.P.angle_z", "c.angle_y@d", "c.qw", "d.qz", "c.qy@d", "c.center_y", "d.center_vx"}) {
     CAPTURE(name);
     const Table t =
         run_of(R"~("bodies": [

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <span>
 
+#include <lockstep/author/jet.h>
 #include <lockstep/author/params.h>
 #include <lockstep/author/relative.h>
 #include <lockstep/detail/counted_angle.h>
+#include "framework/foundation/math/limits.h"
 #include "framework/mechanism/params/units.h"
 
 namespace lockstep {
@@ -16,6 +18,7 @@ namespace lockstep {
 struct BodyOrMarker {
   const Body* body = nullptr;      ///< null: the world
   const Marker* marker = nullptr;  ///< null: the body's own frame
+  bool center = false;             ///< origin at the centre of mass, axes of its slot
   LOCKSTEP_API MarkerFrame folded() const;
 };
 
@@ -26,12 +29,14 @@ struct BodyOrMarker {
 ///     turn        2 atan2(e_k, e0), turns counted    rate  g.(w_m - w_n),  g = (a_k + b_k)/(1 + a_k.b_k)
 ///     omega                                          rate  a_k.(w_m - w_n)
 ///     own_omega                                      rate  b_k.(w_m - w_n)
+///     heading     angle of b_(k+1) about a_k from a_(k+1), turns counted
+///     quaternion  component k = 0 ... 3 of e = e_n' e_m, rate of e (0, w)/2, w in m
 ///
 /// The gradient g of the turn has no value if b_k = -a_k: the coordinate then has the direction 0. The rate of a distance
 /// is 0 if the origins meet. Second rates are derivatives of rates: values on numbers that move.
 class LOCKSTEP_API Coordinate {
  public:
-  enum class Kind { position, distance, turn, omega, own_omega };
+  enum class Kind { position, distance, turn, omega, own_omega, heading, quaternion };
   struct Of {
     Kind kind = Kind::position;
     int axis = 0;
@@ -45,8 +50,9 @@ class LOCKSTEP_API Coordinate {
   const BodyOrMarker& to() const { return n_; }    ///< frame n
   /// Folds the frames into their slots; after System has made them.
   void setup() { M_ = m_.folded(), N_ = n_.folded(); }
-  /// Asks for its turns; both frames are markers.
+  /// Asks for its turns, if it has some; the frames of a turn are markers.
   void count_angles(AngleCounter&);
+  const CountedAngle* angle() const { return angle_; }  ///< then what counts them
   const MarkerFrame& m() const { return M_; }
   const MarkerFrame& n() const { return N_; }
 
@@ -60,6 +66,15 @@ class LOCKSTEP_API Coordinate {
   /// Derivative of the coordinate along the motion, by its direction.
   template <class T>
   T rate(const MarkerOn<T>& m, const MarkerOn<T>& n, const Vec3T<T>& direction) const {
+    if (of_.kind == Kind::quaternion) {
+      const Vec3T<T> w = m.A().transpose() * Vec3T<T>(m.w() - n.w());
+      return 0.5 * ((conjugate(n.q()) * m.q()) * QuatT<T>{T(0), w[0], w[1], w[2]}).coefficients()[of_.axis];
+    }
+    if (of_.kind == Kind::heading) {
+      const Vec3T<T> a = heading(m, n), w = n.A().transpose() * Vec3T<T>(m.w() - n.w()), ad = cross(w, a);  // (1.10)
+      const T clear = a[i()] * a[i()] + a[j()] * a[j()];
+      return value_of(clear) > kRoundOff ? T((a[i()] * ad[j()] - a[j()] * ad[i()]) / clear) : T(0);
+    }
     if (turns()) return direction.dot(Vec3T<T>(m.w() - n.w()));
     const Vec3T<T> d = m.x() - n.x();
     return direction.dot(Vec3T<T>(m.v() - n.v() - cross(n.w(), d)));
@@ -71,6 +86,7 @@ class LOCKSTEP_API Coordinate {
       const Vec3T<T> d = m.x() - n.x();
       return T(1.0 / norm_of(d)) * d;
     }
+    if (of_.kind == Kind::quaternion) return Vec3T<T>::Zero();
     if (of_.kind == Kind::own_omega) return m.axis(of_.axis);
     const Vec3T<T> a = n.axis(of_.axis);
     if (of_.kind != Kind::turn) return a;
@@ -81,6 +97,12 @@ class LOCKSTEP_API Coordinate {
 
  private:
   bool turns() const { return of_.kind != Kind::position && of_.kind != Kind::distance; }
+  int i() const { return (of_.axis + 1) % 3; }
+  int j() const { return (of_.axis + 2) % 3; }
+  template <class T>
+  Vec3T<T> heading(const MarkerOn<T>& m, const MarkerOn<T>& n) const {
+    return n.A().transpose() * m.axis(i());
+  }
   template <class T>
   static T norm_of(const Vec3T<T>& d) {
     using std::sqrt;
@@ -93,14 +115,17 @@ class LOCKSTEP_API Coordinate {
     if (of_.kind == Kind::distance) return norm_of(d);
     if (of_.kind == Kind::position) return n.axis(of_.axis).dot(d);
     const QuatT<T> e = conjugate(n.q()) * m.q();
-    const T q = 2.0 * atan2(of_.axis == 0 ? e.x : of_.axis == 1 ? e.y : e.z, e.w);
+    if (of_.kind == Kind::quaternion) return e.coefficients()[of_.axis];
+    const Vec3T<T> a = of_.kind == Kind::heading ? heading(m, n) : Vec3T<T>::Zero();
+    const T q = of_.kind == Kind::heading ? T(atan2(a[j()], a[i()]))
+                                          : T(2.0 * atan2(of_.axis == 0 ? e.x : of_.axis == 1 ? e.y : e.z, e.w));
     return q + kTwoPi * std::round(((angle_ ? angle_->expected(s) : 0.0) - value_of(q)) / kTwoPi);
   }
 
   Of of_;
   BodyOrMarker m_, n_;
   MarkerFrame M_, N_;
-  const CountedAngle* angle_ = nullptr;  // of a turn; null: no system counts it
+  const CountedAngle* angle_ = nullptr;  // of a turn or heading; null: no system counts it
 };
 
 }  // namespace lockstep

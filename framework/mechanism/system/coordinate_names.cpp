@@ -13,7 +13,8 @@
 namespace lockstep {
 namespace {
 
-// In a name and its help, '?' stands for each of the three axes.
+// In a name and its help, '?' stands for each of the three axes, or of the four components of a quaternion, and '+' for the
+// next axis.
 struct Rule {
   CoordinateOwner owner;
   std::string_view name;
@@ -43,20 +44,28 @@ constexpr Rule kRules[] = {
     {frame, "omega_body_?", Kind::own_omega, 1, "angular velocity, its axes, ?"},
     {frame, "alpha_world_?", Kind::omega, 2, "angular acceleration, world axes, ?"},
     {frame, "alpha_body_?", Kind::own_omega, 2, "angular acceleration, its axes, ?"},
+    {frame, "q?", Kind::quaternion, 0, "quaternion to world axes, scalar first"},
+    {frame, "angle_?", Kind::heading, 0, "angle about the world's ?, of the own + axis, with its revolutions"},
+    {body, "center_?", Kind::position, 0, "position of the centre of mass, world, ?"},
+    {body, "center_v?", Kind::position, 1, "velocity of the centre of mass, world, ?"},
+    {body, "center_a?", Kind::position, 2, "acceleration of the centre of mass, world, ?"},
     {pair, "?", Kind::position, 0, "position of the origin seen from the other frame, ?"},
     {pair, "v?", Kind::position, 1, "rate of the position, ?"},
     {pair, "a?", Kind::position, 2, "second rate of the position, ?"},
     {pair, "omega_?", Kind::omega, 1, "angular velocity relative to the other frame, its axes, ?"},
     {pair, "distance", Kind::distance, 0, "distance between the two origins"},
-    {pair, "distance_d", Kind::distance, 1, "rate of the distance; 0 if the origins meet"}};
+    {pair, "distance_d", Kind::distance, 1, "rate of the distance; 0 if the origins meet"},
+    {pair, "q?", Kind::quaternion, 0, "quaternion to the axes of the other frame, scalar first"},
+    {pair, "angle_?", Kind::heading, 0, "angle about the ? axis of the other frame, with its revolutions"}};
 
 constexpr const char* kCanRead =
     "formulas of forces read coordinates and rates of joints (crank.rz, crank.rz_d), and motions of bodies and markers "
     "(P.x, P.vx, P.distance@Q)";
 
-std::string for_axis(std::string_view text, int axis) {
+std::string for_axis(std::string_view text, Kind kind, int axis) {
   std::string named(text);
-  std::ranges::replace(named, '?', "xyz"[axis]);
+  std::ranges::replace(named, '?', kind == Kind::quaternion ? "wxyz"[axis] : "xyz"[axis]);
+  std::ranges::replace(named, '+', "xyz"[(axis + 1) % 3]);
   return named;
 }
 
@@ -99,8 +108,9 @@ std::shared_ptr<Coordinate> coordinate_of(CoordinateOwner owner, std::string_vie
 std::vector<NamedCoordinate> coordinates_of(CoordinateOwner owner) {
   std::vector<NamedCoordinate> all;
   for (const Rule& r : kRules)
-    for (int axis = 0; r.owner == owner && axis < (r.name.find('?') == std::string_view::npos ? 1 : 3); ++axis)
-      all.push_back({for_axis(r.name, axis), for_axis(r.help, axis), {r.kind, axis, r.order}});
+    for (int axis = 0, n = r.name.find('?') == std::string_view::npos ? 1 : r.kind == Kind::quaternion ? 4 : 3;
+         r.owner == owner && axis < n; ++axis)
+      all.push_back({for_axis(r.name, r.kind, axis), for_axis(r.help, r.kind, axis), {r.kind, axis, r.order}});
   return all;
 }
 
@@ -122,6 +132,8 @@ std::shared_ptr<Coordinate> coordinate_named(const System& system, const std::st
     const std::optional<BodyOrMarker> m = frame_named(system, owner);
     const std::optional<BodyOrMarker> n = of_pair ? frame_named(system, std::string_view(name).substr(at + 1)) : kWorld;
     std::shared_ptr<Coordinate> found = m && n ? coordinate_of(of_pair ? pair : frame, word, *m, *n) : nullptr;
+    if (m && !found && !of_pair && m->marker == nullptr && !m->body->fixed)
+      found = coordinate_of(body, word, {m->body, nullptr, true}, kWorld);
     for (const auto& link : system.links())
       if (!of_pair && link->name() == owner && !link->pairs().empty()) {
         const auto [p, s] = link->pairs().front();

@@ -17,6 +17,7 @@ namespace lockstep {
 enum class CoordinateOwner {
   joint,  ///< P relative to S: "A.rz"
   frame,  ///< a body or marker, relative to the world: "crank.x"
+  body,   ///< besides, the centre of mass of a body that moves: "crank.center_x"
   pair    ///< a body or marker M, relative to another, N: "M.x@N"
 };
 

@@ -67,17 +67,19 @@ void add_integral(Entries& out, std::string name, std::string unit, std::string 
 void add_coordinate(Entries& out, const NamedCoordinate& named, const Frame& m, const Frame& n) {
   const auto& [name, help, of] = named;
   if (!out.takes(name)) return;
-  if (of.kind == Coordinate::Kind::turn && of.order == 0)
-    return add_angle(out, name, help, [m, n, axis = of.axis](System& system) -> const CountedAngle& {
-      return system.count(*m.marker, *n.marker, axis);
-    });
   const Coordinate x(of, m, n);
+  if ((of.kind == Coordinate::Kind::turn || of.kind == Coordinate::Kind::heading) && of.order == 0)
+    return add_angle(out, name, help, [x = Coordinate(x)](System& system) mutable -> const CountedAngle& {
+      x.count_angles(system);
+      return *x.angle();
+    });
   const auto value = [x, m, n](const Sample& s) { return x.value(m.at(s), n.at(s), s.inputs().s); };
   const auto derivative = [x, m, n](const Sample& s) {
     const MotionT<Time> M = m.moving(s), N = n.moving(s);
     return x.value(MarkerOn<Time>{M, {}}, MarkerOn<Time>{N, {}}, {}).d;
   };
-  add(out, name, si_unit(x.dimension()), help, of.order < 2 ? Value(value) : Value(derivative));
+  const Dimension d = x.dimension();
+  add(out, name, d == Dimension{} ? "" : si_unit(d), help, of.order < 2 ? Value(value) : Value(derivative));
 }
 
 namespace {
