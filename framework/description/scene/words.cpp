@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <set>
+#include <string_view>
 
 #include <lockstep/text.h>
 #include "framework/mechanism/params/units.h"
@@ -55,25 +56,19 @@ a name: cardan (xyz), euler (zxz), hpb (zxy).
     {"formula",
      R"_(a text that begins with "=": + - * / ^, comparisons, c ? a : b, functions and constants. In a scene it can use
 "parameters", "points", positions of bodies, and units; in a law t; in a function joint x y z, rz, e0 e1 e2 e3 and t.
+Of points there are meet(A, r, B, s, left), where circles about A and B meet, and meet(A, B, C, D) of two lines; of the
+scene's "tables" table(gas, x), where x has the unit of the first column. Of the motion, in columns: min(x), max(x), mean(x),
+rms(x), integral(x), at(x, time), last(x, T) as in mean(last(x, 0.2 s)), and rate(x), the derivative by time.
   "=sqrt(a^2 + b^2)"    "=A + crank*[cos(phi), sin(phi), 0]"    "=rod.to - rod.from"    "=0.1*sin(w*t) + (t > 1 ? 2*(t-1)^2 : 0)")_"},
     {"unit",
      R"_(a text with a unit is converted to SI: m g s N Nm J W Hz rad Pa bar l with prefixes n u m c d h k M G; deg, rev, turn, rpm,
 min, h, t, in, ft, kgf, hp, psi; products, powers and one group of divisors. A unit of another quantity is an error.
   "12 mm"    "1200 rpm"    "0.3 g/cm^3"    "5 N m/rad")_"}};
 
-// Functions of formulas, by their names.
-const std::pair<std::set<std::string>, const char*> kFunctions[] = {
-    {{"table"},
-     R"_(table(name, x), the value at x of a table, which the scene defines under "tables"; x has the unit of its first column
-  "force": "=-area*table(gas, crank.rz)")_"},
-    {{"meet"},
-     R"_(meet(A, r, B, s, side), where circles of radii r and s about A and B meet, left or right of the way from A to B;
-meet(A, B, C, D), where the lines AB and CD meet; in points and parameters
-  "points": {"C": "=meet(A, 0.2, B, 0.3, left)"})_"},
-    {{"min", "max", "mean", "rms", "integral", "at", "last", "rate"},
-     R"_(functions of the motion, in columns: min(x), max(x), mean(x), rms(x), integral(x) so far, at(x, time);
-mean(last(x, T)) is of the last T seconds; rate(x) is the derivative by time
-  "record": [{"mean torque": "=mean(last(A.drive.torque_on_p_link_z, 0.2 s))"}])_"}};
+// Whether it is one of the functions that the text of formulas lists.
+bool is_function(const Word& form, const std::string& word) {
+  return form.name == std::string_view("formula") && std::string_view(form.text).find(" " + word + "(") != std::string::npos;
+}
 
 // "stops, a key of link: list of objects: see ...", owners of the same meaning together.
 std::string key_lines(const Registry& registry, const std::string& word) {
@@ -97,9 +92,8 @@ std::string key_lines(const Registry& registry, const std::string& word) {
 std::string describe_word(const Registry& registry, const std::string& word) {
   std::string text;
   for (const Word& form : kForms)
-    if (word == form.name || word == std::string(form.name) + "s") text += word + ": " + form.text + "\n";
-  for (const auto& [names, help] : kFunctions)
-    if (names.contains(word)) text += word + ": " + help + "\n";
+    if (word == form.name || word == std::string(form.name) + "s" || is_function(form, word))
+      text += word + ": " + form.text + "\n";
   for (const Unit unit : units())
     if (word == name_of(unit))
       text += word + ": a quantity in " + si_unit(unit) + ", or a text with a unit: \"" + example_of(unit) + "\"\n";
@@ -110,7 +104,6 @@ std::vector<std::string> known_words(const Registry& registry) {
   const std::vector<Description> described = all_descriptions(registry);
   std::set<std::string> words;
   for (const Word& form : kForms) words.insert(form.name);
-  for (const auto& [names, help] : kFunctions) words.insert(names.begin(), names.end());
   for (const Unit unit : units()) words.insert(name_of(unit));
   for (const Description& d : described)
     for (const Key& key : d.info.keys) words.insert(key.name);

@@ -94,34 +94,21 @@ constexpr std::array<Symbol, 31> kSymbols{{
     {"psi", false, {44482216152605, 64516, -5, {-1, 1, -2, 0}}},
 }};
 
-struct Prefix {
-  std::string_view name;
-  int ten;
-};
-constexpr std::array<Prefix, 11> kPrefixes{{{"n", -9},
-                                            {"u", -6},
-                                            {"\u00b5", -6},
-                                            {"\u03bc", -6},
-                                            {"m", -3},
-                                            {"c", -2},
-                                            {"d", -1},
-                                            {"h", 2},
-                                            {"k", 3},
-                                            {"M", 6},
-                                            {"G", 9}}};
+constexpr std::string_view kPrefixes = "numcdhkMG", kMicro[] = {"\u00b5", "\u03bc"};
+constexpr std::array kTens{-9, -6, -3, -2, -1, 2, 3, 6, 9};
 
 std::optional<UnitFactor> symbol(std::string_view name) {
   for (const Symbol& s : kSymbols)
     if (s.name == name) return s.factor;
   if (name == "1") return UnitFactor{};  // "1/s"
-  for (const Prefix& p : kPrefixes) {
-    if (!name.starts_with(p.name)) continue;
-    for (const Symbol& s : kSymbols) {
-      if (!s.prefixes || s.name != name.substr(p.name.size())) continue;
-      UnitFactor f = s.factor;
-      f.ten += p.ten;
-      return f;
-    }
+  for (const std::string_view micro : kMicro)
+    if (name.starts_with(micro)) return symbol("u" + std::string(name.substr(micro.size())));
+  const std::size_t prefix = name.empty() ? std::string::npos : kPrefixes.find(name.front());
+  for (const Symbol& s : kSymbols) {
+    if (prefix == std::string::npos || !s.prefixes || s.name != name.substr(1)) continue;
+    UnitFactor f = s.factor;
+    f.ten += kTens[prefix];
+    return f;
   }
   return {};
 }

@@ -2,7 +2,6 @@
 #include "framework/mechanism/system/coordinate_names.h"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <string_view>
 
@@ -77,28 +76,26 @@ std::shared_ptr<Coordinate> coordinate_of(CoordinateOwner owner, std::string_vie
   return nullptr;
 }
 
-// Why a formula of a force cannot read this: it is found by solving for it, misspelt, or of nothing. `words`: coordinates of
-// the object that it names; none if there is no such object.
-[[noreturn]] void refuse_name(const System& system, const std::string& name, const std::vector<std::string>& words) {
+// Why a formula of a force cannot read this: of nothing, found by solving for it, or misspelt. `known`: of the object that
+// it names; none if there is no such object.
+[[noreturn]] void refuse_name(const System& system, const std::string& name, const std::vector<NamedCoordinate>& known) {
   const std::size_t at = std::min(name.find('@'), name.size()), dot = name.rfind('.', at);
   const std::string word = name.substr(dot + 1, at - dot - 1), quoted = "\"" + name + "\"";
-  const auto is_in = [&](std::string_view part) { return word.find(part) != std::string::npos; };
-  const auto is_second = [&](CoordinateOwner owner) {
-    return std::ranges::any_of(coordinates_of(owner), [&](const auto& c) { return c.name == word && c.of.order > 1; });
-  };
-  if (std::ranges::any_of(std::array{"force", "torque", "drive", "power", "work"}, is_in) || is_second(joint) ||
-      is_second(frame))
-    throw ModelError(quoted + " depends on what this formula gives, as all forces and accelerations do; " + kCanRead);
-  if (!words.empty())
-    throw ModelError(quoted + ": there is no coordinate \"" + word + "\"" + text::suggestion(word, words) +
-                     "; " + kCanRead);
+  bool is_solved = false;
+  for (const char* part : {"force", "torque", "drive"}) is_solved = is_solved || word.find(part) != std::string::npos;
   std::vector<std::string> names;
+  for (const NamedCoordinate& c : known)
+    c.of.order > 1 ? void(is_solved = is_solved || c.name == word) : names.push_back(c.name);
+  if (is_solved)
+    throw ModelError(quoted + " depends on what this formula gives, as forces and accelerations do; " + kCanRead);
+  if (!known.empty())
+    throw ModelError(quoted + ": there is no coordinate \"" + word + "\"" + text::suggestion(word, names) + "; " +
+                     kCanRead);
   for (const Body& b : system.bodies()) names.push_back(b.name);
   for (const Marker& m : system.markers()) names.push_back(m.name);
   for (const auto& l : system.links()) names.push_back(l->name());
   const std::string first = name.substr(0, dot);
-  const bool is_second_frame = at < name.size() && frame_named(system, first);
-  const std::string missing = is_second_frame ? name.substr(at + 1) : first;
+  const std::string missing = at < name.size() && frame_named(system, first) ? name.substr(at + 1) : first;
   throw ModelError(quoted + " is no parameter or table, and no body, marker or joint is called \"" + missing + "\"" +
                    text::suggestion(missing, names));
 }
@@ -142,11 +139,7 @@ std::shared_ptr<Coordinate> coordinate_named(const System& system, const std::st
     if (found) return found;
     const bool is_joint =
         std::ranges::any_of(system.links(), [&](const auto& link) { return !of_pair && link->name() == owner; });
-    if (!is_joint && !(m && n)) continue;
-    std::vector<std::string> words;
-    for (const NamedCoordinate& c : coordinates_of(is_joint ? joint : of_pair ? pair : frame))
-      if (c.of.order < 2) words.push_back(c.name);
-    refuse_name(system, name, words);
+    if (is_joint || (m && n)) refuse_name(system, name, coordinates_of(is_joint ? joint : of_pair ? pair : frame));
   }
   refuse_name(system, name, {});
 }

@@ -9,7 +9,6 @@
 #include <lockstep/analysis.h>
 #include <lockstep/equilibrium.h>
 #include <lockstep/text.h>
-#include "framework/description/scene/builder.h"
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
@@ -34,30 +33,16 @@
 namespace lockstep {
 namespace {
 
-/// The mechanism of a scene without what functions of the motion give, as max(x): these are reported.
-Mechanism build_at_rest(const Scene& scene, const Registry& registry) {
-  Mechanism m = build_observed(scene, registry);
-  const auto leave_out = [&](std::vector<ChannelRequest>& all, const char* key, const char* what) {
-    std::erase_if(all, [&](const ChannelRequest& r) {
-      const bool moves = placed(r.where, key, [&] { return make_channel(system_of(m), r.channel).of_motion; });
-      if (moves)
-        report_finding({&finding::analysis_note, "",
-                        fmt::format("{} \"{}\" has no value at rest: it is a function of the motion", what,
-                                    r.column())});
-      return moves;
-    });
-  };
-  leave_out(m.run.record, "run.record", "column"), leave_out(m.run.require, "scene.require", "requirement");
-  return m;
-}
-
-/// The lengths and angles that a scene records, and the columns that it computes.
+/// The lengths and angles that a scene records, and the columns that it computes. Those of the motion are reported.
 std::vector<Channel> recorded_at_rest(Mechanism& m) {
   std::vector<Channel> all;
   for (const ChannelRequest& request : m.run.record) {
     Channel c = make_channel(system_of(m), request.channel);
     c.name = request.column();
-    if (request.channel.starts_with('=') || c.unit == "rad" || c.unit == "m") all.push_back(std::move(c));
+    if (c.of_motion)
+      report_finding({&finding::analysis_note, "",
+                      fmt::format("column \"{}\" has no value at rest: it is a function of the motion", c.name)});
+    else if (request.channel.starts_with('=') || c.unit == "rad" || c.unit == "m") all.push_back(std::move(c));
   }
   return all;
 }
@@ -74,7 +59,7 @@ struct Resting {
   Dynamics at_rest{system_of(m), std::make_unique<SolverAtRest>(report.lambda)};
 
   Resting(const Scene& scene, const Registry& registry)
-      : m(build_at_rest(scene, registry)),
+      : m(build_observed(scene, registry)),
         requirements(make_requirements(m)),
         recorded(recorded_at_rest(m)),
         dynamics(make_dynamics(m, registry)),
