@@ -187,9 +187,10 @@ TEST_CASE("the tangent of a force has the derivatives to all that its formula re
 // Oracle: the channel of the same name.
 TEST_CASE("a formula of a force reads the channels that it names", "[unit][forces]") {
   for (const std::string name :
-       {"C.y", "C.vx", "C.z_d", "C.angle_x", "C.angle_z", "C.angle_y_d", "C.omega_y", "a.x", "a.vz", "a.omega_world_x",
-        "c.omega_body_y", "C.P.y", "c.x@d", "c.vy@C.P", "c.omega_z@d", "c.distance@d", "c.distance_d@a", "c.angle_x",
-        "C.P.angle_z", "c.angle_y@d", "c.qw", "d.qz", "c.qy@d", "c.center_y", "d.center_vx"}) {
+       {"C.y",         "C.vx",         "C.z_d",           "C.angle_x",      "C.angle_z",   "C.angle_y_d", "C.omega_y",
+        "a.x",         "a.vz",         "a.omega_world_x", "c.omega_body_y", "C.P.y",       "c.x@d",       "c.vy@C.P",
+        "c.omega_z@d", "c.distance@d", "c.distance_d@a",  "c.angle_x",      "C.P.angle_z", "c.angle_y@d", "c.qw",
+        "d.qz",        "c.qy@d",       "c.center_y",      "d.center_vx"}) {
     CAPTURE(name);
     const Table t =
         run_of(R"~("bodies": [
@@ -310,11 +311,13 @@ TEST_CASE("a formula couples the coordinates of joints", "[unit][links]") {
 TEST_CASE("a table has one unit per axis, by its points or its file", "[unit][expression]") {
   const auto scene = [](const std::string& points, const std::string& column) {
     return R"("tables": {"T": {"type": "spline", )" + points + R"(}}, "bodies": [{"name": "a", "particle": 1}],
-      "run": {"until": 0, "record": [{"c": ")" + column + "\"}]}";
+      "run": {"until": 0, "record": [{"c": ")" +
+           column + "\"}]}";
   };
   const auto points = [&](const std::string& list) { return "\"points\": [" + list + "]"; };
   check_words(refusal(scene(points(R"(["0 m", "1 bar"],
-      ["0.5 m", "3 N"])"), "=a.x")),
+      ["0.5 m", "3 N"])"),
+                            "=a.x")),
               {"formulas.json:2", "scene.tables.T.points[1][1]", "\"3 N\" is a force", "the points before are in Pa"});
   check_words(refusal(scene(points(R"([0, 1], ["1 m", "3 N"], ["2 s", 4])"), "=a.x")),
               {"scene.tables.T.points[2][0]", "\"2 s\" is a time", "in m there"});
@@ -343,7 +346,8 @@ TEST_CASE("the law of a drive reads a table with units", "[unit][expression]") {
     return R"("tables": {"T": {"type": "spline", "points": [["0 s", "0 m"], ["1 s", "300 mm"]]}},
       "bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 0.1}}],
       "joints": [{"name": "A", "type": "prismatic", "p": "a", "s": "ground", "at": [0, 0, 0], "axis": "z",
-        "drive": {"axis": "z", "law": {"type": "formula", "y": ")" + y + R"("}}}],
+        "drive": {"axis": "z", "law": {"type": "formula", "y": ")" +
+           y + R"("}}}],
       "run": {"until": 1, "output": 0.25, "record": ["A.z", "A.z_d"]})";
   };
   for (const auto& [y, factor] : {std::pair{"=table(T, t)", 1.0}, {"=2*table(T, t)", 2}, {"=table(T, t) + 0 m", 1}}) {

@@ -136,7 +136,8 @@ TEST_CASE("a law without a value beyond its points reports the setting that exte
   const auto problem = [](SplineEnds ends) {
     return testing::message_of<ModelError>([&] { laws::spline({{0, 1}, {1, -1}, {2, 1}}, {.ends = ends})->at(3); });
   };
-  testing::check_words(problem(SplineEnds::natural), {"has points from 0 to 2 and no value at 3", "\"outside\" to \"hold\""});
+  testing::check_words(problem(SplineEnds::natural),
+                       {"has points from 0 to 2 and no value at 3", "\"outside\" to \"hold\""});
   testing::check_words(problem(SplineEnds::periodic), {"\"outside\" to \"repeat\""});
 }
 

@@ -174,8 +174,9 @@ TEST_CASE("a unit of another dimension is rejected by both names", "[unit][model
   check_words(read_quantity("30 deg", Unit::length).problem,
               {"\"30 deg\" is an angle", "a length is expected", "12 mm"});
   check_words(read_quantity("10 Hz", Unit::angular_speed).problem, {"is a frequency", "an angular speed", "1200 rpm"});
-  check_words(read_quantity("3 N m", Unit::torsion_stiffness).problem,
-              {"is a torque", "torsional stiffness", "N m/rad", "only the radian differs: divide by 1 rad in a formula"});
+  check_words(
+      read_quantity("3 N m", Unit::torsion_stiffness).problem,
+      {"is a torque", "torsional stiffness", "N m/rad", "only the radian differs: divide by 1 rad in a formula"});
   check_words(read_quantity("3 N m/rad", Unit::torque).problem, {"multiply by 1 rad"});
   CHECK(read_quantity("30 deg", Unit::length).problem.find("radian") == std::string::npos);
   check_words(read_quantity("3 kg", Unit::force).problem, {"is a mass", "a force"});

@@ -67,7 +67,8 @@ min, h, t, in, ft, kgf, hp, psi; products, powers and one group of divisors. A u
 
 // Whether it is one of the functions that the text of formulas lists.
 bool is_function(const Word& form, const std::string& word) {
-  return form.name == std::string_view("formula") && std::string_view(form.text).find(" " + word + "(") != std::string::npos;
+  return form.name == std::string_view("formula") &&
+         std::string_view(form.text).find(" " + word + "(") != std::string::npos;
 }
 
 // "stops, a key of link: list of objects: see ...", owners of the same meaning together.

@@ -243,13 +243,14 @@ class ExpressionParser {
       const std::size_t k = std::string_view("xyz").find(text_[at_ + 1]);
       const bool longer = at_ + 2 < text_.size() && in_name(text_[at_ + 2]);
       if (k == std::string_view::npos || longer)
-        fail(at, !variables_.empty() && variables_.front() == "t"
-                     ? std::string("a channel cannot be read here") + kLawOfTime
-                     : "expected \".x\", \".y\" or \".z\", a component of a point" +
-                           std::string(e_.node(of).operation == Operation::name
-                                           ? "; or \".at\", \".from\", \".to\" of a body. Channels are read by columns, "
-                                             "function_force and function joints"
-                                           : ""));
+        fail(at,
+             !variables_.empty() && variables_.front() == "t"
+                 ? std::string("a channel cannot be read here") + kLawOfTime
+                 : "expected \".x\", \".y\" or \".z\", a component of a point" +
+                       std::string(e_.node(of).operation == Operation::name
+                                       ? "; or \".at\", \".from\", \".to\" of a body. Channels are read by columns, "
+                                         "function_force and function joints"
+                                       : ""));
       at_ += 2;
       of = put(Operation::component, at, {of});
       last().index = static_cast<int>(k);

@@ -99,8 +99,8 @@ const Meaning& Scope::of(const Expression& e, const Node& n) {
     }
     name = find(n.name);
   } else if (name == nullptr) {
-    const bool of_law = !entries_.empty() && entries_.front().first == "t" &&
-                        e.text().substr(n.at + n.name.size()).starts_with('.');
+    const bool of_law =
+        !entries_.empty() && entries_.front().first == "t" && e.text().substr(n.at + n.name.size()).starts_with('.');
     problem = "unknown name \"" + n.name + "\"" + text::suggestion(n.name, names()) + (of_law ? kLawOfTime : "");
   }
   if (name == nullptr) e.refuse(n, problem);

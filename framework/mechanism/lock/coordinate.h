@@ -118,7 +118,10 @@ class LOCKSTEP_API Coordinate {
     if (of_.kind == Kind::quaternion) return e.coefficients()[of_.axis];
     const Vec3T<T> a = of_.kind == Kind::heading ? heading(m, n) : Vec3T<T>::Zero();
     const T q = of_.kind == Kind::heading ? T(atan2(a[j()], a[i()]))
-                                          : T(2.0 * atan2(of_.axis == 0 ? e.x : of_.axis == 1 ? e.y : e.z, e.w));
+                                          : T(2.0 * atan2(of_.axis == 0   ? e.x
+                                                          : of_.axis == 1 ? e.y
+                                                                          : e.z,
+                                                          e.w));
     return q + kTwoPi * std::round(((angle_ ? angle_->expected(s) : 0.0) - value_of(q)) / kTwoPi);
   }
 

@@ -78,7 +78,8 @@ std::shared_ptr<Coordinate> coordinate_of(CoordinateOwner owner, std::string_vie
 
 // Why a formula of a force cannot read this: of nothing, found by solving for it, or misspelt. `known`: of the object that
 // it names; none if there is no such object.
-[[noreturn]] void refuse_name(const System& system, const std::string& name, const std::vector<NamedCoordinate>& known) {
+[[noreturn]] void refuse_name(const System& system, const std::string& name,
+                              const std::vector<NamedCoordinate>& known) {
   const std::size_t at = std::min(name.find('@'), name.size()), dot = name.rfind('.', at);
   const std::string word = name.substr(dot + 1, at - dot - 1), quoted = "\"" + name + "\"";
   bool is_solved = false;
@@ -105,7 +106,9 @@ std::shared_ptr<Coordinate> coordinate_of(CoordinateOwner owner, std::string_vie
 std::vector<NamedCoordinate> coordinates_of(CoordinateOwner owner) {
   std::vector<NamedCoordinate> all;
   for (const Rule& r : kRules)
-    for (int axis = 0, n = r.name.find('?') == std::string_view::npos ? 1 : r.kind == Kind::quaternion ? 4 : 3;
+    for (int axis = 0, n = r.name.find('?') == std::string_view::npos ? 1
+                           : r.kind == Kind::quaternion               ? 4
+                                                                      : 3;
          r.owner == owner && axis < n; ++axis)
       all.push_back({for_axis(r.name, r.kind, axis), for_axis(r.help, r.kind, axis), {r.kind, axis, r.order}});
   return all;

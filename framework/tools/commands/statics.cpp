@@ -42,7 +42,8 @@ std::vector<Channel> recorded_at_rest(Mechanism& m) {
     if (c.of_motion)
       report_finding({&finding::analysis_note, "",
                       fmt::format("column \"{}\" has no value at rest: it is a function of the motion", c.name)});
-    else if (request.channel.starts_with('=') || c.unit == "rad" || c.unit == "m") all.push_back(std::move(c));
+    else if (request.channel.starts_with('=') || c.unit == "rad" || c.unit == "m")
+      all.push_back(std::move(c));
   }
   return all;
 }
