@@ -331,7 +331,7 @@ TEST_CASE("a table has one unit per axis, by its points or its file", "[unit][ex
     const Table t = run_of(scene(from, "=table(T, a.x + 0.5 m)"));
     CHECK(t["c"][0] == 3e5);
     CHECK(t.column("c").unit == "Pa");
-    check_words(problem(from, "=table(T, a.x) + 1 kg"), {"a quantity in kg/m/s^2 and a mass are added"});
+    check_words(problem(from, "=table(T, a.x) + 1 kg"), {"a quantity in Pa and a mass are added"});
     check_words(problem(from, "=table(T, a.vx)"), {"the argument of table \"T\" is a speed; a length is expected"});
     check_words(problem(from, "=table(T, t)"), {"is a time; a length is expected"});
     check_words(problem(from, "=table(U, a.x)"), {"the name of a table is expected, \"U\" is none"});
