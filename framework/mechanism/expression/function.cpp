@@ -28,17 +28,17 @@ namespace {
 
 // The SI unit of the arguments (axis 0) or values (1) of a table, by its points or the header of its file; "": none.
 std::string unit_of_axis(const Value& table, std::size_t axis, const std::string& place) {
-  std::string unit;
-  const Value *points = table.find("points"), *file = table.find("file"),
-              *column = table.find(axis == 0 ? "t_column" : "y_column");
+  const Value *points = table.find("points"), *file = table.find("file");
+  const std::string key = axis == 0 ? "t" : "y";
   if (file != nullptr && file->text() != nullptr) try {
       const CsvReader reader(path_of_file(*file));
+      const Value* const column = table.find(key + "_column");
       const bool named = column != nullptr && column->text() != nullptr;
-      unit = reader.columns()[reader.find(named ? *column->text() : axis == 0 ? "t" : "y")].unit;
-      return dimension_of(unit) ? si_unit(*dimension_of(unit)) : "";
+      const auto d = dimension_of(reader.columns()[reader.find(named ? *column->text() : key)].unit);
+      return d ? si_unit(*d) : "";
     } catch (const FileError&) {  // the law reports it
-      return {};
     }
+  std::string unit;
   for (std::size_t i = 0; points != nullptr && points->list() != nullptr && i < points->list()->size(); ++i) {
     const Value::List* const point = (*points->list())[i].list();
     const std::string* const text = point != nullptr && point->size() > axis ? (*point)[axis].text() : nullptr;

@@ -41,17 +41,12 @@ struct Meaning {
   bool is_known = true;                 ///< whether its dimension is known
   bool clash = false;         ///< whether it is a variable and a constant
 
-  /// A coordinate of the mechanism by its name.
-  static Meaning of_coordinate(int number, const Dimension& d) {
-    Meaning m = of_variable(number, d);
-    m.amount.named = true;
-    return m;
-  }
-  /// `with_unit`: whether its unit counts as one that is written in the formula.
-  static Meaning of_variable(int number, const std::optional<Dimension>& d, bool with_unit = false) {
+  /// `with_unit`: whether its unit counts as one that is written in the formula. `named`: of a coordinate of the mechanism.
+  static Meaning of_variable(int number, const std::optional<Dimension>& d, bool with_unit = false,
+                             bool named = false) {
     Meaning m{.variable = number, .is_known = d.has_value()};
     m.amount.dimension = exponents_of(d.value_or(Dimension{})), m.amount.measured = true;
-    m.amount.with_unit = with_unit;
+    m.amount.with_unit = with_unit, m.amount.named = named;
     return m;
   }
 };

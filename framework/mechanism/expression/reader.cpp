@@ -319,7 +319,9 @@ class FormulaReader {
     if (pure_only && !is_number(a[0]) && !(f.takes == Takes::angle && a[0].dimension == Exponents{0, 0, 0, 1}))
       refuse_argument(n, a[0], f.takes == Takes::angle ? "an angle or a pure number" : "a pure number");
     Part q;
-    for (const Part& x : a) q.measured = q.measured || x.measured, q.with_unit = q.with_unit || x.with_unit;
+    for (const Part& x : a) {
+      q.measured = q.measured || x.measured, q.with_unit = q.with_unit || x.with_unit, q.named = q.named || x.named;
+    }
     for (std::size_t k = 1; k < a.size() && f.takes == Takes::alike; ++k)
       unite(n, a[0], a[k], "arguments of one function");
     if (of_values()) check_range(n, a);

@@ -61,8 +61,8 @@ std::unique_ptr<Force> CoordinateForce::make(const Attachment& attachment, const
       reads.push_back(attachment.coordinate(name));
       if (own.size() + reads.size() > kMostVariables)
         throw ModelError("the formula reads more than " + std::to_string(kMostVariables) + " numbers; split the force");
-      return expression::Meaning::of_coordinate(static_cast<int>(own.size() + reads.size()) - 1,
-                                                reads.back()->dimension());
+      return expression::Meaning::of_variable(static_cast<int>(own.size() + reads.size()) - 1,
+                                              reads.back()->dimension(), false, true);
     });
     scope.add("q", 0, dimension_of(torque ? Unit::angle : Unit::length));
     scope.add("qd", 1, dimension_of(torque ? Unit::angular_speed : Unit::speed));

@@ -122,8 +122,8 @@ expression::Meaning coordinate_of(const Attachment& a, const std::string& name) 
     const Coordinate::Of of = c->of();
     const bool turn = of.kind == Coordinate::Kind::turn && of.axis == 2;
     if (!of_pair || of.order > 0 || !(turn || of.kind == Coordinate::Kind::position)) continue;
-    return expression::Meaning::of_coordinate(of_each(2) * static_cast<int>(k) + (turn ? kTurn : of.axis),
-                                              c->dimension());
+    return expression::Meaning::of_variable(of_each(2) * static_cast<int>(k) + (turn ? kTurn : of.axis), c->dimension(),
+                                            false, true);
   }
   throw ModelError("\"" + name + "\" is no parameter, table or coordinate of one of its \"pairs\"; it can read x, y, " +
                    "z and rz of their joints (crank.rz), and t");
