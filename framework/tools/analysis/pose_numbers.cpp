@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/analysis/pose_numbers.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include <lockstep/author/lock.h>
 #include "framework/foundation/math/limits.h"
@@ -39,35 +42,27 @@ std::vector<std::pair<std::string, NamedReaction>> reactions_of(const System& sy
   return all;
 }
 
-std::vector<PoseNumber> pose_numbers(const System& system, const State& state, const Evaluated& v) {
-  std::vector<PoseNumber> all;
-  for (const Body& body : system.bodies()) {
-    if (body.fixed) continue;
-    const Pose at = body_pose(body, state);
-    for (int k = 0; k < 3; ++k) all.push_back({body.name + "." + "xyz"[k], "m", at.x[k]});
-    if (body.freedoms == Freedoms::particle) continue;
-    for (const auto& [name, q] : {std::pair{".qw", at.q.w}, {".qx", at.q.x}, {".qy", at.q.y}, {".qz", at.q.z}})
-      all.push_back({body.name + name, "", q});
-  }
-  for_each_reaction(system, [&](const Lock& link, const std::string& name, int part) {
-    const LinkWrench w = wrench_of(link, part, v);
-    for (int k = 0; k < 3; ++k) all.push_back({name + ".force_on_p_world_" + "xyz"[k], "N", w.force[k]});
-    for (int k = 0; k < 3; ++k) all.push_back({name + ".torque_on_p_world_" + "xyz"[k], "N m", w.moment[k]});
+std::vector<Channel> pose_channels(System& system) {
+  std::vector<Channel> all;
+  for (const Body& body : system.bodies())
+    for (const std::string_view q : {"x", "y", "z", "qw", "qx", "qy", "qz"})
+      if (!body.fixed && (q.size() == 1 || body.freedoms != Freedoms::particle))
+        all.push_back(make_channel(system, fmt::format("{}.{}", body.name, q)));
+  for_each_reaction(system, [&](const Lock&, const std::string& name, int) {
+    for (const char* what : {"force", "torque"})
+      for (const char axis : {'x', 'y', 'z'})
+        all.push_back(make_channel(system, fmt::format("{}.{}_on_p_world_{}", name, what, axis)));
   });
   return all;
 }
 
-std::vector<PoseNumber> force_numbers(const System& system, const Inputs& in) {
-  std::vector<PoseNumber> all;
-  for (const auto& force : system.forces()) {
-    const Observable* shows = force->reacting() == nullptr ? force->observable() : nullptr;
-    if (shows == nullptr) continue;
-    const std::vector<Quantity> own = shows->quantities();
-    for (int k = 0; k < static_cast<int>(own.size()); ++k)
-      if (const std::string& unit = own[k].unit; unit != "W" && !unit.ends_with("/s"))
-        all.push_back({force->name() + "." + own[k].name, unit,
-                       unit.starts_with("N") && !force->acts(in) ? 0 : shows->quantity(k, in)});
-  }
+std::vector<Channel> load_channels(System& system) {
+  std::vector<Channel> all;
+  for (const auto& force : system.forces())
+    if (const Observable* shows = force->reacting() == nullptr ? force->observable() : nullptr)
+      for (const Quantity& own : shows->quantities())
+        if (own.unit != "W" && !own.unit.ends_with("/s"))
+          all.push_back(make_channel(system, force->name() + "." + own.name));
   return all;
 }
 

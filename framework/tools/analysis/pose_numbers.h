@@ -35,10 +35,10 @@ struct PoseNumber {
   std::string name, unit;
   double value;
 };
-/// Those of the poses of all moving bodies and of the reactions of all joints, which are zero for inactive joints.
-LOCKSTEP_API std::vector<PoseNumber> pose_numbers(const System&, const State&, const Evaluated&);
+/// The poses of all moving bodies, and the reactions of all joints, which are zero for inactive joints.
+LOCKSTEP_API std::vector<Channel> pose_channels(System&);
 /// Lengths, angles and loads that forces show at rest.
-LOCKSTEP_API std::vector<PoseNumber> force_numbers(const System&, const Inputs&);
+LOCKSTEP_API std::vector<Channel> load_channels(System&);
 
 /// Poses by the names of moving bodies, and reactions by the names of joints and drives, as results.
 using NamedPoses = std::vector<std::pair<std::string, Pose>>;

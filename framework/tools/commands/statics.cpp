@@ -33,7 +33,8 @@
 namespace lockstep {
 namespace {
 
-/// The lengths and angles that a scene records, and the columns that it computes. Those of the motion are reported.
+/// The lengths and angles that a scene records, the columns that it computes, and what forces show. Functions of the motion
+/// are reported.
 std::vector<Channel> recorded_at_rest(Mechanism& m) {
   std::vector<Channel> all;
   for (const ChannelRequest& request : m.run.record) {
@@ -45,6 +46,7 @@ std::vector<Channel> recorded_at_rest(Mechanism& m) {
     else if (request.channel.starts_with('=') || c.unit == "rad" || c.unit == "m")
       all.push_back(std::move(c));
   }
+  for (Channel& c : load_channels(system_of(m))) all.push_back(std::move(c));
   return all;
 }
 
@@ -52,7 +54,7 @@ std::vector<Channel> recorded_at_rest(Mechanism& m) {
 struct Resting {
   Mechanism m;
   std::unique_ptr<Recorder> requirements;
-  std::vector<Channel> recorded;
+  std::vector<Channel> recorded, poses;
   Dynamics dynamics;
   NearRows near{};
   State state;
@@ -63,6 +65,7 @@ struct Resting {
       : m(build_observed(scene, registry)),
         requirements(make_requirements(m)),
         recorded(recorded_at_rest(m)),
+        poses(pose_channels(system_of(m))),
         dynamics(make_dynamics(m, registry)),
         state(decided_start(dynamics, m, &near)) {}
 
@@ -84,18 +87,14 @@ struct Resting {
     begin(args, before);
     report = find_equilibrium(dynamics, state, {.friction = friction, .nearest = args.has("--nearest")});
   }
-  const Evaluated& values() { return at_rest.solution_at(state); }
-  /// What the scene records of it, and what forces show.
-  std::vector<PoseNumber> quantities() {
+  std::vector<PoseNumber> values(const std::vector<Channel>& channels) {
     std::vector<PoseNumber> all;
     const StepReport none{};
     const Sample sample(at_rest, state, none);
-    for (const Channel& c : recorded) {
+    for (const Channel& c : channels) {
       if (c.memory) c.memory->start(sample);
-      all.push_back({c.name, c.unit, c.value(sample)});
+      all.push_back({c.name, c.unit, without_rounding(c.value(sample), c.unit)});
     }
-    for (PoseNumber& n : force_numbers(m.system, dynamics.inputs(state))) all.push_back(std::move(n));
-    for (PoseNumber& n : all) n.value = without_rounding(n.value, n.unit);
     return all;
   }
   /// Requirements that do not hold there.
@@ -128,7 +127,7 @@ struct AtRest {
 AtRest found_of(Resting& r, bool tells = true) {
   const UniquenessReport unique = uniqueness(r.dynamics, r.state);
   AtRest found{r.report, named_poses(r.m.system, r.state), reactions_at_rest(r.dynamics, r.state, r.report, unique),
-               r.quantities()};
+               r.values(r.recorded)};
   found.broken = r.broken();
   if (!tells) return found;
   CommandFindings::add(r.report.notes);
@@ -289,11 +288,9 @@ std::vector<PoseNumber> numbers_of(Resting& r, bool brief = false) {
   std::vector<PoseNumber> all{
       {"stable", "", stable}, {"lowest_eigenvalue", "1/s^2", s.softest}, {"move", "m", r.report.largest_move}};
   if (!brief) all.push_back({"unbalanced", "", r.report.unbalanced});
-  std::vector<PoseNumber> recorded = r.quantities();
-  if (!brief || recorded.empty())
-    for (PoseNumber& n : pose_numbers(r.m.system, r.state, r.values()))
-      n.value = r.without_rounding(n.value, n.unit), all.push_back(std::move(n));
-  for (PoseNumber& n : recorded)
+  if (!brief || r.recorded.empty())
+    for (PoseNumber& n : r.values(r.poses)) all.push_back(std::move(n));
+  for (PoseNumber& n : r.values(r.recorded))
     if (std::ranges::find(all, n.name, &PoseNumber::name) == all.end()) all.push_back(std::move(n));
   return all;
 }
