@@ -393,7 +393,7 @@ TEST_CASE("a formula of a force reports what it cannot read", "[unit][forces]") 
     check_words(problem(solved), {"depends on what this formula gives", "coordinates and rates of joints"});
   check_words(problem("=3*sin(b.x)"), {"sin of a length", "an angle or a pure number is expected"});
   CHECK(problem("=k*B.z_d").find("a force is expected") != std::string::npos);
-  CHECK(problem("=mean(B.z)*k").find("can be the outer function of a column only") != std::string::npos);
+  CHECK(problem("=mean(B.z)*k").find("only a column can have it") != std::string::npos);
   CHECK(problem("=k*a").find("a number is expected; this is a vector") != std::string::npos);
   CHECK(problem("=table(gas, q)").find("the name of a table is expected, \"gas\" is none") != std::string::npos);
   CHECK(refusal(R"("parameters": {"f": 2}, "tables": {"f": {"type": "spline", "points": [[0, 1], [1, 2]]}})")

@@ -9,6 +9,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/simulate/last_step.h"
 #include "framework/dynamics/simulate/user_code.h"
 
 namespace lockstep {
@@ -139,6 +140,12 @@ void EventLocator::add_guards(const State& end) {
     w.off = w.off || !e.on;
     if (!e.value || w.over || !e.on) continue;
     if (w.off) w.value = value_of(i, interval_.from()), w.off = false;
+    if (const auto* of_motion = e.value.target<ConditionOfMotion>()) {
+      const Sample sample(dynamics_, end, interval_.report());
+      user_code("event", e.name, end.t, [&] {
+        of_motion->memory->inside(LastStep(dynamics_, interval_, sample, clock_.next_output()));
+      });
+    }
     finder_.add({.owner = this,
                  .of = i,
                  .crossing = e.crossing,

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <deque>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,14 @@ namespace lockstep {
 const Force* force_named(const System&, const std::string& name);
 /// Whether it does more than to end the run.
 inline bool changes_state(const Event& e) { return !e.activate.empty() || !e.deactivate.empty() || e.change; }
+
+/// A condition that depends on the states inside a step up to an instant. `memory`, its Observer, is first shown the whole
+/// step, and again what remains of it.
+struct LOCKSTEP_API ConditionOfMotion {
+  std::function<double(const Sample&)> value;
+  std::shared_ptr<Observer> memory;
+  double operator()(const Sample& s) const { return value(s); }
+};
 
 class EventLocator : public GuardOwner {
  public:

@@ -306,9 +306,11 @@ class FormulaReader {
     const Signature& f = signature_of(n.function);
     if (n.function == Function::table) return of_table(n);
     if (is_of_motion(n) && what_ == Read::terms) {
-      if (!of_motion_)
-        refuse(n, std::string(f.name) + "(...) is of the motion; it can be the outer function of a column only");
-      return pure(variable(of_motion_(n)));
+      const int place = of_motion_ ? of_motion_(n) : -1;
+      if (place < 0)
+        refuse(n, std::string(f.name) + "(...) is of the motion; only a column can have it, and inside max, min, mean, "
+                                        "rms, integral and at only rate(x)");
+      return pure(variable(place));
     }
     std::vector<Part> a;
     for (const int k : n.children) a.push_back(of(k));

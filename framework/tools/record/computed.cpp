@@ -32,17 +32,19 @@ class OfMotion {
 
   void begin(double t, double v) { pieces_.clear(), begin_ = t, last_ = at_ = v, total_ = is_sum() ? 0 : v; }
   void jump(double v) { last_ = v; }
-  double last() const { return last_; }  ///< at the end of the last step
+  /// At the beginning of a step. It may be seen again, up to where an event ends it, in place of what was seen.
+  double first(double t0) const { return repeats(t0) ? pieces_.back().v[0] : last_; }
   struct Seen : Piece {
     double whole = 0;  // part() of all of it
   };
   /// A step of these values; `at`: the value at an instant inside it.
   template <class V>
   Seen seen(Piece p, const V& at) const {
-    p.v[0] = last_;
+    p.v[0] = first(p.t0);
     return {p, part(p, p.t0, p.t1, at)};
   }
   void add(const Seen& p) {
+    if (repeats(p.t0)) pieces_.pop_back();
     last_ = p.v.back();
     if (p.t0 <= instant_ && instant_ <= p.t1) at_ = p.at(instant_);
     if (window_ == kWhole && !pieces_.empty())
@@ -82,6 +84,7 @@ class OfMotion {
   static constexpr double kWhole = HUGE_VAL;
 
  private:
+  bool repeats(double t0) const { return !pieces_.empty() && pieces_.back().t0 == t0; }
   bool is_sum() const { return f_ != Function::min && f_ != Function::max; }
   double sign() const { return f_ == Function::min ? -1 : 1; }
   // The integral or the extreme, with that of a piece between two times.
@@ -129,9 +132,8 @@ class Computed final : public Observer {
   const std::string& unit() const { return unit_; }
 
   double value(const Sample& s) {
-    read(s);
+    read_all(s);
     for (const auto& [k, x] : motions_) values_[k] = x->value(s.state.t, x->now(span()));
-    for (const auto& [k, x] : rates_) values_[k] = rate(x, s);
     const double v = formula_(span());
     return compares_ ? more_(span()) - v : is_margin_ ? (v != 0 ? 1.0 : -1.0) : v;
   }
@@ -140,7 +142,7 @@ class Computed final : public Observer {
 
   void start(const Sample& s) override {
     for (Observer* memory : memories_) memory->start(s);
-    if (is_of_motion()) read(s);
+    if (is_of_motion()) read_all(s);
     for (const auto& [k, x] : motions_) x->begin(s.state.t, x->now(span()));
   }
   void step(const Sample& s) override {
@@ -148,14 +150,14 @@ class Computed final : public Observer {
   }
   void jumped(const Sample& s) override {
     for (Observer* memory : memories_) memory->jumped(s);
-    if (is_of_motion()) read(s);
+    if (is_of_motion()) read_all(s);
     for (const auto& [k, x] : motions_) x->jump(x->now(span()));
   }
   void inside(const InsideStep& step) override {
     if (!is_of_motion()) return;
     std::vector<Piece> pieces(motions_.size(), Piece{step.begin(), step.end().state.t});
     const auto take = [&](int k, const Sample& s) {
-      read(s);
+      read_all(s);
       for (std::size_t i = 0; i < pieces.size(); ++i) pieces[i].v[k] = motions_[i].second->now(span());
     };
     take(Piece::kNodes - 1, step.end());
@@ -165,10 +167,10 @@ class Computed final : public Observer {
       Piece& p = pieces[i];
       const OfMotion& x = *motions_[i].second;
       for (int k = 1; k + 1 < Piece::kNodes && !step.has_states(); ++k)
-        p.v[k] = x.last() + (p.v.back() - x.last()) * k / (Piece::kNodes - 1);
+        p.v[k] = std::lerp(x.first(p.t0), p.v.back(), k / (Piece::kNodes - 1.0));
       seen_.push_back(x.seen(p, [&](double t) {
         if (!step.has_states()) return p.at(t);
-        read(step.at(t));
+        read_all(step.at(t));
         return x.now(span());
       }));
     }
@@ -190,6 +192,12 @@ class Computed final : public Observer {
   void read(const Sample& s) {
     values_[0] = s.state.t;
     for (std::size_t i = 0; i < channels_.size(); ++i) values_[places_[i]] = channels_[i].value(s);
+  }
+
+  // With the rates, which are of a state too.
+  void read_all(const Sample& s) {
+    read(s);
+    for (const auto& [k, x] : rates_) values_[k] = rate(x, s);
   }
 
   FormulaFunction compiled(int node) {
@@ -224,7 +232,9 @@ class Computed final : public Observer {
     if (const Node& inner = e_.node(of); inner.operation == Operation::call && inner.function == Function::last)
       window = time_of(inner), of = inner.children[0];
     if (n.function == Function::at) instant = time_of(n);
-    motions_.emplace_back(place, std::make_shared<OfMotion>(n.function, scope_.compiled(e_, of), window, instant));
+    const auto rate_of = [this](const Node& inner) { return inner.function == Function::rate ? of_motion(inner) : -1; };
+    motions_.emplace_back(
+        place, std::make_shared<OfMotion>(n.function, scope_.compiled(e_, of, rate_of), window, instant));
     return place;
   }
   double time_of(const Node& call) {

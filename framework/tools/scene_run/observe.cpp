@@ -3,6 +3,7 @@
 
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/system_of.h"
+#include "framework/dynamics/simulate/event_locator.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
 #include "framework/mechanism/params/units.h"
@@ -25,7 +26,11 @@ Event make_event(Mechanism& m, const EventRequest& request, Recorder& recorder) 
   if (request.channel.empty()) return event;
   const Channel channel = channel_of(m, request);
   recorder.follow(channel);
-  event.value = [value = channel.value, crosses = request.crosses](const Sample& s) { return value(s) - crosses; };
+  const auto value = [value = channel.value, crosses = request.crosses](const Sample& s) { return value(s) - crosses; };
+  if (channel.of_motion)
+    event.value = ConditionOfMotion{value, channel.memory};
+  else
+    event.value = value;
   return event;
 }
 
