@@ -4,6 +4,7 @@
 
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
+#include "framework/description/scene/reading.h"
 #include "framework/description/scene/split.h"
 #include "framework/mechanism/system/coordinate_names.h"
 
@@ -70,11 +71,12 @@ void Builder::event(const Value& object, const std::string& owner) {
   if (p.has("when")) {
     const Params when = params_under(p, "when", "condition");
     const std::string sense = when.text("direction");
-    request.channel = when.text("channel");
+    request.where = when.value("channel").where;
+    request.channel = placed(request.where, owner + ", when.channel",
+                             [&] { return without_columns(when.text("channel"), scene_); });
     request.crosses = when.number("crosses");
     if (const std::string* given = when.value("crosses").text())
       request.given = *given, request.given_where = when.value("crosses").where;
-    request.where = when.value("channel").where;
     e.crossing = sense == "rising"    ? Event::Crossing::rising
                  : sense == "falling" ? Event::Crossing::falling
                                       : Event::Crossing::any;

@@ -2,6 +2,7 @@
 // How a scene is read: the files that it may include, its parts (other scenes, their poses, repeated parts), its run.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -45,10 +46,11 @@ LOCKSTEP_API void rename_joints(std::string& path);
 
 /// The settings of a scene, with defaults for what it leaves out (or null). Throws SceneError.
 LOCKSTEP_API RunSettings read_run(const Value&);
-/// A formula with channels, or their formulas, in place of the names of columns. Throws ModelError.
-LOCKSTEP_API std::string without_columns(std::string formula, const std::vector<ChannelRequest>& columns);
-/// Lets each formula of "record" read the columns above it by their names, except for names that the scene defines.
-void read_columns_above(Scene&);
+/// The channel of a column, or a formula with channels, or their formulas, in place of the names of columns: of the first n
+/// that the scene records, except of names that it defines. Throws ModelError.
+LOCKSTEP_API std::string without_columns(std::string column, const Scene&, std::size_t n = SIZE_MAX);
+/// Lets each formula of "record" read the columns above it by their names, and conditions all columns.
+void read_columns(Scene&);
 /// The conditions "require" of a scene.
 std::vector<ChannelRequest> read_require(const Params& scene);
 /// By its name in scenes: project, baumgarte or none.

@@ -166,7 +166,8 @@ class Resolver {
     const Value* type = v.find("type");
     const Texts texts = type != nullptr && type->text() != nullptr ? texts_of_type(*type->text()) : Texts{};
     const auto is_text = [&](const std::string& key) {
-      return key == "name" || key == "type" || key == "record" || key == "draw" || key == "channel" ||
+      return key == "name" || key == "type" || key == "record" || key == "draw" || key == "pictures" ||
+             key == "channel" ||
              std::find(texts.keys.begin(), texts.keys.end(), key) != texts.keys.end();
     };
     for (Value::Member& m : *v.object())

@@ -91,28 +91,32 @@ std::vector<ChannelRequest> read_requests(const Value::List& items, const std::s
   return all;
 }
 
-// A panel: names that are recorded.
-std::vector<std::string> read_panel(const Value& panel, const std::vector<std::string>& known, Refusals& wrong) {
+// A name of a column, or "t". A formula that is not recorded becomes a column.
+std::string column_named(const Value& v, const std::string& owner, std::vector<ChannelRequest>& record) {
+  std::vector<std::string> known{"t"};
+  for (const ChannelRequest& r : record) known.push_back(r.column());
+  const std::string name = read_text(v, owner);
+  if (std::ranges::find(known, name) != known.end()) return name;
+  if (!name.starts_with('=')) refuse(v.where, owner, "\"" + name + "\" is not recorded" + text::suggestion(name, known));
+  record.push_back({name, "", v.where});
+  return name;
+}
+
+// A panel: names of columns.
+std::vector<std::string> read_panel(const Value& panel, std::vector<ChannelRequest>& record, Refusals& wrong) {
   if (panel.list() == nullptr)
     refuse(panel.where, "run.draw", "expected a panel as a list of recorded names, got " + shown(panel));
   if (panel.list()->empty())
     refuse(panel.where, "run.draw", "this panel is empty; name a recorded channel, or remove it");
   std::vector<std::string> names;
   for (const Value& item : *panel.list())
-    wrong.attempt([&] {
-      names.push_back(read_text(item, "run.draw"));
-      if (std::find(known.begin(), known.end(), names.back()) == known.end())
-        refuse(item.where, "run.draw",
-               "\"" + names.back() + "\" is not recorded" + text::suggestion(names.back(), known));
-    });
+    wrong.attempt([&] { names.push_back(column_named(item, "run.draw", record)); });
   return names;
 }
 
 void read_draw(const Params& p, RunSettings& run, Refusals& wrong) {
-  std::vector<std::string> known;
-  for (const ChannelRequest& r : run.record) known.push_back(r.column());
   for (const Value& panel : items_of(p, "draw", "a list of panels, each a list of recorded names"))
-    wrong.attempt([&] { run.draw.push_back(read_panel(panel, known, wrong)); });
+    wrong.attempt([&] { run.draw.push_back(read_panel(panel, run.record, wrong)); });
 }
 
 // The settings with known names and valid forms; errors of the others are kept.
@@ -174,18 +178,8 @@ void read_limits(const Params& p, RunSettings& run, Refusals& wrong) {
   });
 }
 
-// The name of a column that is recorded, under this key.
-std::string recorded_name(const Params& picture, const char* key, const std::vector<ChannelRequest>& record) {
-  std::vector<std::string> known{"t"};
-  for (const ChannelRequest& r : record) known.push_back(r.column());
-  const std::string name = picture.text(key);
-  if (std::find(known.begin(), known.end(), name) == known.end())
-    picture.refuse(key, "\"" + name + "\" is not recorded" + text::suggestion(name, known));
-  return name;
-}
-
 // Of the object "run", which may be null. `record`: what it records.
-RunOutputs read_outputs(const Value& run, const std::vector<ChannelRequest>& record) {
+RunOutputs read_outputs(const Value& run, std::vector<ChannelRequest>& record) {
   RunOutputs out;
   const Params p = params_of(run, "run", "run", nullptr);
   out.units = p.text("headers") == "units";
@@ -195,8 +189,11 @@ RunOutputs read_outputs(const Value& run, const std::vector<ChannelRequest>& rec
     wrong.attempt([&] {
       const Params picture = params_of(pictures[i], "picture", item("run.pictures", i), nullptr);
       PictureRequest& to = out.pictures.emplace_back();
-      wrong.attempt([&] { to.x = recorded_name(picture, "x", record); });
-      wrong.attempt([&] { to.y = recorded_name(picture, "y", record); });
+      const auto column = [&](const char* key) {
+        return column_named(picture.value(key), part_of(picture.owner(), key), record);
+      };
+      wrong.attempt([&] { to.x = column("x"); });
+      wrong.attempt([&] { to.y = column("y"); });
     });
   wrong.raise();
   return out;
@@ -206,7 +203,8 @@ RunOutputs read_outputs(const Value& run, const std::vector<ChannelRequest>& rec
 
 RunOutputs outputs_of(const Scene& scene) {
   const Value* run = scene.root.find("run");
-  return run != nullptr ? read_outputs(*run, scene.run.record) : RunOutputs{};
+  std::vector<ChannelRequest> record = scene.run.record;
+  return run != nullptr ? read_outputs(*run, record) : RunOutputs{};
 }
 
 RunSettings read_run(const Value& v) {
@@ -231,34 +229,46 @@ RunSettings read_run(const Value& v) {
   return run;
 }
 
-std::string without_columns(std::string formula, const std::vector<ChannelRequest>& columns) {
-  static const std::vector<std::string> kTime{"t"};
-  std::vector<expression::Node> names = expression::Expression(formula, kTime, expression::Naming::channels).nodes();
-  std::erase_if(names, [](const expression::Node& n) { return n.operation != expression::Operation::name; });
+static const std::vector<std::string> kOnlyTime{"t"};
+
+std::string without_columns(std::string column, const Scene& scene, std::size_t n) {
+  const std::span<const ChannelRequest> columns = std::span(scene.run.record).first(std::min(n, scene.run.record.size()));
+  const auto channel_of = [&](const std::string& name) {
+    const auto found = std::ranges::find(columns, name, &ChannelRequest::column);
+    const bool is_hidden = name == "pi" || std::ranges::find(scene.parameters, name, &SceneParameter::name) !=
+                                               scene.parameters.end();
+    return found == columns.end() || is_hidden ? name : found->channel;
+  };
+  if (!column.starts_with('=')) return channel_of(column);
+  std::vector<expression::Node> names = expression::Expression(column, kOnlyTime, expression::Naming::channels).nodes();
+  std::erase_if(names, [](const expression::Node& node) { return node.operation != expression::Operation::name; });
   std::ranges::sort(names, std::greater(), &expression::Node::at);
-  for (const expression::Node& n : names) {
-    const std::string name = expression::without_quotes(n.name);
-    const auto column = std::ranges::find(columns, name, &ChannelRequest::column);
-    if (column == columns.end() || column->channel == name) continue;
-    const std::string& channel = column->channel;
-    formula.replace(n.at, n.name.size(),
-                    channel.starts_with('=') ? "(" + channel.substr(1) + ")" : "'" + channel + "'");
+  for (const expression::Node& node : names) {
+    const std::string name = expression::without_quotes(node.name), channel = channel_of(name);
+    if (channel != name)
+      column.replace(node.at, node.name.size(),
+                     channel.starts_with('=') ? "(" + channel.substr(1) + ")" : "'" + channel + "'");
   }
-  return formula;
+  return column;
 }
 
-void read_columns_above(Scene& scene) {
-  std::vector<ChannelRequest> above;
-  for (ChannelRequest& r : scene.run.record) {
-    const std::string column = r.column();
-    if (r.channel.starts_with('=')) {
-      const std::string read = placed(r.where, "run.record", [&] { return without_columns(r.channel, above); });
-      if (read != r.channel) r.channel = read, r.name = column;
-    }
-    if (column != "pi" && std::ranges::find(scene.parameters, column, &SceneParameter::name) == scene.parameters.end())
-      above.push_back(r);
-  }
+namespace {
+
+// A request keeps the name of its column.
+void replace_columns(ChannelRequest& r, const std::string& owner, const Scene& scene, std::size_t n = SIZE_MAX) {
+  if (!r.channel.starts_with('=')) return;
+  const std::string column = r.column();
+  const std::string read = placed(r.where, owner, [&] { return without_columns(r.channel, scene, n); });
+  if (read != r.channel) r.channel = read, r.name = column;
 }
+
+bool is_condition(const expression::Expression& e, int node) {
+  const expression::Node& n = e.node(node);
+  if (n.operation != expression::Operation::choose) return expression::is_condition(n.operation);
+  return is_condition(e, n.children[1]) && is_condition(e, n.children[2]);
+}
+
+}  // namespace
 
 std::vector<ChannelRequest> read_require(const Params& scene) {
   std::vector<ChannelRequest> all =
@@ -267,6 +277,21 @@ std::vector<ChannelRequest> read_require(const Params& scene) {
     if (!r.channel.starts_with('='))
       refuse(r.where, "scene.require", "\"" + r.channel + "\" is no formula; write \"=" + r.channel + "\"");
   return all;
+}
+
+void read_columns(Scene& scene) {
+  Refusals wrong;
+  for (std::size_t i = 0; i < scene.run.record.size(); ++i)
+    wrong.attempt([&] { replace_columns(scene.run.record[i], "run.record", scene, i); });
+  for (ChannelRequest& r : scene.run.require)
+    wrong.attempt([&] {
+      replace_columns(r, "scene.require", scene);
+      const expression::Expression e(r.channel, kOnlyTime, expression::Naming::channels);
+      if (!is_condition(e, e.root()))
+        refuse(r.where, "scene.require",
+               "\"" + r.column() + "\" is a quantity, no condition; compare it, as in \"" + r.column() + " < 1\"");
+    });
+  wrong.raise();
 }
 
 Stabilization::Kind stabilization_from(const std::string& word) {

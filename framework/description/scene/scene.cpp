@@ -52,9 +52,9 @@ void read_root(Scene& scene) {
   });
   const Value* run = scene.root.find("run");
   wrong.attempt([&] { scene.run = with_formulas(scene, [&] { return read_run(run != nullptr ? *run : Value()); }); });
-  wrong.attempt([&] { read_columns_above(scene); });
-  wrong.raise();
   scene.run.require = std::move(require);
+  wrong.attempt([&] { read_columns(scene); });
+  wrong.raise();
 }
 
 Scene scene_from(Value root, std::string file) { return scene_from(std::move(root), std::move(file), {}); }

@@ -130,7 +130,7 @@ Result follow_scene(const Arguments& args, bool inverse) {
   const std::unique_ptr<PictureRows> details = picture_rows(m, csv, *recorder, outputs, args);
   GrowingFile file(csv);
   recorder->find_extremes();
-  const std::unique_ptr<Recorder> requirements = make_requirements(m);
+  const std::unique_ptr<Requirements> requirements = make_requirements(m);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   for (const EventRequest& e : m.events)
     tell(fmt::format("warning: event '{}' has no effect without a simulation\n", e.event.name));

@@ -71,7 +71,7 @@ void RunFunction::add(const std::string& option, const std::string& text, const 
   as_usage(option, [&] {
     if (built_.run.until < 0) throw ModelError("the scene has no end time; give --until");
     const std::string of_channels =
-        "=" + without_columns(formula.substr(formula.starts_with('=')), varied_.loaded.scene.run.record);
+        without_columns((formula.starts_with('=') ? "" : "=") + formula, varied_.loaded.scene);
     like_.add_column(option + " " + text, make_channel(system_of(built_), of_channels).unit);
     formulas_.push_back({of_channels, option + " " + text, {}});
     return 0;

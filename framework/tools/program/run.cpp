@@ -358,7 +358,7 @@ class ProgramRun {
   Mechanism m_;
   const std::string csv_;
   const std::unique_ptr<Recorder> recorder_;
-  std::unique_ptr<Recorder> requirements_;  // null: none
+  std::unique_ptr<Requirements> requirements_;  // null: none
   const RunOutputs outputs_;
   std::string uncertified_;  // columns without a digit verified by --certify
   GrowingFile file_;

@@ -10,11 +10,32 @@
 
 namespace lockstep {
 
-/// By how much the conditions of a scene hold: an observer of their extremes, which keeps no rows; null without conditions.
-/// Make it before the StepLoop, as the recorder. Throws SceneError with the place in the file of an invalid one.
-LOCKSTEP_API std::unique_ptr<Recorder> make_requirements(Mechanism&);
+/// By how much the conditions of a scene hold: an observer of their extremes, which keeps no rows, and of the instant at
+/// which each fails first.
+class LOCKSTEP_API Requirements final : public Recorder {
+ public:
+  using Recorder::Recorder;
+  void start(const Sample&) override;
+  void inside(const InsideStep&) override;
+  void jumped(const Sample&) override;
+  void output(const Sample&) override;
+  void save(Snapshot&) const override;
+  void load(SnapshotReader&) override;
+  void require(Channel margin);
+  double failed(std::size_t k) const { return failed_[k]; }  ///< when the k-th one failed first, s; infinity: never
 
-/// Those that did not hold in a run, with the worst instant.
-LOCKSTEP_API std::vector<Finding> broken_requirements(const Mechanism&, const Recorder*);
+ private:
+  void note(const InsideStep*);
+
+  std::vector<Channel> margins_;
+  std::vector<double> failed_;
+};
+
+/// Those of a scene; null without conditions. Make them before the StepLoop, as the recorder. Throws SceneError with the
+/// place in the file of an invalid one.
+LOCKSTEP_API std::unique_ptr<Requirements> make_requirements(Mechanism&);
+
+/// Those that did not hold in a run, with the first and the worst instant.
+LOCKSTEP_API std::vector<Finding> broken_requirements(const Mechanism&, const Requirements*);
 
 }  // namespace lockstep

@@ -64,7 +64,7 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
   std::vector<Event> events;
   RowsAtJumps at_jumps;
   SingularWatch singular;
-  std::unique_ptr<Recorder> requirements;  // null: none
+  std::unique_ptr<Requirements> requirements;  // null: none
   std::unique_ptr<EnergyAudit> audit;
   std::unique_ptr<Doubts> doubts;
 };

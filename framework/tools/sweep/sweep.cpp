@@ -26,7 +26,7 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
               const std::function<bool(const State&)>& go_on, Observer* at_jumps, const RunWatch& watch) {
   std::vector<Event> events = make_events(m, recorder);
   EnergyAudit audit(system_of(m), m.run.limits);
-  const std::unique_ptr<Recorder> requirements = make_requirements(m);
+  const std::unique_ptr<Requirements> requirements = make_requirements(m);
   Dynamics dynamics = make_dynamics(m, registry);
   State start = assembled_start(dynamics, m);
   std::unique_ptr<Integrator> method = make_integrator(m.run, registry);
