@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/error.h>
 #include <lockstep/scene.h>
 
 namespace lockstep {
@@ -51,6 +52,11 @@ LOCKSTEP_API RunSettings read_run(const Value&);
 LOCKSTEP_API std::string without_columns(std::string column, const Scene&, std::size_t n = SIZE_MAX);
 /// Lets each formula of "record" read the columns above it by their names, and conditions all columns.
 void read_columns(Scene&);
+/// A condition of numbers that does not hold.
+class LOCKSTEP_API RequirementError final : public SceneError {
+ public:
+  explicit RequirementError(const SceneError& error) : SceneError(error) {}
+};
 /// The conditions "require" of a scene.
 std::vector<ChannelRequest> read_require(const Params& scene);
 /// By its name in scenes: project, baumgarte or none.

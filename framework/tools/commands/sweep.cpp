@@ -227,7 +227,7 @@ class Sweep {
     results_.add(n, done.run);
     if (plan_.arguments.has("--json")) tally_.runs.push_back(row(n, done.run));
     if (done.in_lanes) ++tally_.in_lanes;
-    if (!done.run.failed && done.run.energy.empty()) ++tally_.unchecked;
+    if (!done.run.failed && !done.run.columns.empty() && done.run.energy.empty()) ++tally_.unchecked;
     if (done.kept) ++tally_.histories;
     ++tally_.done;
     if (done.run.failed) add_failure(n, done.run.status);

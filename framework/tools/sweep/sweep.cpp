@@ -6,7 +6,9 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/reading.h"
 #include "framework/foundation/support/csv_cells.h"
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/foundation/support/lines.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/precision/work_precision.h"
@@ -160,6 +162,9 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     SweepRun recorded = recorded_run(at_jumps ? outputs : recorder->table(), *recorder);
     result.columns = std::move(recorded.columns), result.t = recorded.t;
     end();
+  } catch (const RequirementError& error) {
+    result.wrong = true;
+    result.findings.push_back({&finding::requirement_broken, "", fact_of(error), ""});
   } catch (const std::exception& error) {
     result.failed = true;
     result.status = fact_of(error);
