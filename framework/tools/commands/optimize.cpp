@@ -10,10 +10,12 @@
 
 #include <lockstep/charts.h>
 #include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/tools/commands/run_function.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/progress.h"
+#include "framework/tools/program/terminal.h"
 #if LOCKSTEP_NLOPT
 #include <nlopt.h>
 #endif
@@ -52,10 +54,12 @@ class Optimization {
         most_(args["--runs"].empty() ? kRuns : whole_number("--runs", args["--runs"], std::numeric_limits<int>::max())),
         progress_(most_, args.has("--quiet") || args.has("--json"), Counts::runs),
         sign_(args["--maximize"].empty() ? 1 : -1),
-        objective_(args[sign_ > 0 ? "--minimize" : "--maximize"]),
-        conditions_(args.all("--subject-to")) {
+        objective_(args[sign_ > 0 ? "--minimize" : "--maximize"]) {
     if (objective_.empty()) throw UsageError("--minimize: a formula is missing; give one, as in --minimize \"max(T)\"");
     runs_.add(sign_ > 0 ? "--minimize" : "--maximize", objective_, objective_);
+    for (const std::string& all : args.all("--subject-to"))  // a && b are two
+      for (std::size_t at = 0, end = 0; end != std::string::npos; at = end + 2)
+        end = all.find("&&", at), conditions_.emplace_back(text::trimmed(all.substr(at, end - at)));
     for (const std::string& text : conditions_) {
       const Sides s = sides_of("--subject-to", text);
       if (s.sign == "==") throw UsageError("--subject-to: \"" + text + "\" is an equation; compare by < or >");
@@ -168,6 +172,28 @@ class Optimization {
     std::copy_n(gradients_.begin() + static_cast<std::ptrdiff_t>(first * n), gradient.size(), gradient.begin());
   }
 
+  // Whether the best point is another one than this, by more than derivatives resolve.
+  bool moves(const std::vector<double>& u) const {
+    for (std::size_t k = 0; k < u.size(); ++k)
+      if (std::abs(points_[best()][k] - std::lerp(runs_.low(k), runs_.high(k), u[k])) >
+          kStep * (runs_.high(k) - runs_.low(k)))
+        return true;
+    return false;
+  }
+  // A point at which all derivatives vanish may be a maximum: with one number at an end of its range, the best that is better.
+  std::vector<double> best_end(const std::vector<double>& u) {
+    std::vector<double> found = u;
+    for (std::size_t k = 0; k < u.size(); ++k)
+      for (const double end : {0.0, 1.0}) {
+        std::vector<double> at = u;
+        at[k] = end;
+        const std::size_t before = best();
+        scaled(at.data());
+        if (best() != before) found = at;
+      }
+    return found;
+  }
+
   enum Verdict { kFailed, kEnded, kHolds };  // kHolds: with all conditions
 
   const Interrupt& interrupt_;
@@ -208,8 +234,11 @@ std::string Optimization::search(const std::string& method) {
   };
   std::vector<double> start, slack(conditions_.size(), tolerance());
   for (std::size_t k = 0; k < runs_.n(); ++k) {
-    const double low = runs_.low(k), high = runs_.high(k);
-    start.push_back((std::clamp(runs_.given(k).value_or(0.5 * (low + high)), low, high) - low) / (high - low));
+    const double low = runs_.low(k), high = runs_.high(k), given = runs_.given(k).value_or(0.5 * (low + high));
+    start.push_back((std::clamp(given, low, high) - low) / (high - low));
+    if (given < low || given > high)
+      tell(fmt::format("note: the {} of the scene is outside of its range; the search begins at the nearer end\n",
+                       runs_.varied().variables[k].path));
   }
   if (scaled(start.data()); done_[0].failed)
     throw Error(fmt::format("the first run, with {}, failed: {}; give values at which it succeeds by --set",
@@ -228,8 +257,13 @@ std::string Optimization::search(const std::string& method) {
   if (!slack.empty() && nlopt_add_inequality_mconstraint(nlopt.get(), static_cast<unsigned>(slack.size()), excesses,
                                                          &call, slack.data()) != NLOPT_SUCCESS)
     throw UsageError("--method: " + method + " takes no conditions; use slsqp, cobyla or direct");
-  double least = 0;
-  const nlopt_result why = nlopt_optimize(nlopt.get(), start.data(), &least);
+  nlopt_result why{};
+  for (std::vector<double> from; from != start;) {
+    double least = 0;
+    std::vector<double> at = from = start;
+    why = nlopt_optimize(nlopt.get(), at.data(), &least);
+    if (!ended_ && !moves(from)) start = best_end(from);
+  }
   progress_.finish();
   if (why == NLOPT_FORCED_STOP) return interrupt_.asked() ? "interrupted" : "the number of runs was reached (--runs)";
   if (!has_slopes_) return "runs next to the last point fail; try --method neldermead or cobyla";
