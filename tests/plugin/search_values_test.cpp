@@ -293,6 +293,23 @@ TEST_CASE("optimize: a four-bar whose coupler point passes ten points", "[plugin
   CHECK(std::abs(sum - j["best"]["value"].get<double>()) <= 1e-4 * sum);
 }
 
+TEST_CASE("optimize: a start at which the derivative vanishes may be a maximum", "[plugin][runner]") {
+  if (is_left_out()) return;
+  // A throw by 10 m/s lands at 10 m sin(2 th).
+  const std::string scene = scene_file("throw", R"~("gravity": [0, -10, 0], "parameters": {"th": "45 deg"},
+    "bodies": [{"name": "b", "particle": 1, "velocity": ["=10 m/s*cos(th)", "=10 m/s*sin(th)", 0]}],
+    "events": [{"name": "land", "when": {"channel": "b.y", "direction": "falling"}, "stop": true}],
+    "run": {"until": 5, "output": 0.1, "record": ["b.x"]})~");
+  const std::string words = "optimize '" + scene + "' --vary th=10deg:80deg --minimize b.x";
+  const Json j = json_of(words + " --json");
+  CHECK(std::abs(j["best"]["value"].get<double>() - 10 * std::sin(pi / 9)) <= 1e-6);
+  const Called outside = call(words + " --set th=85deg --subject-to \"b.x > 5 m && b.x < 8 m\"");
+  INFO(outside.text);
+  CHECK(outside.exit == 0);
+  CHECK(contains(outside.text, "the th of the scene is outside of its range"));
+  CHECK(contains(value_of(outside.text, "best"), "5 m with "));
+}
+
 TEST_CASE("optimize: the page of the first and the best run", "[plugin][runner]") {
   if (is_left_out()) return;
   // F = m r w^2 + m g, so that the speed is largest at the limit of 100 N.

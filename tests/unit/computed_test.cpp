@@ -169,6 +169,50 @@ TEST_CASE("an event may watch a formula of channels", "[unit][record]") {
   CHECK(run.table().last("F") == Approx(20).epsilon(1e-8));
 }
 
+// A particle that is thrown: x = t, y = 5 t - 5 t^2. `rest`: what follows the columns. `before`: keys of the scene.
+Scene thrown(const std::string& record, const std::string& rest, const std::string& before = "") {
+  return scene_from_text(R"({"lockstep": 1, "gravity": [0, -10, 0], "bodies": [{"name": "b", "particle": 2,
+      "velocity": [1, 5, 0]}], )" + before + R"("run": {"until": 1, "output": 0.1, "record": [)" + record + "]" + rest +
+                             "}}",
+                         "thrown.json");
+}
+
+TEST_CASE("an event may watch a function of the motion, inside steps", "[unit][record]") {
+  struct Case {
+    std::string channel, crosses;
+    double t;  // 1: never
+  };
+  for (const Case& c : {Case{"=integral(b.vx)", "0.3 m", 0.3}, Case{"d", "0.3 m", 0.3}, Case{"=2*d", "0.6 m", 0.3},
+                        Case{"=integral(b.vy)", "0.7 m", 0.5 - std::sqrt(0.11)}, Case{"=mean(b.vy)", "4 m/s", 0.2},
+                        Case{"=rms(b.vx)", "0.5 m/s", 1}, Case{"=mean(b.x)", "0.3 m", 0.6},
+                        Case{"=max(last(b.y, 0.1 s))", "1.2 m", 0.4}, Case{"=max(rate(b.y))", "5.1 m/s", 1}})
+    for (const std::string step : {"", R"(, "step": 0.01)", R"(, "step": 0.01, "integrator": "rk4")"}) {
+      INFO(c.channel << step);
+      Simulation run(build_mechanism(
+          thrown(R"~({"d": "=integral(b.vx)"})~", step,
+                 R"~("events": [{"name": "e", "stop": true, "when": {"channel": ")~" + c.channel +
+                     R"~(", "crosses": ")~" + c.crosses + R"~("}}], )~"),
+          builtin_registry()));
+      run.run();
+      CHECK(run.state().t == Approx(c.t).margin(1e-8));
+    }
+}
+
+TEST_CASE("a rate may stand inside functions of the motion, also as a column", "[unit][record]") {
+  Simulation run(build_mechanism(thrown(R"~({"v": "=rate(b.y)"}, {"most": "=max(v)"}, {"rise": "=integral(v)"},
+      {"mean": "=mean(rate(b.vy))"})~", ""), builtin_registry()));
+  run.run();
+  CHECK(run.table().last("most") == Approx(5).epsilon(1e-8));
+  CHECK(run.table().last("rise") == Approx(0).margin(1e-8));
+  CHECK(run.table().last("mean") == Approx(-10).epsilon(1e-8));
+  check_words(refusal(R"~("=max(mean(rod.x))")~"), {"columns.json", "mean(...) is of the motion", "only rate(x)"});
+}
+
+TEST_CASE("a formula that is drawn is a column", "[unit][record]") {
+  const Scene scene = thrown(R"("b.y")", R"(, "draw": [["=2*b.y", "b.y"]], "pictures": [{"x": "b.y", "y": "=b.x - b.y"}])");
+  CHECK(scene.run.record.size() == 3);
+}
+
 TEST_CASE("functions of the motion and extremes continue from a checkpoint to the last bit", "[unit][record]") {
   const std::string text = kScene + std::string(R"~({"mean": "=mean(A.rz)"}, {"most": "=max(A.rz_d)"},
       {"last": "=rms(last(A.rz, 0.5 s))"}, {"at": "=at(A.rz, 0.7 s)"}]}})~");
@@ -234,7 +278,32 @@ TEST_CASE("a requirement of channels is checked over the motion, and its worst i
       builtin_registry()));
   single.run();
   CHECK_FALSE(single.verdict().right);
-  check_words(run.outcome(), {"wrong; requirement \"bearing\"", "does not hold by 0.52", "t = 0.483"});
+  check_words(run.outcome(), {"wrong; requirement \"bearing\"", "does not hold", "by 0.52", "t = 0.483"});
+}
+
+TEST_CASE("a requirement that fails has its first instant", "[unit][record]") {
+  const auto finding = [](const std::string& require) {
+    Simulation run(build_mechanism(thrown(R"({"q": "=b.y"})", "", "\"require\": [" + require + "], "), builtin_registry()));
+    run.run();
+    const std::vector<Finding> all = run.verdict().findings;
+    REQUIRE(all.size() == 1);
+    return all[0];
+  };
+  for (const char* condition : {R"("=b.y < 1.2 m")", R"("=q < 1.2 m")", R"("=b.vx > 0 m/s && q < 1.2 m")"})
+    CHECK(finding(condition).t == Approx(0.4).epsilon(1e-9));
+  check_words(finding(R"("=q < 1.2 m")").text(), {"first at t = 0.4 s", "worst at t = 0.5 s by 0.05 m"});
+  const Finding undefined = finding(R"("=sqrt(1 - b.y/(1 m)) < 3")");  // from y = 1 m on
+  CHECK(undefined.t == Approx(0.5 - std::sqrt(0.05)).epsilon(1e-9));
+  check_words(undefined.text(), {"is no number at t = 0.27"});
+  const auto refused = [](const std::string& require) {
+    return message_of<SceneError>([&] {
+      build_mechanism(thrown(R"({"q": "=b.y"})", "", "\"require\": [" + require + R"(], "parameters": {"r": "2 m"}, )"),
+                      builtin_registry());
+    });
+  };
+  check_words(refused(R"("=r")"), {"thrown.json:2:", "\"=r\" is a quantity, no condition", "\"=r < 1\""});
+  check_words(refused(R"("=b.y")"), {"thrown.json:2:", "\"=b.y\" is a quantity, no condition"});
+  check_words(refused(R"("=0 m < b.y < 1 m")"), {"thrown.json:2:", "one comparison follows another"});
 }
 
 }  // namespace computed_test
