@@ -7,6 +7,7 @@
 #include "framework/hosts/c/run.h"
 #include "framework/hosts/c/state.h"
 #include "framework/hosts/c/user_code.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep::c {
 namespace {
@@ -24,7 +25,7 @@ std::function<double(const Sample&)> condition_of(lockstep_condition condition, 
 std::function<double(const Sample&)> channel_of(Run& run, Simulation& s, const char* name, double crosses) {
   const Channel channel = make_channel(s.system(), name);
   if (!run.begun) s.recorder().follow(channel);
-  return [=](const Sample& sample) { return channel.value(sample) - crosses; };
+  return lockstep::condition_of(channel, crosses);
 }
 
 }  // namespace
