@@ -199,7 +199,7 @@ deactivate | list of texts | | joints and forces to deactivate
 stop | boolean | false | true: the run ends at the event
 once | boolean | true | true: the event occurs only the first time that the condition is met
 ## condition | | "when" of an event: a channel that crosses a value
-channel | text | ! | name of a channel, such as "slider.x"
+channel | text | ! | channel, column or formula, such as "slider.x"
 crosses | number; quantity | 0 | value of the channel at the event
 direction | choice; any; rising; falling | "any" | direction of the crossing
 ## run | | numerical method and output
@@ -218,12 +218,12 @@ solver | name or object; solvers | | a name of `lockstep list solvers`, or {"typ
 nearly_redundant | choice; auto; report; free; held | "auto" | treatment of nearly dependent constraints (relative singular value below 1e-3), such as two nearly coaxial hinges: kept (held), removed (free), or only reported (report); auto: removed, but kept if joints would open; reported beyond 300 constraints
 assemble | boolean | true | true: a start that violates the constraints is corrected
 record | list of channel names: see `lockstep check SCENE --channels` | | recorded channels, by name or as {"own name": "channel"}
-draw | list of lists of texts | | panels of the picture from top to bottom, each a list of recorded names; default: by unit
-pictures | list of objects; picture | | further pictures, each of one recorded column against another
+draw | list of lists of texts | | panels of the picture from top to bottom, each a list of recorded names or formulas; default: by unit
+pictures | list of objects; picture | | further pictures, each of one column against another
 headers | choice; units; plain | "units" | column names of the CSV file: with units, "x [m]", or plain, "x"
 at_jumps | boolean | false | true: also rows just before and after events, impacts and jumps of laws
 ## picture | | a plot of one column against another, such as the path of a point; lengths have equal scales
-x | text | ! | column of the x axis, by its recorded name; "t" is the time
+x | text | ! | column of the x axis, by its recorded name, or a formula; "t" is the time
 y | text | ! | column of the y axis
 ## stabilization | | correction of the constraint violation (drift)
 kind | choice; project; baumgarte; none | "project" | method
