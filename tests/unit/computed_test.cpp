@@ -172,8 +172,8 @@ TEST_CASE("an event may watch a formula of channels", "[unit][record]") {
 // A particle that is thrown: x = t, y = 5 t - 5 t^2. `rest`: what follows the columns. `before`: keys of the scene.
 Scene thrown(const std::string& record, const std::string& rest, const std::string& before = "") {
   return scene_from_text(R"({"lockstep": 1, "gravity": [0, -10, 0], "bodies": [{"name": "b", "particle": 2,
-      "velocity": [1, 5, 0]}], )" + before + R"("run": {"until": 1, "output": 0.1, "record": [)" + record + "]" + rest +
-                             "}}",
+      "velocity": [1, 5, 0]}], )" +
+                             before + R"("run": {"until": 1, "output": 0.1, "record": [)" + record + "]" + rest + "}}",
                          "thrown.json");
 }
 
@@ -188,11 +188,10 @@ TEST_CASE("an event may watch a function of the motion, inside steps", "[unit][r
                         Case{"=max(last(b.y, 0.1 s))", "1.2 m", 0.4}, Case{"=max(rate(b.y))", "5.1 m/s", 1}})
     for (const std::string step : {"", R"(, "step": 0.01)", R"(, "step": 0.01, "integrator": "rk4")"}) {
       INFO(c.channel << step);
-      Simulation run(build_mechanism(
-          thrown(R"~({"d": "=integral(b.vx)"})~", step,
-                 R"~("events": [{"name": "e", "stop": true, "when": {"channel": ")~" + c.channel +
-                     R"~(", "crosses": ")~" + c.crosses + R"~("}}], )~"),
-          builtin_registry()));
+      Simulation run(build_mechanism(thrown(R"~({"d": "=integral(b.vx)"})~", step,
+                                            R"~("events": [{"name": "e", "stop": true, "when": {"channel": ")~" +
+                                                c.channel + R"~(", "crosses": ")~" + c.crosses + R"~("}}], )~"),
+                                     builtin_registry()));
       run.run();
       CHECK(run.state().t == Approx(c.t).margin(1e-8));
     }
@@ -200,7 +199,9 @@ TEST_CASE("an event may watch a function of the motion, inside steps", "[unit][r
 
 TEST_CASE("a rate may stand inside functions of the motion, also as a column", "[unit][record]") {
   Simulation run(build_mechanism(thrown(R"~({"v": "=rate(b.y)"}, {"most": "=max(v)"}, {"rise": "=integral(v)"},
-      {"mean": "=mean(rate(b.vy))"})~", ""), builtin_registry()));
+      {"mean": "=mean(rate(b.vy))"})~",
+                                        ""),
+                                 builtin_registry()));
   run.run();
   CHECK(run.table().last("most") == Approx(5).epsilon(1e-8));
   CHECK(run.table().last("rise") == Approx(0).margin(1e-8));
@@ -209,7 +210,8 @@ TEST_CASE("a rate may stand inside functions of the motion, also as a column", "
 }
 
 TEST_CASE("a formula that is drawn is a column", "[unit][record]") {
-  const Scene scene = thrown(R"("b.y")", R"(, "draw": [["=2*b.y", "b.y"]], "pictures": [{"x": "b.y", "y": "=b.x - b.y"}])");
+  const Scene scene =
+      thrown(R"("b.y")", R"(, "draw": [["=2*b.y", "b.y"]], "pictures": [{"x": "b.y", "y": "=b.x - b.y"}])");
   CHECK(scene.run.record.size() == 3);
 }
 
@@ -283,7 +285,8 @@ TEST_CASE("a requirement of channels is checked over the motion, and its worst i
 
 TEST_CASE("a requirement that fails has its first instant", "[unit][record]") {
   const auto finding = [](const std::string& require) {
-    Simulation run(build_mechanism(thrown(R"({"q": "=b.y"})", "", "\"require\": [" + require + "], "), builtin_registry()));
+    Simulation run(
+        build_mechanism(thrown(R"({"q": "=b.y"})", "", "\"require\": [" + require + "], "), builtin_registry()));
     run.run();
     const std::vector<Finding> all = run.verdict().findings;
     REQUIRE(all.size() == 1);

@@ -285,7 +285,8 @@ void Builder::check_requirements() const {
     for (const std::string& n : names)
       if (n != "pi") words += (words.empty() ? "; " : ", ") + n + " = " + expression::words_of(scope.find(n)->amount);
     try {
-      refuse(r.where, "scene.require", "\"" + r.column() + "\" does not hold" + words + "; change them, or the condition");
+      refuse(r.where, "scene.require",
+             "\"" + r.column() + "\" does not hold" + words + "; change them, or the condition");
     } catch (const SceneError& error) {
       throw RequirementError(error);
     }

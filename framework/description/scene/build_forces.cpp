@@ -72,8 +72,8 @@ void Builder::event(const Value& object, const std::string& owner) {
     const Params when = params_under(p, "when", "condition");
     const std::string sense = when.text("direction");
     request.where = when.value("channel").where;
-    request.channel = placed(request.where, owner + ", when.channel",
-                             [&] { return without_columns(when.text("channel"), scene_); });
+    request.channel =
+        placed(request.where, owner + ", when.channel", [&] { return without_columns(when.text("channel"), scene_); });
     request.crosses = when.number("crosses");
     if (const std::string* given = when.value("crosses").text())
       request.given = *given, request.given_where = when.value("crosses").where;

@@ -167,8 +167,7 @@ class Resolver {
     const Texts texts = type != nullptr && type->text() != nullptr ? texts_of_type(*type->text()) : Texts{};
     const auto is_text = [&](const std::string& key) {
       return key == "name" || key == "type" || key == "record" || key == "draw" || key == "pictures" ||
-             key == "channel" ||
-             std::find(texts.keys.begin(), texts.keys.end(), key) != texts.keys.end();
+             key == "channel" || std::find(texts.keys.begin(), texts.keys.end(), key) != texts.keys.end();
     };
     for (Value::Member& m : *v.object())
       if (needs_walk(m.value) && (m.key == "parameters" || !is_text(m.key))) walk(m.value, part_of(context, m.key));

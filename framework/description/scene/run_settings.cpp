@@ -97,7 +97,8 @@ std::string column_named(const Value& v, const std::string& owner, std::vector<C
   for (const ChannelRequest& r : record) known.push_back(r.column());
   const std::string name = read_text(v, owner);
   if (std::ranges::find(known, name) != known.end()) return name;
-  if (!name.starts_with('=')) refuse(v.where, owner, "\"" + name + "\" is not recorded" + text::suggestion(name, known));
+  if (!name.starts_with('='))
+    refuse(v.where, owner, "\"" + name + "\" is not recorded" + text::suggestion(name, known));
   record.push_back({name, "", v.where});
   return name;
 }
@@ -232,11 +233,12 @@ RunSettings read_run(const Value& v) {
 static const std::vector<std::string> kOnlyTime{"t"};
 
 std::string without_columns(std::string column, const Scene& scene, std::size_t n) {
-  const std::span<const ChannelRequest> columns = std::span(scene.run.record).first(std::min(n, scene.run.record.size()));
+  const std::span<const ChannelRequest> columns =
+      std::span(scene.run.record).first(std::min(n, scene.run.record.size()));
   const auto channel_of = [&](const std::string& name) {
     const auto found = std::ranges::find(columns, name, &ChannelRequest::column);
-    const bool is_hidden = name == "pi" || std::ranges::find(scene.parameters, name, &SceneParameter::name) !=
-                                               scene.parameters.end();
+    const bool is_hidden =
+        name == "pi" || std::ranges::find(scene.parameters, name, &SceneParameter::name) != scene.parameters.end();
     return found == columns.end() || is_hidden ? name : found->channel;
   };
   if (!column.starts_with('=')) return channel_of(column);

@@ -142,9 +142,8 @@ void EventLocator::add_guards(const State& end) {
     if (w.off) w.value = value_of(i, interval_.from()), w.off = false;
     if (const auto* of_motion = e.value.target<ConditionOfMotion>()) {
       const Sample sample(dynamics_, end, interval_.report());
-      user_code("event", e.name, end.t, [&] {
-        of_motion->memory->inside(LastStep(dynamics_, interval_, sample, clock_.next_output()));
-      });
+      user_code("event", e.name, end.t,
+                [&] { of_motion->memory->inside(LastStep(dynamics_, interval_, sample, clock_.next_output())); });
     }
     finder_.add({.owner = this,
                  .of = i,

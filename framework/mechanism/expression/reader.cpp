@@ -308,8 +308,9 @@ class FormulaReader {
     if (is_of_motion(n) && what_ == Read::terms) {
       const int place = of_motion_ ? of_motion_(n) : -1;
       if (place < 0)
-        refuse(n, std::string(f.name) + "(...) is of the motion; only a column can have it, and inside max, min, mean, "
-                                        "rms, integral and at only rate(x)");
+        refuse(n, std::string(f.name) +
+                      "(...) is of the motion; only a column can have it, and inside max, min, mean, "
+                      "rms, integral and at only rate(x)");
       return pure(variable(place));
     }
     std::vector<Part> a;

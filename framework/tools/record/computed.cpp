@@ -233,8 +233,8 @@ class Computed final : public Observer {
       window = time_of(inner), of = inner.children[0];
     if (n.function == Function::at) instant = time_of(n);
     const auto rate_of = [this](const Node& inner) { return inner.function == Function::rate ? of_motion(inner) : -1; };
-    motions_.emplace_back(
-        place, std::make_shared<OfMotion>(n.function, scope_.compiled(e_, of, rate_of), window, instant));
+    motions_.emplace_back(place,
+                          std::make_shared<OfMotion>(n.function, scope_.compiled(e_, of, rate_of), window, instant));
     return place;
   }
   double time_of(const Node& call) {
