@@ -306,7 +306,7 @@ TEST_CASE("optimize: a start at which the derivative vanishes may be a maximum",
   const Called outside = call(words + " --set th=85deg --subject-to \"b.x > 5 m && b.x < 8 m\"");
   INFO(outside.text);
   CHECK(outside.exit == 0);
-  CHECK(contains(outside.text, "the th of the scene is outside of its range"));
+  CHECK(contains(outside.text, "th of the scene is outside of its range"));
   CHECK(contains(value_of(outside.text, "best"), "5 m with "));
 }
 

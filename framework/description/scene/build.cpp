@@ -12,7 +12,6 @@
 #include "framework/description/registry/law_units.h"
 #include "framework/description/registry/shelves.h"
 #include "framework/description/scene/builder.h"
-#include "framework/description/scene/reading.h"
 #include "framework/description/scene/resolve.h"
 #include "framework/description/scene/tree.h"
 #include "framework/description/scene/with_values.h"
@@ -242,9 +241,9 @@ void Builder::build() {
   errors_.attempt(of_no_thing, [&] { make_integrator(out_.run, registry_); });
   errors_.attempt(of_no_thing, [&] { make_solver(out_.run, registry_); });
   errors_.attempt(of_no_thing, [&] { check_assembled(); });
+  errors_.attempt(of_no_thing, [&] { check_requirements(); });
   if (!errors_.empty() && also_) also_(out_, errors_);
   errors_.raise();
-  check_requirements();
   doubt_centers();
   set_merge(root.text("merge"));
   set_up(root);
@@ -279,17 +278,15 @@ void Builder::check_requirements() const {
       return n == "pi" || (scope.find(n) != nullptr && !scope.find(n)->table);
     };
     if (!std::ranges::all_of(names, is_number)) continue;
-    const auto amount = [&](const std::string& n) { return n == "pi" ? nullptr : &scope.find(n)->amount; };
-    if (placed(r.where, "scene.require", [&] { return expression::evaluate(e, amount).v[0] != 0; })) continue;
-    std::string words;
-    for (const std::string& n : names)
-      if (n != "pi") words += (words.empty() ? "; " : ", ") + n + " = " + expression::words_of(scope.find(n)->amount);
-    try {
-      refuse(r.where, "scene.require",
-             "\"" + r.column() + "\" does not hold" + words + "; change them, or the condition");
-    } catch (const SceneError& error) {
-      throw RequirementError(error);
-    }
+    placed(r.where, "scene.require", [&] {
+      const auto amount = [&](const std::string& n) { return n == "pi" ? nullptr : &scope.find(n)->amount; };
+      if (expression::evaluate(e, amount).v[0] != 0) return;
+      std::string words;
+      for (const std::string& n : names)
+        if (n != "pi") words += (words.empty() ? "; " : ", ") + n + " = " + expression::words_of(scope.find(n)->amount);
+      throw ModelError("\"" + r.column() + "\" does not hold" + words + "; change them, or the condition",
+                       {.thing = {.kind = "requirement", .name = r.column()}});
+    });
   }
 }
 

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/error.h>
 #include <lockstep/scene.h>
 
 namespace lockstep {
@@ -50,15 +49,17 @@ LOCKSTEP_API RunSettings read_run(const Value&);
 /// The channel of a column, or a formula with channels, or their formulas, in place of the names of columns: of the first n
 /// that the scene records, except of names that it defines. Throws ModelError.
 LOCKSTEP_API std::string without_columns(std::string column, const Scene&, std::size_t n = SIZE_MAX);
-/// Lets each formula of "record" read the columns above it by their names, and conditions all columns.
+/// Lets each formula of "record" read the columns above it by their names, and the conditions "require" all; checks these.
 void read_columns(Scene&);
+/// The conditions "require" of a scene, not checked.
+std::vector<ChannelRequest> read_require(const Params& scene);
+/// The conditions "require" of a scene, not checked.
+std::vector<ChannelRequest> read_require(const Params& scene);
 /// A condition of numbers that does not hold.
 class LOCKSTEP_API RequirementError final : public SceneError {
  public:
   explicit RequirementError(const SceneError& error) : SceneError(error) {}
 };
-/// The conditions "require" of a scene.
-std::vector<ChannelRequest> read_require(const Params& scene);
 /// By its name in scenes: project, baumgarte or none.
 LOCKSTEP_API Stabilization::Kind stabilization_from(const std::string& word);
 

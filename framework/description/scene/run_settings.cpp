@@ -190,11 +190,8 @@ RunOutputs read_outputs(const Value& run, std::vector<ChannelRequest>& record) {
     wrong.attempt([&] {
       const Params picture = params_of(pictures[i], "picture", item("run.pictures", i), nullptr);
       PictureRequest& to = out.pictures.emplace_back();
-      const auto column = [&](const char* key) {
-        return column_named(picture.value(key), part_of(picture.owner(), key), record);
-      };
-      wrong.attempt([&] { to.x = column("x"); });
-      wrong.attempt([&] { to.y = column("y"); });
+      wrong.attempt([&] { to.x = column_named(picture.value("x"), part_of(picture.owner(), "x"), record); });
+      wrong.attempt([&] { to.y = column_named(picture.value("y"), part_of(picture.owner(), "y"), record); });
     });
   wrong.raise();
   return out;
@@ -230,19 +227,17 @@ RunSettings read_run(const Value& v) {
   return run;
 }
 
-static const std::vector<std::string> kOnlyTime{"t"};
-
 std::string without_columns(std::string column, const Scene& scene, std::size_t n) {
-  const std::span<const ChannelRequest> columns =
-      std::span(scene.run.record).first(std::min(n, scene.run.record.size()));
+  static const std::vector<std::string> kTime{"t"};
   const auto channel_of = [&](const std::string& name) {
-    const auto found = std::ranges::find(columns, name, &ChannelRequest::column);
-    const bool is_hidden =
+    const bool is_own =
         name == "pi" || std::ranges::find(scene.parameters, name, &SceneParameter::name) != scene.parameters.end();
-    return found == columns.end() || is_hidden ? name : found->channel;
+    for (std::size_t k = 0; !is_own && k < std::min(n, scene.run.record.size()); ++k)
+      if (scene.run.record[k].column() == name) return scene.run.record[k].channel;
+    return name;
   };
   if (!column.starts_with('=')) return channel_of(column);
-  std::vector<expression::Node> names = expression::Expression(column, kOnlyTime, expression::Naming::channels).nodes();
+  std::vector<expression::Node> names = expression::Expression(column, kTime, expression::Naming::channels).nodes();
   std::erase_if(names, [](const expression::Node& node) { return node.operation != expression::Operation::name; });
   std::ranges::sort(names, std::greater(), &expression::Node::at);
   for (const expression::Node& node : names) {
@@ -254,45 +249,39 @@ std::string without_columns(std::string column, const Scene& scene, std::size_t 
   return column;
 }
 
-namespace {
-
-// A request keeps the name of its column.
-void replace_columns(ChannelRequest& r, const std::string& owner, const Scene& scene, std::size_t n = SIZE_MAX) {
-  if (!r.channel.starts_with('=')) return;
-  const std::string column = r.column();
-  const std::string read = placed(r.where, owner, [&] { return without_columns(r.channel, scene, n); });
-  if (read != r.channel) r.channel = read, r.name = column;
+std::vector<ChannelRequest> read_require(const Params& scene) {
+  return read_requests(items_of(scene, "require", "a list of conditions"), "scene.require", "condition");
 }
 
-bool is_condition(const expression::Expression& e, int node) {
-  const expression::Node& n = e.node(node);
-  if (n.operation != expression::Operation::choose) return expression::is_condition(n.operation);
-  return is_condition(e, n.children[1]) && is_condition(e, n.children[2]);
+namespace {
+
+void check_condition(const ChannelRequest& r) {
+  const std::string text = "\"" + r.column() + "\"";
+  if (!r.channel.starts_with('=')) throw ModelError(text + " is no formula; write \"=" + r.channel + "\"");
+  const expression::Expression e(r.channel, std::vector<std::string>{"t"}, expression::Naming::channels);
+  int node = e.root();
+  while (e.node(node).operation == expression::Operation::choose) node = e.node(node).children[1];
+  if (!expression::is_condition(e.node(node).operation))
+    throw ModelError(text + " is a quantity, no condition; compare it, as in \"" + r.column() + " < 1\"");
 }
 
 }  // namespace
 
-std::vector<ChannelRequest> read_require(const Params& scene) {
-  std::vector<ChannelRequest> all =
-      read_requests(items_of(scene, "require", "a list of conditions"), "scene.require", "condition");
-  for (const ChannelRequest& r : all)
-    if (!r.channel.starts_with('='))
-      refuse(r.where, "scene.require", "\"" + r.channel + "\" is no formula; write \"=" + r.channel + "\"");
-  return all;
-}
-
 void read_columns(Scene& scene) {
   Refusals wrong;
-  for (std::size_t i = 0; i < scene.run.record.size(); ++i)
-    wrong.attempt([&] { replace_columns(scene.run.record[i], "run.record", scene, i); });
-  for (ChannelRequest& r : scene.run.require)
+  std::size_t n = 0;  // columns that may be read
+  const auto read = [&](ChannelRequest& r, const char* owner, const auto& check) {
     wrong.attempt([&] {
-      replace_columns(r, "scene.require", scene);
-      const expression::Expression e(r.channel, kOnlyTime, expression::Naming::channels);
-      if (!is_condition(e, e.root()))
-        refuse(r.where, "scene.require",
-               "\"" + r.column() + "\" is a quantity, no condition; compare it, as in \"" + r.column() + " < 1\"");
+      placed(r.where, owner, [&] {
+        const std::string column = r.column(),
+                          of = r.channel.starts_with('=') ? without_columns(r.channel, scene, n) : r.channel;
+        if (of != r.channel) r.channel = of, r.name = column;
+        check(r);
+      });
     });
+  };
+  for (ChannelRequest& r : scene.run.record) read(r, "run.record", [](const ChannelRequest&) {}), ++n;
+  for (ChannelRequest& r : scene.run.require) read(r, "scene.require", check_condition);
   wrong.raise();
 }
 

@@ -9,7 +9,6 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/dynamics/simulate/last_step.h"
 #include "framework/dynamics/simulate/user_code.h"
 
 namespace lockstep {
@@ -140,10 +139,9 @@ void EventLocator::add_guards(const State& end) {
     w.off = w.off || !e.on;
     if (!e.value || w.over || !e.on) continue;
     if (w.off) w.value = value_of(i, interval_.from()), w.off = false;
-    if (const auto* of_motion = e.value.target<ConditionOfMotion>()) {
-      const Sample sample(dynamics_, end, interval_.report());
-      user_code("event", e.name, end.t,
-                [&] { of_motion->memory->inside(LastStep(dynamics_, interval_, sample, clock_.next_output())); });
+    if (const auto* shown = e.value.target<ConditionOfMotion>()) {
+      const Sample at_end(dynamics_, end, interval_.report());
+      user_code("event", e.name, end.t, [&] { shown->memory->inside(LastStep(dynamics_, interval_, at_end, kNever)); });
     }
     finder_.add({.owner = this,
                  .of = i,

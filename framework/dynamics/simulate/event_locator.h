@@ -19,8 +19,7 @@ const Force* force_named(const System&, const std::string& name);
 /// Whether it does more than to end the run.
 inline bool changes_state(const Event& e) { return !e.activate.empty() || !e.deactivate.empty() || e.change; }
 
-/// A condition that depends on the states inside a step up to an instant. `memory`, its Observer, is first shown the whole
-/// step, and again what remains of it.
+/// A condition of the states up to an instant. `memory` is shown the whole step first, and again what remains of it.
 struct LOCKSTEP_API ConditionOfMotion {
   std::function<double(const Sample&)> value;
   std::shared_ptr<Observer> memory;

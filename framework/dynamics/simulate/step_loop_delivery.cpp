@@ -10,7 +10,6 @@
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/dynamics/integrate/culprit.h"
-#include "framework/dynamics/simulate/last_step.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 #include "framework/dynamics/simulate/step_rules.h"
 #include "framework/dynamics/tree/joint_tree.h"

@@ -172,28 +172,6 @@ class Optimization {
     std::copy_n(gradients_.begin() + static_cast<std::ptrdiff_t>(first * n), gradient.size(), gradient.begin());
   }
 
-  // Whether the best point is another one than this, by more than derivatives resolve.
-  bool moves(const std::vector<double>& u) const {
-    for (std::size_t k = 0; k < u.size(); ++k)
-      if (std::abs(points_[best()][k] - std::lerp(runs_.low(k), runs_.high(k), u[k])) >
-          kStep * (runs_.high(k) - runs_.low(k)))
-        return true;
-    return false;
-  }
-  // A point at which all derivatives vanish may be a maximum: with one number at an end of its range, the best that is better.
-  std::vector<double> best_end(const std::vector<double>& u) {
-    std::vector<double> found = u;
-    for (std::size_t k = 0; k < u.size(); ++k)
-      for (const double end : {0.0, 1.0}) {
-        std::vector<double> at = u;
-        at[k] = end;
-        const std::size_t before = best();
-        scaled(at.data());
-        if (best() != before) found = at;
-      }
-    return found;
-  }
-
   enum Verdict { kFailed, kEnded, kHolds };  // kHolds: with all conditions
 
   const Interrupt& interrupt_;
@@ -237,8 +215,8 @@ std::string Optimization::search(const std::string& method) {
     const double low = runs_.low(k), high = runs_.high(k), given = runs_.given(k).value_or(0.5 * (low + high));
     start.push_back((std::clamp(given, low, high) - low) / (high - low));
     if (given < low || given > high)
-      tell(fmt::format("note: the {} of the scene is outside of its range; the search begins at the nearer end\n",
-                       runs_.varied().variables[k].path));
+      tell("note: " + runs_.varied().variables[k].path +
+           " of the scene is outside of its range; the end is the start\n");
   }
   if (scaled(start.data()); done_[0].failed)
     throw Error(fmt::format("the first run, with {}, failed: {}; give values at which it succeeds by --set",
@@ -258,11 +236,19 @@ std::string Optimization::search(const std::string& method) {
                                                          &call, slack.data()) != NLOPT_SUCCESS)
     throw UsageError("--method: " + method + " takes no conditions; use slsqp, cobyla or direct");
   nlopt_result why{};
-  for (std::vector<double> from; from != start;) {
+  for (std::size_t from = 0; true; from = best()) {
+    std::vector<double> u = start;
     double least = 0;
-    std::vector<double> at = from = start;
-    why = nlopt_optimize(nlopt.get(), at.data(), &least);
-    if (!ended_ && !moves(from)) start = best_end(from);
+    why = nlopt_optimize(nlopt.get(), u.data(), &least);
+    const auto [holds, better] = ranks_[best()];
+    if (ended_ || holds > ranks_[from].first || better > ranks_[from].second + tolerance()) break;
+    // If all derivatives vanish it may be a maximum. Then one number at an end of its range is better.
+    const std::size_t before = best();
+    for (std::size_t k = 0; k < start.size(); ++k)
+      for (const double end : {0.0, 1.0}) u = start, u[k] = end, scaled(u.data());
+    if (best() == before) break;
+    for (std::size_t k = 0; k < start.size(); ++k)
+      start[k] = (points_[best()][k] - runs_.low(k)) / (runs_.high(k) - runs_.low(k));
   }
   progress_.finish();
   if (why == NLOPT_FORCED_STOP) return interrupt_.asked() ? "interrupted" : "the number of runs was reached (--runs)";

@@ -2,6 +2,8 @@
 // Requirements: the conditions "require" of a scene, over a run.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -14,19 +16,15 @@ namespace lockstep {
 /// which each fails first.
 class LOCKSTEP_API Requirements final : public Recorder {
  public:
-  using Recorder::Recorder;
-  void start(const Sample&) override;
+  explicit Requirements(Mechanism&);
+  void start(const Sample& s) override { failed_.assign(margins_.size(), HUGE_VAL), Recorder::start(s); }
   void inside(const InsideStep&) override;
-  void jumped(const Sample&) override;
-  void output(const Sample&) override;
-  void save(Snapshot&) const override;
-  void load(SnapshotReader&) override;
-  void require(Channel margin);
-  double failed(std::size_t k) const { return failed_[k]; }  ///< when the k-th one failed first, s; infinity: never
+  void save(Snapshot& out) const override { Recorder::save(out), out.put_all(failed_); }
+  void load(SnapshotReader& in) override { Recorder::load(in), in.get_all(failed_); }
+  /// When the k-th one failed first, s, if it did.
+  double failed(std::size_t k) const { return std::min(failed_[k], ranges()[k].t_least); }
 
  private:
-  void note(const InsideStep*);
-
   std::vector<Channel> margins_;
   std::vector<double> failed_;
 };

@@ -6,7 +6,6 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/description/scene/reading.h"
 #include "framework/foundation/support/csv_cells.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/foundation/support/lines.h"
@@ -162,12 +161,14 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     SweepRun recorded = recorded_run(at_jumps ? outputs : recorder->table(), *recorder);
     result.columns = std::move(recorded.columns), result.t = recorded.t;
     end();
-  } catch (const RequirementError& error) {
-    result.wrong = true;
-    result.findings.push_back({&finding::requirement_broken, "", fact_of(error), ""});
   } catch (const std::exception& error) {
-    result.failed = true;
-    result.status = fact_of(error);
+    const auto* ours = dynamic_cast<const Error*>(&error);
+    result.wrong = ours != nullptr && ours->thing.kind == "requirement";  // of numbers
+    result.failed = !result.wrong;
+    if (result.failed)
+      result.status = fact_of(error);
+    else
+      result.findings.push_back({&finding::requirement_broken, "", fact_of(error)});
   }
   result.findings.insert(result.findings.begin(), scope.found.begin(), scope.found.end());
   result.cpu = thread_seconds() - begin;
