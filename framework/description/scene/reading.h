@@ -53,13 +53,6 @@ LOCKSTEP_API std::string without_columns(std::string column, const Scene&, std::
 void read_columns(Scene&);
 /// The conditions "require" of a scene, not checked.
 std::vector<ChannelRequest> read_require(const Params& scene);
-/// The conditions "require" of a scene, not checked.
-std::vector<ChannelRequest> read_require(const Params& scene);
-/// A condition of numbers that does not hold.
-class LOCKSTEP_API RequirementError final : public SceneError {
- public:
-  explicit RequirementError(const SceneError& error) : SceneError(error) {}
-};
 /// By its name in scenes: project, baumgarte or none.
 LOCKSTEP_API Stabilization::Kind stabilization_from(const std::string& word);
 
