@@ -139,7 +139,7 @@ void EventLocator::add_guards(const State& end) {
     w.off = w.off || !e.on;
     if (!e.value || w.over || !e.on) continue;
     if (w.off) w.value = value_of(i, interval_.from()), w.off = false;
-    if (const auto* shown = e.value.target<ConditionOfMotion>()) {
+    if (const auto* shown = e.value.target<ChannelCondition>(); shown != nullptr && shown->memory) {
       const Sample at_end(dynamics_, end, interval_.report());
       user_code("event", e.name, end.t, [&] { shown->memory->inside(LastStep(dynamics_, interval_, at_end, kNever)); });
     }

@@ -19,11 +19,13 @@ const Force* force_named(const System&, const std::string& name);
 /// Whether it does more than to end the run.
 inline bool changes_state(const Event& e) { return !e.activate.empty() || !e.deactivate.empty() || e.change; }
 
-/// A condition of the states up to an instant. `memory` is shown the whole step first, and again what remains of it.
-struct LOCKSTEP_API ConditionOfMotion {
-  std::function<double(const Sample&)> value;
+/// The condition of a channel. `memory`, of one that depends on the states inside steps, is shown each step whole, and again
+/// what remains of it.
+struct LOCKSTEP_API ChannelCondition {
+  std::function<double(const Sample&)> channel;
+  double crosses;
   std::shared_ptr<Observer> memory;
-  double operator()(const Sample& s) const { return value(s); }
+  double operator()(const Sample& s) const { return channel(s) - crosses; }
 };
 
 class EventLocator : public GuardOwner {

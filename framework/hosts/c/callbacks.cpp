@@ -4,10 +4,10 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
+#include "framework/dynamics/simulate/event_locator.h"
 #include "framework/hosts/c/run.h"
 #include "framework/hosts/c/state.h"
 #include "framework/hosts/c/user_code.h"
-#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep::c {
 namespace {
@@ -25,7 +25,7 @@ std::function<double(const Sample&)> condition_of(lockstep_condition condition, 
 std::function<double(const Sample&)> channel_of(Run& run, Simulation& s, const char* name, double crosses) {
   const Channel channel = make_channel(s.system(), name);
   if (!run.begun) s.recorder().follow(channel);
-  return lockstep::condition_of(channel, crosses);
+  return ChannelCondition{channel.value, crosses, channel.of_motion ? channel.memory : nullptr};
 }
 
 }  // namespace

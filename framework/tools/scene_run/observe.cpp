@@ -26,17 +26,11 @@ Event make_event(Mechanism& m, const EventRequest& request, Recorder& recorder) 
   if (request.channel.empty()) return event;
   const Channel channel = channel_of(m, request);
   recorder.follow(channel);
-  event.value = condition_of(channel, request.crosses);
+  event.value = ChannelCondition{channel.value, request.crosses, channel.of_motion ? channel.memory : nullptr};
   return event;
 }
 
 }  // namespace
-
-std::function<double(const Sample&)> condition_of(const Channel& channel, double crosses) {
-  const auto value = [of = channel.value, crosses](const Sample& s) { return of(s) - crosses; };
-  if (channel.of_motion) return ConditionOfMotion{value, channel.memory};
-  return value;
-}
 
 std::unique_ptr<Recorder> make_recorder(Mechanism& m, const std::set<std::string>* only) {
   auto recorder = std::make_unique<Recorder>(system_of(m));

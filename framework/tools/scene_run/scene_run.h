@@ -21,9 +21,6 @@ namespace lockstep {
 /// channels that do not exist, also of those of events.
 LOCKSTEP_API std::unique_ptr<Recorder> make_recorder(Mechanism&, const std::set<std::string>* only = nullptr);
 
-/// The condition of an event: the channel less this value. A Recorder must follow the channel.
-LOCKSTEP_API std::function<double(const Sample&)> condition_of(const Channel&, double crosses);
-
 /// Makes the scene's events with their conditions; `recorder` keeps their channels up to date. Make them before the
 /// StepLoop too. Throws SceneError with the place in the file of a channel that does not exist.
 LOCKSTEP_API std::vector<Event> make_events(Mechanism&, Recorder& recorder);
