@@ -270,18 +270,16 @@ void check_condition(const ChannelRequest& r) {
 void read_columns(Scene& scene) {
   Refusals wrong;
   std::size_t n = 0;  // columns that may be read
-  const auto read = [&](ChannelRequest& r, const char* owner, const auto& check) {
-    wrong.attempt([&] {
-      placed(r.where, owner, [&] {
-        const std::string column = r.column(),
-                          of = r.channel.starts_with('=') ? without_columns(r.channel, scene, n) : r.channel;
-        if (of != r.channel) r.channel = of, r.name = column;
-        check(r);
-      });
-    });
+  const auto read = [&](ChannelRequest& r) {
+    const std::string column = r.column(), channel = without_columns(r.channel, scene, n);
+    if (channel != r.channel) r.channel = channel, r.name = column;
   };
-  for (ChannelRequest& r : scene.run.record) read(r, "run.record", [](const ChannelRequest&) {}), ++n;
-  for (ChannelRequest& r : scene.run.require) read(r, "scene.require", check_condition);
+  for (ChannelRequest& r : scene.run.record) {
+    if (r.channel.starts_with('=')) wrong.attempt([&] { placed(r.where, "run.record", [&] { read(r); }); });
+    ++n;
+  }
+  for (ChannelRequest& r : scene.run.require)
+    wrong.attempt([&] { placed(r.where, "scene.require", [&] { read(r), check_condition(r); }); });
   wrong.raise();
 }
 
