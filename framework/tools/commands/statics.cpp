@@ -53,7 +53,7 @@ std::vector<Channel> recorded_at_rest(Mechanism& m) {
 /// A scene at rest. It must not be moved in memory.
 struct Resting {
   Mechanism m;
-  std::unique_ptr<Recorder> requirements;
+  std::unique_ptr<Requirements> requirements;
   std::vector<Channel> recorded, poses;
   Dynamics dynamics;
   NearRows near{};
