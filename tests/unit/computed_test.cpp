@@ -297,7 +297,7 @@ TEST_CASE("a requirement that fails has its first instant", "[unit][record]") {
   check_words(finding(R"("=q < 1.2 m")").text(), {"first at t = 0.4 s", "worst at t = 0.5 s by 0.05 m"});
   const Finding undefined = finding(R"("=sqrt(1 - b.y/(1 m)) < 3")");  // from y = 1 m on
   CHECK(undefined.t == Approx(0.5 - std::sqrt(0.05)).epsilon(1e-9));
-  check_words(undefined.text(), {"is no number at t = 0.27"});
+  check_words(undefined.text(), {"is no number, first at t = 0.276393 s"});
   const auto refused = [](const std::string& require) {
     return message_of<SceneError>([&] {
       build_mechanism(thrown(R"({"q": "=b.y"})", "", "\"require\": [" + require + R"(], "parameters": {"r": "2 m"}, )"),

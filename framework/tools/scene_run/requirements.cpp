@@ -11,6 +11,7 @@
 #include "framework/description/scene/system_of.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/foundation/support/thrown.h"
+#include "framework/mechanism/expression/expression.h"
 #include "framework/mechanism/params/refusals.h"
 #include "framework/tools/record/channel_entry.h"
 
@@ -55,9 +56,11 @@ std::vector<Finding> broken_requirements(const Mechanism& m, const Requirements*
     const ChannelRequest& r = m.run.require[k];
     const std::string unit = margins->table().columns()[k + 1].unit;
     const double first = margins->failed(k), worst = -ranges[k].least;
-    std::string words = std::isnan(worst) ? fmt::format("is no number at t = {:.6g} s", ranges[k].t_least)
-                                          : fmt::format("does not hold, first at t = {:.6g} s", first);
-    if (r.channel.find_first_of("<>") != std::string::npos && !std::isnan(worst))
+    std::string words = std::isnan(worst) ? "is no number" : "does not hold";
+    words += fmt::format(", first at t = {:.6g} s", first);
+    const expression::Expression e(r.channel, std::vector<std::string>{"t"}, expression::Naming::channels);
+    const expression::Operation o = e.node(e.root()).operation;
+    if (o >= expression::Operation::less && o <= expression::Operation::greater_equal && !std::isnan(worst))
       words += fmt::format(", and worst at t = {:.6g} s by {:.4g}{}", ranges[k].t_least, worst,
                            unit.empty() ? "" : " " + unit);
     Finding f{&finding::requirement_broken, "requirement '" + r.column() + "'",
