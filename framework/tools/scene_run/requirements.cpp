@@ -61,8 +61,8 @@ std::vector<Finding> broken_requirements(const Mechanism& m, const Requirements*
     const expression::Expression e(r.channel, std::vector<std::string>{"t"}, expression::Naming::channels);
     const expression::Operation o = e.node(e.root()).operation;
     if (o >= expression::Operation::less && o <= expression::Operation::greater_equal && !std::isnan(worst))
-      words += fmt::format(", and worst at t = {:.6g} s by {:.4g}{}", ranges[k].t_least, worst,
-                           unit.empty() ? "" : " " + unit);
+      words += (ranges[k].t_least > first ? fmt::format(", and worst at t = {:.6g} s", ranges[k].t_least) : "") +
+               fmt::format(" by {:.4g}{}", worst, unit.empty() ? "" : " " + unit);
     Finding f{&finding::requirement_broken, "requirement '" + r.column() + "'",
               fmt::format("requirement \"{}\"{} {}", r.column(), r.name.empty() ? "" : " (" + r.channel.substr(1) + ")",
                           words),
