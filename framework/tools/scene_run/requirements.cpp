@@ -61,7 +61,7 @@ std::vector<Finding> broken_requirements(const Mechanism& m, const Requirements*
     const expression::Expression e(r.channel, std::vector<std::string>{"t"}, expression::Naming::channels);
     const expression::Operation o = e.node(e.root()).operation;
     if (o >= expression::Operation::less && o <= expression::Operation::greater_equal && !std::isnan(worst))
-      words += (ranges[k].t_least > first ? fmt::format(", and worst at t = {:.6g} s", ranges[k].t_least) : "") +
+      words += (ranges[k].t_least > first ? fmt::format(", and worst at t = {:.6g} s", ranges[k].t_least) : ",") +
                fmt::format(" by {:.4g}{}", worst, unit.empty() ? "" : " " + unit);
     Finding f{&finding::requirement_broken, "requirement '" + r.column() + "'",
               fmt::format("requirement \"{}\"{} {}", r.column(), r.name.empty() ? "" : " (" + r.channel.substr(1) + ")",
