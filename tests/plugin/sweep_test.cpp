@@ -422,7 +422,7 @@ TEST_CASE("extremes are those of the motion, not only of the recorded times", "[
 TEST_CASE("a requirement of parameters that fails is the verdict of its run", "[runner][sweep]") {
   const std::string scene = scene_file("parameters", R"~("parameters": {"r": "2 m"}, "require": ["=r > 1 m"],
     "bodies": [{"name": "b", "particle": 1, "position": ["=r", 0, 0]}], "run": {"until": 1, "output": 1, "record": ["b.x"]})~");
-  const Called swept = call("sweep '" + scene + "' --vary r=0.5,2 --out parameters.csv");
+  const Called swept = call("sweep '" + scene + "' --vary r=0.5,2 --record parameters.csv");
   CHECK(swept.exit == 9);
   CHECK(contains(swept.text, "1 wrong"));
   CHECK_FALSE(contains(swept.text, "failed"));

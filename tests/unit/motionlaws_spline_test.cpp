@@ -159,9 +159,9 @@ TEST_CASE("periodic spline meets itself and repeats", "[unit][motionlaws]") {
 
 TEST_CASE("spline outside of its points: rejected, or held with its jumps", "[unit][motionlaws]") {
   testing::check_words(testing::message_of<ModelError>([&] { laws::spline(kRough)->at(2.1); }),
-                       {"spline", "t = 2.1 s", "from 0 s to 2 s"});
+                       {"spline", "points from 0 to 2 and no value at 2.1"});
   CHECK_THROWS_WITH(laws::spline(kRough)->at(-0.5),
-                    says("spline") && says("t = -0.5 s") && says("from 0 s to 2 s") && says("hold"));
+                    says("spline") && says("from 0 to 2 and no value at -0.5") && says("hold"));
   CHECK(laws::spline(kRough)->at(2.0 + 1e-12).y == Approx(0.3));
   const auto whose = [](const auto& law) {
     try {
@@ -216,8 +216,8 @@ TEST_CASE("spline rejects impossible arguments", "[unit][motionlaws]") {
   CHECK_THROWS_WITH(laws::spline({{0, 1}}), says("spline") && says("1; at least 2"));
   CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}}, {.degree = 5}), says("at least 3"));
   CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}}, {.degree = 4}), says("degree is 4; must be 3 or 5"));
-  CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}, {0.5, 2}}), says("number 3 of points is at 0.5 s, the one before at 1 s"));
-  CHECK_THROWS_WITH(laws::spline({{0, 1}, {0, 2}}), says("increasing"));
+  CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}, {0.5, 2}}), says("number 3 of points has 0.5, the one before 1"));
+  CHECK_THROWS_WITH(laws::spline({{0, 1}, {0, 2}}), says("must increase"));
   CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, std::nan("")}}), says("not finite") && says("number 2"));
   CHECK_THROWS_WITH(laws::spline({{0, 1}, {1, 2}, {2, 3}}, {.ends = SplineEnds::periodic}), says("end 2 away"));
   CHECK_THROWS_WITH(laws::spline(kRough, {.outside = SplineOutside::repeat}), says("outside is \"repeat\""));

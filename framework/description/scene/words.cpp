@@ -67,8 +67,10 @@ min, h, t, in, ft, kgf, hp, psi; products, powers and one group of divisors. A u
 
 // Whether it is one of the functions that the text of formulas lists.
 bool is_function(const Word& form, const std::string& word) {
-  return form.name == std::string_view("formula") &&
-         std::string_view(form.text).find(" " + word + "(") != std::string::npos;
+  const std::string_view text = form.text;
+  const std::size_t at = text.find(word + "(");
+  return form.name == std::string_view("formula") && at != std::string::npos &&
+         (text[at - 1] == ' ' || text[at - 1] == '\n');
 }
 
 // "stops, a key of link: list of objects: see ...", owners of the same meaning together.

@@ -7,6 +7,7 @@ Ratios are medians of pairs in this process, so that the speed of the machine ca
 same functions for short runs, and checks what they return.
 """
 
+import math
 import os
 import resource
 import statistics
@@ -45,7 +46,7 @@ RUNS = {"andrews_a03": "0.15 s", "four_bar": "200 s", "nfourbar_40": "20 s", "sp
 def runs(cases=RUNS, repeat=9):
     print(f"CPU time of a run in Python over those of the program, median of {repeat} pairs")
     for name, until in cases.items():
-        ratios = [of_python(name, until) / of_program(name, until) for _ in range(repeat)]
+        ratios = [of_python(name, until) / (of_program(name, until) or math.nan) for _ in range(repeat)]
         print(f"  {name:20} {statistics.median(ratios):6.3f}   ({min(ratios):.3f} ... {max(ratios):.3f})")
 
 
