@@ -29,8 +29,6 @@ LinkWrench wrench_of(const Lock& link, int part, const Evaluated& v) {
   return Reactions(v).on_body_of(at, link, v.in, part);
 }
 
-}  // namespace
-
 std::vector<std::pair<std::string, NamedReaction>> reactions_of(const System& system, const Evaluated& v) {
   std::vector<std::pair<std::string, NamedReaction>> all;
   for_each_reaction(system, [&](const Lock& link, const std::string& name, int part) {
@@ -41,6 +39,8 @@ std::vector<std::pair<std::string, NamedReaction>> reactions_of(const System& sy
   });
   return all;
 }
+
+}  // namespace
 
 std::vector<Channel> pose_channels(System& system) {
   std::vector<Channel> all;

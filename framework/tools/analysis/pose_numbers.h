@@ -21,11 +21,8 @@ struct NamedReaction {
   std::string note{};      ///< "left out", of a joint without constraints; "not unique"
 };
 
-/// Of all active joints, by their names.
-LOCKSTEP_API std::vector<std::pair<std::string, NamedReaction>> reactions_of(const System&, const Evaluated&);
-
-/// The same at rest, of a state in which an equilibrium was found; rounding is zero, and a reaction that is not unique has a
-/// note.
+/// Of all active joints, by their names, in a state in which an equilibrium was found; rounding is zero, and a reaction that is
+/// not unique has a note.
 LOCKSTEP_API std::vector<std::pair<std::string, NamedReaction>> reactions_at_rest(Dynamics&, const State&,
                                                                                   const EquilibriumReport&,
                                                                                   const UniquenessReport&);
