@@ -49,6 +49,19 @@ TEST_CASE("a loose tolerance does not round results to zero", "[runner]") {
   CHECK_FALSE(row_of(r.text, "q1").starts_with("q1 0 "));
 }
 
+TEST_CASE("a pole of a column rounds no other to zero, and hides no extreme", "[runner]") {
+  std::ofstream(kRunnerFolder + "/pole.json") << R"~({"lockstep": 1, "gravity": [0, -10, 0],
+    "bodies": [{"name": "b", "particle": 2, "velocity": [1, 5, 0]}],
+    "require": ["=abs(b.y - 0.7 m) > 0.01 m"],
+    "run": {"until": 1, "output": 0.1, "record": ["b.y", {"q": "=b.y/b.vy*(1 m/(1 s))"}]}})~";
+  const Called r = call("run '" + kRunnerFolder + "/pole.json' --no-picture");
+  INFO(r.text);
+  CHECK(contains(r.text, "b.y  0 ... 1.25 m"));
+  CHECK(contains(r.text, "at least m"));
+  CHECK(contains(r.text, "does not hold by 0.01 m, worst at t = 0.168338 s"));
+  CHECK(r.exit == 9);
+}
+
 TEST_CASE("a channel in place of the name of a CSV file is rejected", "[runner]") {
   const std::string run = "run " + scene_path("four_bar") + " --quiet --record ";
   check_refused(call(run + "A.force_x"), 2, {"--record names the CSV file", "\"A.force_x\"", "\"record\" of \"run\""});

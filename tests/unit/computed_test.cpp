@@ -280,7 +280,9 @@ TEST_CASE("a requirement of channels is checked over the motion, and its worst i
       builtin_registry()));
   single.run();
   CHECK_FALSE(single.verdict().right);
-  check_words(run.outcome(), {"wrong; requirement \"bearing\"", "does not hold", "by 0.52", "t = 0.483"});
+  check_words(run.outcome(), {"wrong; requirement \"bearing\"", "does not hold", "by 0.52"});
+  const std::string words = run.outcome();  // or after three quarters
+  CHECK((words.find("t = 0.483") != std::string::npos || words.find("t = 1.450") != std::string::npos));
 }
 
 TEST_CASE("a requirement that fails has its first instant", "[unit][record]") {
@@ -307,6 +309,93 @@ TEST_CASE("a requirement that fails has its first instant", "[unit][record]") {
   check_words(refused(R"("=r")"), {"thrown.json:2:", "\"=r\" is a quantity, no condition", "\"=r < 1\""});
   check_words(refused(R"("=b.y")"), {"thrown.json:2:", "\"=b.y\" is a quantity, no condition"});
   check_words(refused(R"("=0 m < b.y < 1 m")"), {"thrown.json:2:", "one comparison follows another"});
+}
+
+namespace {
+
+// y = 5 t - 5 t^2 of a particle that is thrown, with 1 m at 0.27639 s and 0.72361 s, and the apex of 1.25 m at 0.5 s.
+SweepRun run_thrown(const std::string& record, double output, const std::string& require = "", Table* rows = nullptr) {
+  const std::string text =
+      R"~({"lockstep": 1, "gravity": [0, -10, 0], "bodies": [{"name": "b", "particle": 2, "velocity": [1, 5, 0]}],
+          "run": {"until": 1, "output": )~" +
+      std::to_string(output) + R"~(, "record": [)~" + record + "]}, \"require\": [" + require + "]}";
+  const Scene scene = scene_from_text(text, "thrown.json");
+  return sweep_run(scene, builtin_registry(), recorded_columns(scene, builtin_registry()), {}, rows);
+}
+
+// 10 mm sin(2 pi f t) of a driven particle of 1 kg.
+SweepRun driven(const std::string& record, int f) {
+  const std::string text =
+      R"~({"lockstep": 1, "gravity": [0, 0, 0], "bodies": [{"name": "b", "particle": 1}],
+          "joints": [{"name": "A", "type": "lock", "mask": "y z", "p": "b", "s": "ground", "at": [0, 0, 0],
+          "drive": {"axis": "x", "law": {"type": "formula", "y": "=0.01*sin(2*pi*)~" +
+      std::to_string(f) + R"~(*t)"}}}], "run": {"until": 1, "output": 0.1, "record": [)~" + record + "]}}";
+  const Scene scene = scene_from_text(text, "driven.json");
+  return sweep_run(scene, builtin_registry(), recorded_columns(scene, builtin_registry()));
+}
+
+}  // namespace
+
+TEST_CASE("functions of the motion are cut at kinks, jumps and poles", "[unit][record]") {
+  Table rows;
+  const SweepRun run = run_thrown(R"~({"most": "=max(min(b.y, 0.5 m))"}, {"least": "=min(max(b.y, 0.5 m))"},
+      {"above": "=mean(b.y > 0.8 m ? 1 : 0)"}, {"log": "=max(log(b.y/(1 m)))"}, {"steps": "=integral(floor(b.y/(0.5 m)))"},
+      {"bend": "=integral(abs(b.vy))"}, {"lost": "=rms(sign(b.vy))"})~",
+                                  0.1, "", &rows);
+  CHECK(rows.last("most") == Approx(0.5).epsilon(1e-12));
+  CHECK(rows.last("least") == Approx(0.5).epsilon(1e-12));
+  for (std::size_t i = 1; i < rows.n_rows(); ++i) CHECK(rows["most"][i] >= rows["most"][i - 1]);
+  CHECK(rows.last("above") == Approx(0.6).epsilon(1e-9));  // from 0.2 s to 0.8 s
+  CHECK(rows.last("log") == Approx(std::log(1.25)).epsilon(1e-5));
+  // y > 0.5 m for sqrt(0.6) s, y > 1 m for sqrt(0.2) s
+  CHECK(rows.last("steps") == Approx(std::sqrt(0.6) + std::sqrt(0.2)).epsilon(1e-9));
+  CHECK(rows.last("bend") == Approx(2.5).epsilon(1e-9));
+  CHECK(rows.last("lost") == Approx(1).epsilon(1e-9));
+  CHECK(run.columns[0].resolved);
+  run_thrown(R"~({"pole": "=max(1 m/(b.y - 1 m))"})~", 0.05, "", &rows);
+  for (std::size_t i = 0; rows["t"][i] < 0.27; ++i) CHECK(rows["pole"][i] == Approx(-1));
+}
+
+TEST_CASE("functions of a prescribed motion are found between few outputs", "[unit][record]") {
+  for (const int f : {57, 200, 1000}) {
+    INFO(f << " Hz");
+    const double a = 0.01 * std::pow(2 * kPi * f, 2);
+    const SweepRun run = driven(R"~({"most": "=max(b.x)"}, {"rms": "=rms(b.x)"}, {"F": "A.drive.force_on_p_link_x"},
+        {"G": "=F"}, {"rms F": "=rms(F)"})~",
+                                f);
+    CHECK(run.columns[0].most == Approx(0.01).epsilon(1e-4));
+    CHECK(run.columns[1].last == Approx(0.01 / std::sqrt(2)).epsilon(1e-4));
+    CHECK(run.columns[2].most == Approx(a).epsilon(1e-3));
+    CHECK(run.columns[3].most == Approx(a).epsilon(1e-3));
+    CHECK(run.columns[4].last == Approx(a / std::sqrt(2)).epsilon(1e-4));
+    for (const std::size_t k : {0u, 1u, 4u}) CHECK(run.columns[k].resolved);
+  }
+}
+
+TEST_CASE("extremes of a formula are those at its kinks and jumps, and requirements fail there", "[unit][record]") {
+  const double t = 0.5 - std::sqrt(0.25 - 0.14);  // y = 0.7 m
+  for (const char* const formula :
+       {"=abs(b.y - 0.7 m)", "=norm([b.y - 0.7 m, 0, 0])", "=max(b.y, 0.7 m) - min(b.y, 0.7 m)"}) {
+    INFO(formula);
+    const SweepRun run =
+        run_thrown("\"" + std::string(formula) + "\"", 0.25, "\"" + std::string(formula) + " > 0.01 m\"");
+    CHECK(run.columns[0].least == Approx(0).margin(1e-8));
+    CHECK(std::min(std::abs(run.columns[0].t_least - t), std::abs(run.columns[0].t_least - (1 - t))) < 1e-6);
+    CHECK(run.columns[0].most == Approx(0.7));
+    CHECK(run.wrong);
+  }
+  CHECK(run_thrown("\"b.y\"", 0.25, R"~("=b.y < 0.7 m || b.y > 0.72 m")~").wrong);
+  CHECK_FALSE(run_thrown("\"b.y\"", 0.25, R"~("=b.y < 0.7 m || b.y > 0.69 m")~").wrong);
+}
+
+TEST_CASE("a column without a finite value at an instant hides no other column", "[unit][record]") {
+  const SweepRun run =
+      run_thrown(R"~("b.y", {"q": "=b.y/b.vy*(1 m/(1 s))"}, {"log": "=log(b.y/(1 m))"}, {"one": "=b.y/(1 m)"})~", 0.1);
+  CHECK(run.columns[0].most == Approx(1.25));
+  CHECK(run.columns[0].t_most == Approx(0.5).margin(1e-3));
+  CHECK_FALSE(run.columns[1].resolved);
+  CHECK_FALSE(run.columns[2].resolved);
+  CHECK(run.columns[3].most == Approx(1.25));
 }
 
 }  // namespace computed_test

@@ -155,4 +155,17 @@ TEST_CASE("extremes of a prescribed motion are found however long its steps are"
   CHECK(run.columns[0].resolved);
 }
 
+TEST_CASE("a pulse of a run along laws is found between outputs", "[unit][record]") {
+  const auto pulse = [](double t) { return 0.01 * std::exp(-std::pow((t - 0.537) / 0.004, 2)); };
+  const Scene scene =
+      scene_from_text(R"~({"lockstep": 1, "gravity": [0, 0, 0], "bodies": [{"name": "b", "particle": 2}],
+    "joints": [{"name": "A", "type": "lock", "mask": "y z", "p": "b", "s": "ground", "at": [0, 0, 0], "drive":
+      {"axis": "x", "law": {"type": "formula", "y": "=0.01*exp(-((t-0.537)/0.004)^2)"}}}],
+    "run": {"until": 1, "output": 0.1, "record": ["b.x", {"F": "A.drive.force_on_p_link_x"}]}})~",
+                      "pulse.json");
+  const SweepRun run = sweep_run(scene, builtin_registry(), recorded_columns(scene, builtin_registry()));
+  CHECK(run.columns[0].most == Approx(pulse(0.537)).epsilon(1e-3));
+  CHECK(run.columns[1].least == Approx(-2 * 2 * 0.01 / (0.004 * 0.004)).epsilon(1e-3));  // m x'' at the peak
+}
+
 }  // namespace extremes_test

@@ -2,13 +2,16 @@
 // StepInterval: the last step, the states inside it, and where it is cut. Internal to the step loop.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <lockstep/author/integrator.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/step_watch.h"
+#include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
 
@@ -75,11 +78,26 @@ class StepInterval {
   VecX acted_, acts_, C_, Cd_;
 };
 
+// Whether the rows leave no velocity free. Without the number of redundant ones, as many as there are velocities count.
+inline bool moved_by_laws(const Sample& sample) {
+  if (sample.state.coordinates) return sample.state.coordinates->n_v() == 0;
+  const Evaluation& all = sample.values().evaluation;
+  return all.rows().n_rows - std::max(all.redundant(), 0) == all.system().n_velocities();
+}
+
 /// The last step of a loop. What is looked at is no work of the run, except what its own next output needs too.
 class LastStep final : public InsideStep {
  public:
-  LastStep(Dynamics& dynamics, StepInterval& interval, const Sample& end, double next_output)
-      : dynamics_(dynamics), interval_(interval), end_(end), next_output_(next_output), counted_(dynamics.work()) {}
+  /// `output`: between two rows, s. `along`: whether laws alone move the mechanism, once that is known; null: never asked.
+  LastStep(Dynamics& dynamics, StepInterval& interval, const Sample& end, double next_output, double output = 0,
+           std::optional<bool>* along = nullptr)
+      : dynamics_(dynamics),
+        interval_(interval),
+        end_(end),
+        next_output_(next_output),
+        output_(output),
+        along_laws_(along),
+        counted_(dynamics.work()) {}
   LastStep(const LastStep&) = delete;
   LastStep& operator=(const LastStep&) = delete;
   ~LastStep() override { dynamics_.work() = counted_; }
@@ -91,7 +109,12 @@ class LastStep final : public InsideStep {
     if (next_output_ < end_.state.t) prepare();
     return {dynamics_, interval_.at(t), interval_.report()};
   }
-  bool along_laws() const override { return end_.state.coordinates && end_.state.coordinates->n_v() == 0; }
+  bool along_laws() const override {
+    constexpr int kShort = 4;  // steps between two outputs: the error of something limits them
+    if (along_laws_ == nullptr || kShort * (end_.state.t - begin()) < output_) return false;
+    if (!*along_laws_) succeeds([&] { *along_laws_ = moved_by_laws(end_); });
+    return along_laws_->value_or(false);
+  }
 
  private:
   void prepare() const {
@@ -104,6 +127,8 @@ class LastStep final : public InsideStep {
   StepInterval& interval_;
   const Sample& end_;
   mutable double next_output_;
+  const double output_;
+  std::optional<bool>* const along_laws_;
   mutable WorkCount counted_;
 };
 

@@ -63,7 +63,7 @@ void StepLoop::hand_over(Delivery& now, const Sample& sample) {
   Parts& p = *parts_;
   switch (now.what) {
     case Due::inside: {
-      const LastStep step(dynamics_, p.interval, sample, p.clock.next_output());
+      const LastStep step(dynamics_, p.interval, sample, p.clock.next_output(), options_.output, &p.along_laws);
       return tell(observers_, now, state_.t, [&](Observer& o) { o.inside(step); });
     }
     case Due::rows:
@@ -94,6 +94,7 @@ void StepLoop::hand_over(Delivery& now, const Sample& sample) {
       return p.contacts.note(state_, p.change.acted);
     case Due::jumped: {
       if (!p.change.acted) return;
+      p.along_laws.reset();
       Sample after(dynamics_, state_, p.interval.report());
       after.cause = p.change.cause;
       return tell(observers_, now, state_.t, [&](Observer& o) { o.jumped(after); });

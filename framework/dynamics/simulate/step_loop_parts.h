@@ -73,6 +73,7 @@ struct StepLoop::Parts {
   std::size_t started = 0;  // observers that were started
   Delivery due;             // after the last step; what threw stays until the run continues
   StateChange change;       // at its end
+  std::optional<bool> along_laws;  // whether laws alone move the mechanism, until the active joints may change
 
   const Event* by_call = nullptr;  // what a call switches
 

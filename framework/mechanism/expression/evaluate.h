@@ -25,15 +25,17 @@ int side(const Jet<N, T, D>& a) {
   return 0;
 }
 
-/// Notes no decision. `term`: the one that decides.
+/// Notes no decision. `term`: the one that decides, by a number.
 struct NoWitness {
-  void decided(int /*what*/, int /*term*/) {}
+  void decided(int /*what*/, int /*term*/, const auto& /*number*/) {}
+  void computed(const Term& /*term*/, const auto& /*x*/, const auto& /*y*/) {}
 };
 /// Makes one number of the decisions of one term of an evaluation.
-struct Decisions {
+struct Decisions : NoWitness {
   int term;
   std::uint64_t hash = 1469598103934665603u;
-  void decided(int what, int by) {
+  explicit Decisions(int of) : term(of) {}
+  void decided(int what, int by, const auto& /*number*/) {
     if (by == term) hash = (hash ^ static_cast<std::uint64_t>(what + 7)) * 1099511628211u;
   }
 };
@@ -223,21 +225,22 @@ class Numbers {
   Numbers(std::span<const T> variables, Witness& witness) : variables_(variables), witness_(witness) {}
 
   const T& variable(int k) const { return variables_[k]; }
-  [[gnu::always_inline]] static T computed(const Term& t, const T& x, const T& y) {
+  [[gnu::always_inline]] T computed(const Term& t, const T& x, const T& y) {
+    witness_.computed(t, x, y);
     return expression::computed(t, x, y);
   }
   std::optional<int> sign(const T& a, int by) {
     lost_ = lost_ || std::isnan(lockstep::value_of(a));
     const int s = side(a);
-    return witness_.decided(s, by), s;
+    return witness_.decided(s, by, a), s;
   }
   std::optional<int> compared(int /*i*/, const T& x, int /*j*/, const T& y, int by) { return sign(x - y, by); }
   // The whole number at or below a; of a jet on a whole number that falls, the one below.
   double floor(const T& a, int by) {
     const double at = lockstep::value_of(a), v = std::floor(at);
-    return whole(at == v && side(a - T(v)) < 0 ? v - 1 : v, by);
+    return whole(at == v && side(a - T(v)) < 0 ? v - 1 : v, by, a);
   }
-  double round(const T& a, int by) { return whole(nearest(a), by); }
+  double round(const T& a, int by) { return whole(nearest(a), by, a); }
   T mod(const T& x, const T& y, int by) { return x - y * floor(x / y, by); }
   void stands(int /*i*/, int /*other*/) {}
   static T either(const T& x, const T& /*y*/) { return x; }
@@ -246,9 +249,9 @@ class Numbers {
   bool lost() const { return lost_; }
 
  private:
-  double whole(double n, int by) {
+  double whole(double n, int by, const T& of) {
     // far whole numbers may share a mark: neighbours differ
-    return witness_.decided(std::abs(n) < 1e9 ? int(n) : 0, by), n;
+    return witness_.decided(std::abs(n) < 1e9 ? int(n) : 0, by, of), n;
   }
 
   std::span<const T> variables_;

@@ -77,6 +77,8 @@ class LOCKSTEP_API FormulaFunction {
   /// The value; T: double, Time, a jet.
   template <class T>
   LOCKSTEP_API T operator()(std::span<const T> variables) const;
+  /// Appends numbers; if one changes its sign, there is a kink, a jump, a pole or an end of its domain.
+  void edges(std::span<const double> variables, std::vector<double>& out) const;
 
   /// Whether a comparison, |a|, min, max, sign, floor, ceil, round or mod is in it.
   bool has_switches() const { return has_switches_; }

@@ -146,7 +146,7 @@ class SwitchSearch {
   };
   std::uint64_t decisions(double t) {
     variables_[time_] = Time(t, 1.0, 0.0);
-    Decisions signature{target_};
+    Decisions signature(target_);
     value_of_term(terms_, static_cast<std::size_t>(target_), std::span<const Time>(variables_), signature);
     return signature.hash;
   }

@@ -74,7 +74,8 @@ const Fields<Motion> kKinematicsFields{
 // Without the time, columns that are zero throughout, and reactions that the scene records by another name.
 std::string text_of_motion(Motion motion, const Mechanism& m) {
   std::map<std::string, double> largest;  // by units
-  for (const Peak& p : motion.peaks) largest[p.column.unit] = std::max(largest[p.column.unit], std::abs(p.value));
+  for (const Peak& p : motion.peaks)
+    if (p.resolved) largest[p.column.unit] = std::max(largest[p.column.unit], std::abs(p.value));
   largest["N m"] = std::max(largest["N m"], m.system.length() * largest["N"]);
   std::erase_if(motion.peaks, [&](const Peak& p) {
     const auto is_of = [&](const ChannelRequest& r) { return r.channel == p.column.name && r.column() != r.channel; };

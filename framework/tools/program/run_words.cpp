@@ -202,7 +202,7 @@ void drop_rounding(std::vector<ColumnEnds>& columns, double tolerance) {
   tolerance = std::min(tolerance, kSlight);  // of a loose one, what is inaccurate is printed as it is
   std::map<std::string, double> largest;
   for (const ColumnEnds& c : columns)
-    largest[c.unit] = std::max({largest[c.unit], std::abs(c.least), std::abs(c.most)});
+    if (c.resolved) largest[c.unit] = std::max({largest[c.unit], std::abs(c.least), std::abs(c.most)});
   for (ColumnEnds& c : columns)
     for (double* x : {&c.least, &c.most})
       if (std::abs(*x) <= tolerance * largest[c.unit]) *x = 0;

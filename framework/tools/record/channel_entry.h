@@ -95,6 +95,14 @@ double violation(const Evaluation&, std::span<const RowEntry>, VecX& scratch);
 /// Of the constraints of an active joint that are left out as nearly redundant: the largest, in m.
 double left_out_violation(const Lock&, const Sample&, RowTable& room);
 
+/// What a formula of channels remembers.
+class FormulaMemory : public Observer {
+ public:
+  /// Appends numbers; if one changes its sign, the formula may have a kink, a jump or a pole, or no value any more.
+  virtual void edges(const Sample&, std::vector<double>& out) = 0;
+  /// Whether its functions of the motion are those of the motion between the states that were looked at.
+  virtual bool is_resolved() const = 0;
+};
 /// The channel of a formula of channels. `margin`: of a condition, by how much it holds, in the unit of what it compares:
 /// b - a of "=a < b"; of other conditions 1 or -1.
 LOCKSTEP_API Channel computed_channel(System&, const std::string& formula, bool margin = false);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Channels by formulas of channels.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "framework/mechanism/expression/scope.h"
 #include "framework/tools/record/channel_entry.h"
 #include "framework/tools/record/piece.h"
+#include "framework/tools/record/smooth_parts.h"
 
 namespace lockstep::channels {
 namespace {
@@ -30,41 +32,69 @@ class OfMotion {
 
   double now(std::span<const double> values) const { return of_(values); }  ///< at the state of these values
 
-  void begin(double t, double v) { pieces_.clear(), begin_ = t, last_ = at_ = v, total_ = is_sum() ? 0 : v; }
-  void jump(double v) { last_ = v; }
-  /// At the beginning of a step. It may be seen again, up to where an event ends it, in place of what was seen.
-  double first(double t0) const { return repeats(t0) ? pieces_.back().v[0] : last_; }
-  struct Seen : Piece {
-    double whole = 0;  // part() of all of it
-  };
-  /// A step of these values; `at`: the value at an instant inside it.
-  template <class V>
-  Seen seen(Piece p, const V& at) const {
-    p.v[0] = first(p.t0);
-    return {p, part(p, p.t0, p.t1, at)};
+  void edges(std::span<const double> values, Row& out) const { of_.edges(values, out); }
+
+  void begin(double t, double v) {
+    pieces_.clear(), begin_ = t, at_ = v, total_ = is_sum() ? 0 : v;
+    least_ = HUGE_VAL, most_ = -HUGE_VAL, off_ = n_off_ = 0;
+    widen(v);
   }
-  void add(const Seen& p) {
-    if (repeats(p.t0)) pieces_.pop_back();
-    last_ = p.v.back();
-    if (p.t0 <= instant_ && instant_ <= p.t1) at_ = p.at(instant_);
-    if (window_ == kWhole && !pieces_.empty())
-      total_ = with(pieces_.front(), begin_, HUGE_VAL, total_), pieces_.clear();
-    pieces_.push_back(p);
-    while (pieces_.front().t1 < p.t0 - window_) pieces_.pop_front();  // windows begin inside the step too
+  void widen(double v) {
+    if (std::isfinite(v)) least_ = std::min(least_, v), most_ = std::max(most_, v);
+  }
+  bool fits(double misfit) const {
+    constexpr double kMostNoisy = 3000;  // pieces that do not fit; of more, steps are not divided
+    const double slack = kPart * (most_ - least_) + kNegligible * std::max(std::abs(most_), std::abs(least_));
+    return n_off_ > kMostNoisy || misfit <= slack;
+  }
+
+  struct Seen : Piece {
+    double whole = 0,  // part() of all of it
+        off = 0;       // by how much it may differ
+  };
+  /// A part of a step; `at`: the value at an instant inside it. Of one that differs by `off` it is not asked for.
+  template <class V>
+  Seen seen(const Piece& p, double off, const V& at) const {
+    return {p, part(p, p.t0, p.t1, at), off};
+  }
+  /// The parts of a step; of one that is seen again, up to where an event ends it, in place of what was seen.
+  void add(const std::vector<Seen>& step, bool again) {
+    if (step.empty()) return;
+    if (again) {
+      pieces_.erase(pieces_.end() - static_cast<std::ptrdiff_t>(n_last_), pieces_.end());
+    } else if (window_ == kWhole) {
+      for (const Seen& p : pieces_) total_ = with(p, begin_, HUGE_VAL, total_);
+      pieces_.clear();
+    }
+    n_last_ = step.size();
+    for (const Seen& p : step) {
+      if (p.t0 <= instant_ && instant_ <= p.t1) at_ = p.at(instant_);
+      if (p.off > 0) ++n_off_;
+      if (is_sum()) off_ += p.off * (p.t1 - p.t0);
+      if (!is_sum() && sign() * p.whole + p.off > (f_ == Function::max ? most_ : -least_)) off_ = std::max(off_, p.off);
+      pieces_.push_back(p);
+    }
+    while (pieces_.front().t1 < step.front().t0 - window_) pieces_.pop_front();  // windows begin inside the step too
+  }
+  bool is_resolved() const {
+    constexpr double kPromised = 1e-4;  // of the range
+    const double length = is_sum() && !pieces_.empty() ? pieces_.back().t1 - begin_ : 1;
+    return off_ <= kPromised * (most_ - least_) * length || !(least_ < most_);
   }
   double value(double t, double present) const {
     if (f_ == Function::at) return t < instant_ ? present : at_;
     const double from = std::max(begin_, t - window_), length = t - from;
     double total = window_ == kWhole ? total_ : is_sum() ? 0 : present;
     for (const Seen& p : pieces_) total = with(p, from, t, total);
-    if (!is_sum()) return sign() * std::max(sign() * total, sign() * present);
+    if (!is_sum()) return more(total, present);
     if (f_ == Function::integral) return total;
     if (!(length > 0)) return f_ == Function::rms ? std::abs(present) : present;
     return f_ == Function::mean ? total / length : std::sqrt(total / length);
   }
 
   void save(Snapshot& out) const {
-    for (const double x : {begin_, last_, at_, total_, static_cast<double>(pieces_.size())}) out.put(x);
+    for (const double x : {begin_, at_, total_, least_, most_, off_, n_off_, static_cast<double>(pieces_.size())})
+      out.put(x);
     for (const Seen& p : pieces_) {
       out.put(p.t0), out.put(p.t1);
       for (const double x : p.v) out.put(x);
@@ -72,7 +102,7 @@ class OfMotion {
     }
   }
   void load(SnapshotReader& in) {
-    for (double* x : {&begin_, &last_, &at_, &total_}) *x = in.get();
+    for (double* x : {&begin_, &at_, &total_, &least_, &most_, &off_, &n_off_}) *x = in.get();
     pieces_.resize(static_cast<std::size_t>(in.get_count()));
     for (Seen& p : pieces_) {
       p.t0 = in.get(), p.t1 = in.get();
@@ -84,15 +114,16 @@ class OfMotion {
   static constexpr double kWhole = HUGE_VAL;
 
  private:
-  bool repeats(double t0) const { return !pieces_.empty() && pieces_.back().t0 == t0; }
   bool is_sum() const { return f_ != Function::min && f_ != Function::max; }
   double sign() const { return f_ == Function::min ? -1 : 1; }
+  // What is NaN is left out.
+  double more(double a, double b) const { return sign() * std::fmax(sign() * a, sign() * b); }
   // The integral or the extreme, with that of a piece between two times.
   double with(const Seen& p, double from, double to, double total) const {
     const double a = std::max(p.t0, from), b = std::min(p.t1, to);
     if (!(a < b)) return total;
     const double of = a == p.t0 && b == p.t1 ? p.whole : part(p, a, b, [&](double t) { return p.at(t); });
-    return is_sum() ? total + of : sign() * std::max(sign() * total, sign() * of);
+    return is_sum() ? total + of : more(total, of);
   }
   template <class V>
   double part(const Piece& p, double a, double b, const V& at) const {
@@ -103,12 +134,15 @@ class OfMotion {
   Function f_;
   FormulaFunction of_;
   double window_, instant_;
-  std::deque<Seen> pieces_;                           // the last, or those of the window
-  double begin_ = 0, last_ = 0, at_ = 0, total_ = 0;  // total_: of all before the pieces
+  std::deque<Seen> pieces_;                // of the last step, or of the window
+  std::size_t n_last_ = 0;                 // of the last step
+  double begin_ = 0, at_ = 0, total_ = 0;  // total_: of all before the pieces
+  double least_ = 0, most_ = 0;            // of the values that were seen
+  double off_ = 0, n_off_ = 0;             // by how much the pieces may differ; so many do
 };
 
 /// A formula of channels on the states of a run, which it follows for those that remember it.
-class Computed final : public Observer {
+class Computed final : public FormulaMemory {
  public:
   /// `margin`: of a condition, by how much it holds.
   Computed(System& system, const std::string& text, bool margin)
@@ -140,48 +174,66 @@ class Computed final : public Observer {
 
   bool is_of_motion() const { return !motions_.empty(); }
 
+  void edges(const Sample& s, std::vector<double>& out) override {
+    value(s);
+    formula_.edges(span(), out);
+    if (compares_) more_.edges(span(), out);
+    for (const auto& [k, x] : rates_) x.edges(span(), out);
+  }
+  bool is_resolved() const override {
+    return std::ranges::all_of(motions_, [](const auto& m) { return m.second->is_resolved(); });
+  }
+
   void start(const Sample& s) override {
     for (Observer* memory : memories_) memory->start(s);
-    if (is_of_motion()) read_all(s);
-    for (const auto& [k, x] : motions_) x->begin(s.state.t, x->now(span()));
+    begin_row(s);
+    for (std::size_t k = 0; k < motions_.size(); ++k) motions_[k].second->begin(s.state.t, last_[k + 1]);
   }
   void step(const Sample& s) override {
     for (Observer* memory : memories_) memory->step(s);
   }
   void jumped(const Sample& s) override {
     for (Observer* memory : memories_) memory->jumped(s);
-    if (is_of_motion()) read_all(s);
-    for (const auto& [k, x] : motions_) x->jump(x->now(span()));
+    begin_row(s);
   }
   void inside(const InsideStep& step) override {
     if (!is_of_motion()) return;
-    std::vector<Piece> pieces(motions_.size(), Piece{step.begin(), step.end().state.t});
-    const auto take = [&](int k, const Sample& s) {
-      read_all(s);
-      for (std::size_t i = 0; i < pieces.size(); ++i) pieces[i].v[k] = motions_[i].second->now(span());
+    n_rows_ = 0, seen_.resize(motions_.size());
+    for (std::vector<OfMotion::Seen>& each : seen_) each.clear();
+    const bool again = step.begin() < last_[0];
+    if (again)
+      last_ = before_;
+    else
+      before_ = last_;
+    const Row& end = row_of(step.end());
+    const auto look = [&](double t) { return &row_of(step.at(t)); };
+    const auto fits = [&](const Samples& rows) { return resolve(rows); };
+    const auto take = [&](const Samples& rows, bool fitting) {
+      Row off;
+      for (std::size_t k = 1; k <= motions_.size(); ++k) {
+        const OfMotion& x = *motions_[k - 1].second;
+        if (fitting) seen_[k - 1].push_back(x.seen(Piece::of(rows, k), 0, [&](double t) { return (*look(t))[k]; }));
+        const double misfit = Piece::misfit(rows, k);
+        off.push_back(x.fits(misfit) ? 0 : std::fmax(0, misfit));
+      }
+      if (!fitting) add_lines(rows, off);
     };
-    take(Piece::kNodes - 1, step.end());
-    for (int k = 1; k + 1 < Piece::kNodes && step.has_states(); ++k) take(k, step.at(pieces[0].t(k)));
-    seen_.clear();
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      Piece& p = pieces[i];
-      const OfMotion& x = *motions_[i].second;
-      for (int k = 1; k + 1 < Piece::kNodes && !step.has_states(); ++k)
-        p.v[k] = std::lerp(x.first(p.t0), p.v.back(), k / (Piece::kNodes - 1.0));
-      seen_.push_back(x.seen(p, [&](double t) {
-        if (!step.has_states()) return p.at(t);
-        read_all(step.at(t));
-        return x.now(span());
-      }));
-    }
-    for (std::size_t i = 0; i < pieces.size(); ++i) motions_[i].second->add(seen_[i]);  // once nothing can fail
+    if (step.has_states())
+      SmoothParts(motions_.size() + 1, look, fits, take).of_step(last_, end, step.along_laws() ? kAlongLaws : 1);
+    else
+      add_lines(std::array<const Row*, 2>{&last_, &end}, Row(motions_.size()));
+    for (std::size_t k = 0; k < motions_.size(); ++k)
+      motions_[k].second->add(seen_[k], again);  // once nothing can fail
+    last_ = end;
   }
   void save(Snapshot& out) const override {
     for (const auto& [k, x] : motions_) x->save(out);
+    out.put_all(last_);
     for (const Observer* memory : memories_) memory->save(out);
   }
   void load(SnapshotReader& in) override {
     for (const auto& [k, x] : motions_) x->load(in);
+    in.get_all(last_);
     for (Observer* memory : memories_) memory->load(in);
   }
 
@@ -198,6 +250,38 @@ class Computed final : public Observer {
   void read_all(const Sample& s) {
     read(s);
     for (const auto& [k, x] : rates_) values_[k] = rate(x, s);
+  }
+
+  // -- the motion inside a step
+  void begin_row(const Sample& s) {
+    n_rows_ = 0;
+    if (is_of_motion()) last_ = row_of(s);
+  }
+  Row& row_of(const Sample& s) {
+    if (n_rows_ == rows_.size()) rows_.emplace_back();
+    Row& row = rows_[n_rows_++];
+    read_all(s);
+    row.assign(1, s.state.t);
+    for (const auto& [k, x] : motions_) row.push_back(x->now(span()));
+    for (const auto& [k, x] : motions_) x->edges(span(), row);
+    return row;
+  }
+  bool resolve(const Samples& rows) {
+    bool fits = true;
+    for (std::size_t k = 0; k < motions_.size(); ++k) {
+      for (const Row* row : rows) motions_[k].second->widen((*row)[k + 1]);
+      fits = fits && motions_[k].second->fits(Piece::misfit(rows, k + 1));
+    }
+    return fits;
+  }
+  // What no polynomial fits: no value is invented beyond those that were seen.
+  void add_lines(std::span<const Row* const> rows, const Row& off) {
+    for (std::size_t i = 1; i < rows.size(); ++i)
+      for (std::size_t k = 0; k < motions_.size(); ++k) {
+        const Row &a = *rows[i - 1], &b = *rows[i];
+        const Piece p = Piece::line(a[0], b[0], a[k + 1], b[k + 1]);
+        seen_[k].push_back(motions_[k].second->seen(p, off[k], [&](double t) { return p.at(t); }));
+      }
   }
 
   FormulaFunction compiled(int node) {
@@ -284,7 +368,10 @@ class Computed final : public Observer {
   std::vector<Observer*> memories_;  // of the channels
   std::vector<int> places_;  // of the channels among the values
   std::vector<std::pair<int, std::shared_ptr<OfMotion>>> motions_;
-  std::vector<OfMotion::Seen> seen_;  // scratch
+  Row before_, last_;                              // the ends of the last step: values of motions_, their edges
+  std::deque<Row> rows_;                           // of the present step
+  std::size_t n_rows_ = 0;                         // of them
+  std::vector<std::vector<OfMotion::Seen>> seen_;  // its parts, of each of motions_
   std::vector<std::pair<int, FormulaFunction>> rates_;
   Scope scope_;
 };

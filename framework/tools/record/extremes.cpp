@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "framework/foundation/math/limits.h"
 
@@ -11,8 +12,7 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kPart = 1e-5;    // of the range of a column: the error of its extremes
-constexpr double kMisfit = 0.1;   // likewise: by how much a value may differ from the parabola through others
+constexpr double kMisfit = 0.1;   // of the range of a column: by how much a value may differ from a curve by others
 constexpr int kDeepest = 3;       // a step is halved so often at most
 constexpr long kMostNoisy = 8;    // unresolved steps; of a column with more, only the ends of steps count
 constexpr int kMostVertices = 8;  // looks at one extreme
@@ -37,8 +37,8 @@ double beyond(const ColumnRange& range, double v) { return std::max(v - range.mo
 
 }  // namespace
 
-void Extremes::begin(const std::vector<Column>& columns) {
-  width_ = columns.size();
+void Extremes::begin(const std::vector<Column>& columns, std::vector<std::size_t> edged) {
+  width_ = columns.size(), edged_ = std::move(edged);
   std::vector<std::string> units;
   unit_.clear();
   for (std::size_t k = 1; k < width_; ++k) {
@@ -52,13 +52,12 @@ void Extremes::begin(const std::vector<Column>& columns) {
 
 void Extremes::widen(double t, std::span<const double> values, Numbers columns) {
   if (ranges_.empty())
-    for (const double x : values) ranges_.push_back({x, x, x, t, t});
+    for (const double x : values.first(width_ - 1)) ranges_.push_back({x, x, x, t, t});
   for (const std::size_t k : columns) {
     ColumnRange& range = ranges_[k];
     const double x = values[k];
     if (!(range.least <= x) && !std::isnan(range.least)) range.least = x, range.t_least = t;  // a NaN stays
     if (!(range.most >= x) && !std::isnan(range.most)) range.most = x, range.t_most = t;
-    largest_[unit_[k]] = std::max(largest_[unit_[k]], std::abs(x));
   }
 }
 
@@ -77,6 +76,7 @@ const Extremes::Row& Extremes::add_row(double t, std::span<const double> values,
 }
 
 const Extremes::Row* Extremes::look_at(double t, Numbers columns, const Look& look) {
+  values_.resize(width_ - 1);
   return look(t, columns, values_) ? &add_row(t, values_, columns) : nullptr;
 }
 
@@ -88,29 +88,54 @@ void Extremes::begin_part(double t, std::span<const double> values) {
 void Extremes::add_step(double t, std::span<const double> values, int n, const Look& look) {
   n_rows_ = 0;
   const Row& end = add_row(t, values, all_);
+  for (std::size_t k = 0; k + 1 < width_; ++k) {
+    double& largest = largest_[unit_[k]];  // what is as large at one instant only does not count
+    const double size = std::min(std::abs(last_[k + 1]), std::abs(end[k + 1]));
+    if (size < HUGE_VAL) largest = std::max(largest, size);
+  }
   if (!look) {
     join_ends(end);
-  } else if (n > 1) {
-    const Row *a = nullptr, *m = &last_;
-    for (int i = 1; i <= n; ++i) {
-      const Row* const b = i == n ? &end : look_at(last_[0] + (t - last_[0]) * i / n, all_, look);
-      if (b == nullptr) continue;
-      for (std::size_t k = 0; a != nullptr && k + 1 < width_; ++k) refine(k, *a, *m, *b, look);
-      a = m, m = b;
-    }
   } else {
     turning_.clear();
     for (const std::size_t k : all_)
-      if (is_seen(k) && may_turn(k, end)) turning_.push_back(k);
+      if (n == 1 && is_seen(k) && !std::ranges::binary_search(edged_, k) && may_turn(k, end)) turning_.push_back(k);
     if (!turning_.empty()) divide(before_.empty() ? nullptr : &before_, last_, end, 0, look);
+    cuts_ = n > 1 || !edged_.empty(), turning_ = n > 1 ? all_ : edged_;
+    if (cuts_) look_along(end, n, look);
+    cuts_ = false;
   }
   std::swap(before_, last_);
   last_ = end;
-  for (std::size_t k = 0; k + 1 < width_; ++k) ranges_[k].resolved = off_[k] <= ranges_[k].most - ranges_[k].least;
+  for (std::size_t k = 0; k + 1 < width_; ++k) {
+    const double range = ranges_[k].most - ranges_[k].least;
+    ranges_[k].resolved = off_[k] <= range && range < HUGE_VAL;
+  }
+}
+
+// Columns with edges, or all along laws.
+void Extremes::look_along(const Row& end, int n, const Look& look) {
+  const auto at = [&](double t) { return look_at(t, turning_, look); };
+  const auto limit = [&](std::size_t k) { return kMisfit * (ranges_[k].most - ranges_[k].least) + slack(k); };
+  const auto fits = [&](const channels::Samples& rows) {
+    return std::ranges::all_of(
+        turning_, [&](std::size_t k) { return !is_seen(k) || channels::Piece::misfit(rows, k + 1) <= limit(k); });
+  };
+  const auto take = [&](const channels::Samples& rows, bool) {
+    for (const std::size_t k : turning_) {
+      if (const double off = channels::Piece::misfit(rows, k + 1); !(off <= limit(k)))
+        ++unresolved_[k], off_[k] = std::max(off_[k], off / kMisfit);
+      double inner = 0;
+      for (std::size_t i = 1; i < 6; ++i) inner = std::max(inner, std::abs((*rows[i])[k + 1]));
+      const double outer = std::max(std::abs((*rows[0])[k + 1]), std::abs((*rows[6])[k + 1]));
+      if (channels::kPart * outer > inner && outer > slack(k)) off_[k] = HUGE_VAL;  // a pole
+      for (std::size_t i = 2; i < rows.size(); ++i) refine(k, *rows[i - 2], *rows[i - 1], *rows[i], look);
+    }
+  };
+  channels::SmoothParts(width_, at, fits, take).of_step(last_, end, n);
 }
 
 double Extremes::slack(std::size_t k) const {
-  return std::max(kPart * (ranges_[k].most - ranges_[k].least), kNegligible * largest_[unit_[k]]);
+  return std::max(channels::kPart * (ranges_[k].most - ranges_[k].least), kNegligible * largest_[unit_[k]]);
 }
 bool Extremes::is_seen(std::size_t k) const { return unresolved_[k] <= kMostNoisy; }
 

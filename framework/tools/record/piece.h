@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Piece: a number over one step, as a polynomial through its values at five instants.
+// Piece: a number over a part of a step, as a polynomial through its values at five instants.
 #pragma once
 
 #include <algorithm>
@@ -7,19 +7,39 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <vector>
 
 #include "framework/foundation/math/limits.h"
 
 namespace lockstep::channels {
 
-/// v(t) over a step, of degree four through its values at five evenly spaced instants; without states inside the step a
-/// straight line.
+using Row = std::vector<double>;            ///< an instant, values at it
+using Samples = std::array<const Row*, 7>;  ///< of a part of a step: at five nodes, and at two irregular instants
+inline constexpr std::array kSampled{0.0, 0.25, 0.382, 0.5, 0.75, 0.854, 1.0};  ///< these, of the part
+
+/// v(t) over a smooth part of a step, of degree four through its values at five evenly spaced instants.
 struct Piece {
   static constexpr int kNodes = 5;
   double t0 = 0, t1 = 0;
   std::array<double, kNodes> v{};
 
+  /// Of the number at this place of rows.
+  static Piece of(const Samples& s, std::size_t k) {
+    return {(*s[0])[0], (*s[6])[0], {(*s[0])[k], (*s[1])[k], (*s[3])[k], (*s[4])[k], (*s[6])[k]}};
+  }
+  /// By how much the two samples that it does not use are beside it; 0 if there are no numbers.
+  static double misfit(const Samples& s, std::size_t k) {
+    if (std::ranges::all_of(s, [k](const Row* row) { return std::isnan((*row)[k]); })) return 0;
+    const Piece p = of(s, k);
+    return std::abs(p.at((*s[2])[0]) - (*s[2])[k]) + std::abs(p.at((*s[5])[0]) - (*s[5])[k]);
+  }
+  static Piece line(double t0, double t1, double v0, double v1) {
+    Piece p{t0, t1};
+    for (int k = 0; k < kNodes; ++k) p.v[k] = std::lerp(v0, v1, k / (kNodes - 1.0));
+    return p;
+  }
   double t(int k) const { return t0 + (t1 - t0) * k / (kNodes - 1); }
   /// By Newton's forward differences.
   double at(double time) const {

@@ -9,6 +9,7 @@
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/user_code.h"
 #include "framework/foundation/support/thrown.h"
+#include "framework/tools/record/channel_entry.h"
 #include "framework/tools/record/extremes.h"
 
 namespace lockstep {
@@ -46,6 +47,25 @@ namespace {
 
 double value_of(const Channel& c, const Sample& sample) {
   return user_code("channel", c.name, sample.state.t, [&] { return c.value(sample); });
+}
+
+channels::FormulaMemory* formula_of(const Channel& c) { return dynamic_cast<channels::FormulaMemory*>(c.memory.get()); }
+
+// Behind the values of all channels.
+void add_edges(const std::vector<Channel>& channels, Extremes::Numbers edged, const Sample& s,
+               std::vector<double>& out) {
+  out.resize(channels.size());
+  for (const std::size_t k : edged) formula_of(channels[k])->edges(s, out);
+}
+
+// Columns that have edges, as far as they can be computed.
+std::vector<std::size_t> edged_of(const std::vector<Channel>& channels, const Sample& s) {
+  std::vector<std::size_t> edged;
+  std::vector<double> edges;
+  for (std::size_t k = 0; k < channels.size(); ++k)
+    if (channels::FormulaMemory* const formula = formula_of(channels[k]); formula != nullptr)
+      if (edges.clear(); !succeeds([&] { formula->edges(s, edges); }) || !edges.empty()) edged.push_back(k);
+  return edged;
 }
 
 // Calls the memories of channels at a state, once: all are called, also if one throws, so that no other misses a
@@ -110,32 +130,39 @@ void Recorder::begin_part(const Sample& sample) {
   read_ = kNone;
   if (!extremes_) return;
   at_end_.resize(channels_.size());
-  is_continuous_ = succeeds([&] { read(sample, at_end_), extremes_->begin_part(sample.state.t, at_end_); });
+  is_continuous_ = succeeds([&] {
+    read(sample, at_end_), add_edges(channels_, extremes_->edged(), sample, at_end_);
+    extremes_->begin_part(sample.state.t, at_end_);
+  });
 }
 
 void Recorder::start(const Sample& sample) {
   table_.clear_rows(), last_ = kNone;
   call_at(sample, followed_, [&](Observer& memory) { memory.start(sample); });
-  if (extremes_) extremes_->begin(table_.columns());
+  if (extremes_) extremes_->begin(table_.columns(), edged_of(channels_, sample));
   begin_part(sample);
 }
 
 void Recorder::inside(const InsideStep& step) {
-  constexpr int kAlongLaws = 20;  // looks at least between two rows
   for (const Channel& c : followed_) c.memory->inside(step);
   if (!extremes_) return;
   const Sample& end = step.end();
   if (!is_continuous_) return begin_part(end);
-  is_continuous_ = succeeds([&] { read(end, at_end_); });
+  is_continuous_ = succeeds([&] { read(end, at_end_), add_edges(channels_, extremes_->edged(), end, at_end_); });
   if (!is_continuous_) return;
   read_ = end.state.t;
-  const Extremes::Look look = [&](double t, Extremes::Numbers columns, std::span<double> values) {
+  const Extremes::Look look = [&](double t, Extremes::Numbers columns, std::vector<double>& values) {
     return succeeds([&] {
       const Sample& sample = step.at(t);
       for (const std::size_t k : columns) values[k] = value_of(channels_[k], sample);
+      if (extremes_->cuts()) add_edges(channels_, extremes_->edged(), sample, values);
     });
   };
-  extremes_->add_step(read_, at_end_, step.along_laws() ? kAlongLaws : 1, step.has_states() ? look : Extremes::Look());
+  extremes_->add_step(read_, at_end_, step.along_laws() ? channels::kAlongLaws : 1,
+                      step.has_states() ? look : Extremes::Look());
+  for (std::size_t k = 0; k < channels_.size(); ++k)
+    if (const auto* const f = channels_[k].of_motion ? formula_of(channels_[k]) : nullptr; f != nullptr)
+      extremes_->set_resolved(k, f->is_resolved());
 }
 
 void Recorder::step(const Sample& sample) {
@@ -152,7 +179,7 @@ void Recorder::output(const Sample& sample) {
   row_[0] = sample.state.t;
   const std::span<double> values(row_.begin() + 1, row_.end());
   if (read_ == row_[0])
-    std::ranges::copy(at_end_, values.begin());
+    std::copy_n(at_end_.begin(), values.size(), values.begin());
   else
     read(sample, values);
   if (extremes_) extremes_->take_row(row_);
