@@ -6,6 +6,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include <lockstep/error.h>
 #include "framework/mechanism/expression/evaluate.h"
@@ -207,7 +208,7 @@ class Computed final : public FormulaMemory {
       before_ = last_;
     const Row& end = row_of(step.end());
     const auto look = [&](double t) { return &row_of(step.at(t)); };
-    const auto fits = [&](const Samples& rows) { return resolve(rows); };
+    const auto fits = [&](const Samples& rows, std::span<const Row* const> edge) { return resolve(rows, edge); };
     const auto take = [&](const Samples& rows, bool fitting) {
       Row off;
       for (std::size_t k = 1; k <= motions_.size(); ++k) {
@@ -266,11 +267,11 @@ class Computed final : public FormulaMemory {
     for (const auto& [k, x] : motions_) x->edges(span(), row);
     return row;
   }
-  bool resolve(const Samples& rows) {
+  bool resolve(const Samples& rows, std::span<const Row* const> edge) {
     bool fits = true;
     for (std::size_t k = 0; k < motions_.size(); ++k) {
       for (const Row* row : rows) motions_[k].second->widen((*row)[k + 1]);
-      fits = fits && motions_[k].second->fits(Piece::misfit(rows, k + 1));
+      fits = fits && motions_[k].second->fits(Piece::misfit(rows, k + 1, edge));
     }
     return fits;
   }

@@ -97,15 +97,18 @@ void Extremes::add_step(double t, std::span<const double> values, int n, const L
     join_ends(end);
   } else {
     turning_.clear();
+    const bool along = n > 1 || may_cross(end);
     for (const std::size_t k : all_)
-      if (n == 1 && is_seen(k) && !std::ranges::binary_search(edged_, k) && may_turn(k, end)) turning_.push_back(k);
+      if (n == 1 && is_seen(k) && may_turn(k, end) && !(along && std::ranges::binary_search(edged_, k)))
+        turning_.push_back(k);
     if (!turning_.empty()) divide(before_.empty() ? nullptr : &before_, last_, end, 0, look);
-    cuts_ = n > 1 || !edged_.empty(), turning_ = n > 1 ? all_ : edged_;
-    if (cuts_) look_along(end, n, look);
+    cuts_ = along, turning_ = n > 1 ? all_ : edged_;
+    if (along) look_along(end, n, look);
     cuts_ = false;
   }
   std::swap(before_, last_);
   last_ = end;
+  if (channels::edge_between(before_, last_, width_) != 0) before_.clear();  // no parabola goes across an edge
   for (std::size_t k = 0; k + 1 < width_; ++k) {
     const double range = ranges_[k].most - ranges_[k].least;
     ranges_[k].resolved = off_[k] <= range && range < HUGE_VAL;
@@ -116,9 +119,10 @@ void Extremes::add_step(double t, std::span<const double> values, int n, const L
 void Extremes::look_along(const Row& end, int n, const Look& look) {
   const auto at = [&](double t) { return look_at(t, turning_, look); };
   const auto limit = [&](std::size_t k) { return kMisfit * (ranges_[k].most - ranges_[k].least) + slack(k); };
-  const auto fits = [&](const channels::Samples& rows) {
-    return std::ranges::all_of(
-        turning_, [&](std::size_t k) { return !is_seen(k) || channels::Piece::misfit(rows, k + 1) <= limit(k); });
+  const auto fits = [&](const channels::Samples& rows, std::span<const Row* const> edge) {
+    return std::ranges::all_of(turning_, [&](std::size_t k) {
+      return !is_seen(k) || channels::Piece::misfit(rows, k + 1, edge) <= (edge.empty() ? limit(k) : slack(k));
+    });
   };
   const auto take = [&](const channels::Samples& rows, bool) {
     for (const std::size_t k : turning_) {
@@ -139,15 +143,31 @@ double Extremes::slack(std::size_t k) const {
 }
 bool Extremes::is_seen(std::size_t k) const { return unresolved_[k] <= kMostNoisy; }
 
-// Whether the last step may contain an extreme beyond those known: by the parabola through three ends of steps, with
-// four times its height over the chord, and twice its change of slope.
-bool Extremes::may_turn(std::size_t k, const Row& end) const {
+// Bounds of a number inside the last step: those of the parabola through three ends of steps, with four times its height
+// over the chord.
+Extremes::Reach Extremes::reach(std::size_t k, const Row& end) const {
   const Point a = point(last_, k), b = point(end, k);
+  const double h = b.t - a.t, bend = std::abs(Parabola(point(before_, k), a, b).c) * h;
+  return {std::min(a.v, b.v) - bend * h, std::max(a.v, b.v) + bend * h, std::abs(b.v - a.v) / h, bend};
+}
+
+// Whether the last step may contain an extreme beyond those known: its slope may change by twice that of the parabola.
+bool Extremes::may_turn(std::size_t k, const Row& end) const {
   const ColumnRange& range = ranges_[k];
   if (before_.empty()) return range.most - range.least > slack(k);
-  const double h = b.t - a.t, d = (b.v - a.v) / h, bend = std::abs(Parabola(point(before_, k), a, b).c) * h;
-  const double most = std::max(a.v, b.v) + bend * h, least = std::min(a.v, b.v) - bend * h;
-  return std::max(beyond(range, most), beyond(range, least)) > slack(k) && 2 * bend > std::abs(d);
+  const auto [least, most, slope, bend] = reach(k, end);
+  return std::max(beyond(range, most), beyond(range, least)) > slack(k) && 2 * bend > slope;
+}
+
+// Whether a number behind the values may change its sign inside the last step.
+bool Extremes::may_cross(const Row& end) const {
+  if (edged_.empty()) return false;
+  if (before_.size() != end.size() || last_.size() != end.size()) return true;
+  for (std::size_t k = width_ - 1; k + 1 < end.size(); ++k) {
+    const Reach r = reach(k, end);
+    if (!(r.least > 0 || r.most < 0 || (r.least == 0 && r.most == 0))) return true;
+  }
+  return false;
 }
 
 // Halves a step, and again if a value is not where the parabola through others is.

@@ -47,7 +47,12 @@ class LOCKSTEP_API Extremes {
   const Row* look_at(double t, Numbers columns, const Look&);
   double slack(std::size_t k) const;
   bool is_seen(std::size_t k) const;
+  struct Reach {
+    double least, most, slope, bend;
+  };
+  Reach reach(std::size_t k, const Row& end) const;
   bool may_turn(std::size_t k, const Row& end) const;
+  bool may_cross(const Row& end) const;
   void look_along(const Row& end, int n, const Look&);
   void divide(const Row* beside, const Row& a, const Row& b, int depth, const Look&);
   void refine(std::size_t k, const Row& a, const Row& m, const Row& b, const Look&);
@@ -61,7 +66,7 @@ class LOCKSTEP_API Extremes {
   std::vector<ColumnRange> ranges_;
   std::vector<long> unresolved_;  // in so many steps, by column
   std::vector<double> off_;       // by how much each may be off, as a range of which that is resolved
-  Row before_, last_, values_;    // the ends of the two last steps; before_: empty after a jump
+  Row before_, last_, values_;    // the ends of the two last steps; before_: empty after a jump or an edge
   std::deque<Row> rows_;          // of the present step
   std::size_t n_rows_ = 0;
   bool cuts_ = false;

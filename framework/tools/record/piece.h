@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "framework/foundation/math/limits.h"
@@ -29,11 +30,15 @@ struct Piece {
   static Piece of(const Samples& s, std::size_t k) {
     return {(*s[0])[0], (*s[6])[0], {(*s[0])[k], (*s[1])[k], (*s[3])[k], (*s[4])[k], (*s[6])[k]}};
   }
-  /// By how much the two samples that it does not use are beside it; 0 if there are no numbers.
-  static double misfit(const Samples& s, std::size_t k) {
+  /// By how much the two samples that it does not use, and others, are beside it; 0 if there are no numbers.
+  static double misfit(const Samples& s, std::size_t k, std::span<const Row* const> others = {}) {
     if (std::ranges::all_of(s, [k](const Row* row) { return std::isnan((*row)[k]); })) return 0;
     const Piece p = of(s, k);
-    return std::abs(p.at((*s[2])[0]) - (*s[2])[k]) + std::abs(p.at((*s[5])[0]) - (*s[5])[k]);
+    double sum = 0;
+    const auto add = [&](const Row* row) { sum += row != nullptr ? std::abs(p.at((*row)[0]) - (*row)[k]) : NAN; };
+    add(s[2]), add(s[5]);
+    std::ranges::for_each(others, add);
+    return sum;
   }
   static Piece line(double t0, double t1, double v0, double v1) {
     Piece p{t0, t1};

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <span>
 
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/record/piece.h"
@@ -18,9 +19,17 @@ namespace lockstep::channels {
 inline constexpr double kPart = 1e-5;  ///< of the range of a number: the error of its extremes
 inline constexpr int kAlongLaws = 4;   ///< parts of a step if laws alone move the mechanism: 23 instants
 
+/// The place, from one on, of the first number that changes its sign between two rows, or is zero at one only; 0: none.
+inline std::size_t edge_between(const Row& a, const Row& b, std::size_t from) {
+  const auto side = [](double x) { return int(x > 0) - int(x < 0); };
+  for (std::size_t i = from; i < std::min(a.size(), b.size()); ++i)
+    if (side(a[i]) != side(b[i])) return i;
+  return 0;
+}
+
 /// Looks at a step. A row: an instant, values, then from place `edges` on numbers; if one changes its sign, a value may have
-/// a kink, a jump or a pole there. `look`: the row at an instant, or null. `fits`: whether the samples of a part resolve it.
-/// `take`: takes the samples of a part, and whether they do.
+/// a kink, a jump or a pole there. `look`: the row at an instant, or null. `fits`: whether the samples of a part resolve it,
+/// and the rows just before and after an edge among them. `take`: takes the samples of a part, and whether they do.
 template <class Look, class Fits, class Take>
 class SmoothParts {
  public:
@@ -46,25 +55,20 @@ class SmoothParts {
     rows.back() = &b;
     for (std::size_t i = 1; i + 1 < rows.size(); ++i)
       if (rows[i] = look_(std::lerp(a[0], b[0], kSampled[i])); rows[i] == nullptr) return;
-    for (const std::size_t i : std::array<std::size_t, 6>{3, 4, 2, 5, 1, 6})  // from the middle: few cuts reach many
-      if (const std::size_t place = left > 0 ? edge_between(*rows[i - 1], *rows[i]) : 0; place != 0)
-        return cut(rows, i, place, left - 1);
-    const bool fits = fits_(rows);
+    std::size_t i = 0, edge = 0;
+    for (const std::size_t k : std::array<std::size_t, 6>{3, 4, 2, 5, 1, 6})  // from the middle: few cuts reach many
+      if (edge == 0) i = k, edge = edge_between(*rows[k - 1], *rows[k], edges_);
+    const Beside beside = edge == 0 ? Beside{} : beside_edge(*rows[i - 1], *rows[i], edge);
+    const bool fits = fits_(rows, std::span(beside).first(edge == 0 ? 0 : 2));
     if (fits || left == 0) return take_(rows, fits);
-    part(a, *rows[3], left - 1), part(*rows[3], b, left - 1);
+    const auto [before, after] = edge == 0 ? Beside{rows[3], rows[3]} : beside;
+    if (before != nullptr) part(a, *before, left - 1);
+    if (after != nullptr) part(*after, b, left - 1);
   }
 
-  static int side(double x) { return int(x > 0) - int(x < 0); }
-  // The place of the first number that changes its sign between two rows, or is zero at one only; 0: none does.
-  std::size_t edge_between(const Row& a, const Row& b) const {
-    for (std::size_t i = edges_; i < std::min(a.size(), b.size()); ++i)
-      if (side(a[i]) != side(b[i])) return i;
-    return 0;
-  }
-
-  // Just before and just after this number changes its sign, before sample i.
-  void cut(const Samples& rows, std::size_t i, std::size_t place, int left) const {
-    const Row &a = *rows[i - 1], &b = *rows[i];
+  using Beside = std::array<const Row*, 2>;
+  // Just before and just after the number at this place changes its sign between two rows.
+  Beside beside_edge(const Row& a, const Row& b, std::size_t place) const {
     const auto number = [&](double t) {
       const Row* const row = look_(t);
       return row == nullptr || place >= row->size() || std::isnan((*row)[place]) ? 0 : (*row)[place];
@@ -74,10 +78,7 @@ class SmoothParts {
     const auto [from, to] = boost::math::tools::toms748_solve(
         number, a[0], b[0], a[place], b[place], [&](double l, double r) { return r - l <= beside; }, most);
     const double t = 0.5 * (from + to);
-    const Row* const before = t - beside > a[0] ? look_(t - beside) : &a;
-    const Row* const after = t + beside < b[0] ? look_(t + beside) : &b;
-    if (before != nullptr) part(*rows.front(), *before, left);
-    if (after != nullptr) part(*after, *rows.back(), left);
+    return {t - beside > a[0] ? look_(t - beside) : &a, t + beside < b[0] ? look_(t + beside) : &b};
   }
 
   std::size_t edges_;
