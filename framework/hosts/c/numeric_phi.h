@@ -5,12 +5,11 @@
 #include <array>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
 
-#include <lockstep/author/phi_links.h>
+#include "framework/tools/simulation/host_types.h"
 
 namespace lockstep {
 
@@ -53,26 +52,14 @@ struct NumericPhi {
   }
 };
 
-/// The joint of such a function between two markers, with the rows of a mask.
-template <int n>
-class NumericJoint final : public PhiLock<NumericPhi<n>> {
- public:
-  /// `type`: name of its type, for messages. Throws as PhiLock.
-  NumericJoint(std::string type, std::string name, Marker& p, Marker& s, Mask mask, PhiNumbers numbers)
-      : PhiLock<NumericPhi<n>>(std::move(name), p, s, mask, {std::move(numbers)}), type_(std::move(type)) {}
-  std::string_view type() const override { return type_; }
-
- private:
-  std::string type_;
-};
-
 /// The joint of a function with 1 to n rows.
 template <int n = 3>
 std::unique_ptr<Lock> numeric_joint(const std::string& type, const Attachment& a, Mask mask, int rows,
                                     PhiNumbers numbers) {
   if constexpr (n > 1)
     if (rows < n) return numeric_joint<n - 1>(type, a, mask, rows, std::move(numbers));
-  return std::make_unique<NumericJoint<n>>(type, a.name, a.p(), a.s(), mask, std::move(numbers));
+  return std::make_unique<HostJoint<PhiLock<NumericPhi<n>>>>(type, a.name, a.p(), a.s(), mask,
+                                                             NumericPhi<n>{std::move(numbers)});
 }
 
 }  // namespace lockstep

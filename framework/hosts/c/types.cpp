@@ -2,7 +2,6 @@
 // Registries, and the types that callbacks make.
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -10,9 +9,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/author/check.h>
+#include <lockstep/author/formula.h>
 #include <lockstep/author/loader.h>
-#include <lockstep/author/relative.h>
-#include <lockstep/author/stepping.h>
 #include "framework/description/scene/json.h"
 #include "framework/description/scene/tables.h"
 #include "framework/description/scene/write.h"
@@ -66,11 +64,11 @@ struct Type {
     if (taken) refuse(LOCKSTEP_USAGE, what + " is taken, by another key or by scenes; choose another name");
     Key key{name, Form::number, Unit::any, kRequired, "a number of the host's type"};
     if (name == word) return key;
-    const char *const from = word.data() + name.size() + 1, *const to = word.data() + word.size();
-    double x = 0;
-    if (const auto [end, error] = std::from_chars(from, to, x); error != std::errc() || end != to || !std::isfinite(x))
-      refuse(LOCKSTEP_USAGE, what + ": its default \"" + from + "\" is no finite number; give one in SI units");
-    key.fallback = x;
+    const std::string given = word.substr(name.size() + 1);
+    const std::optional<double> x = number_in<double>(given);
+    if (!x || !std::isfinite(*x))
+      refuse(LOCKSTEP_USAGE, what + ": its default \"" + given + "\" is no finite number; give one in SI units");
+    key.fallback = *x;
     return key;
   }
 };
@@ -107,75 +105,41 @@ class Law final : public MotionLaw {
 
 // f at P and m on the body of P, -f at P and -m on that of S
 class HostForce final : public MarkerForce {
+  static std::array<double, 13> numbers(const MarkerOn<double>& m) {
+    const Vec3 x = m.x(), v = m.v(), w = m.w();
+    const Quat q = m.q();
+    return {x[0], x[1], x[2], q.w, q.x, q.y, q.z, v[0], v[1], v[2], w[0], w[1], w[2]};
+  }
+  auto act() const {
+    return [this](const Ends<double>& at, auto& load) {
+      const auto p = numbers(at.P), s = numbers(at.S);
+      std::array<double, 9> of{};
+      force_(at.t, p.data(), s.data(), of.data());
+      load.force({of[0], of[1], of[2]}, at.P.x()), load.torque({of[3], of[4], of[5]});
+      load.stores(of[6]), load.dissipates(of[7]), load.supplies(of[8]);
+    };
+  }
+  ForceAccount account(const Inputs& in) const { return formula::account(P_, S_, in, act()); }
+
+  std::string type_;
+  Code<lockstep_force> force_;
+
  public:
   HostForce(std::string type, std::string name, Marker& p, Marker* s, Code<lockstep_force> force)
       : MarkerForce(std::move(name), p, s), type_(std::move(type)), force_(std::move(force)) {}
   std::string_view type() const override { return type_; }
-  void apply(const Inputs& in, WrenchSum& out) const override {
-    const Result r = at(in);
-    out.force(P_.slot, r.f, r.x), out.torque(P_.slot, r.m);
-    out.force(S_.slot, -r.f, r.x), out.torque(S_.slot, -r.m);
-  }
-  double potential(const Inputs& in) const override { return at(in).energy; }
-  double dissipation(const Inputs& in) const override { return at(in).dissipated; }
-  // Potential and dissipation are those along the motion of the markers: laws that move them on their bodies do the rest.
-  double supply(const Inputs& in) const override {
-    const Result r = at(in);
-    return r.supplied + power(P_, r, in) - power(S_, r, in);
-  }
-
- private:
-  using Ends = std::array<double, 13>;
-  struct Result {
-    Vec3 x, f, m;  // origin of P, force and moment on it
-    double energy, dissipated, supplied;
-  };
-  static Ends numbers(const MarkerFrame& marker, const MarkerInWorld& m, const Inputs& in) {
-    const Quat q = in.slot(marker.slot).e * marker.at(in.t).q;
-    return {m.x[0], m.x[1], m.x[2], q.w, q.x, q.y, q.z, m.v[0], m.v[1], m.v[2], m.w[0], m.w[1], m.w[2]};
-  }
-  Result at(const Inputs& in) const {
-    const MarkerInWorld P = in_world(P_, in);
-    const Ends p = numbers(P_, P, in), s = numbers(S_, in_world(S_, in), in);
-    std::array<double, 9> of{};
-    force_(in.t, p.data(), s.data(), of.data());
-    return {P.x, {of[0], of[1], of[2]}, {of[3], of[4], of[5]}, of[6], of[7], of[8]};
-  }
-
-  // Power of (f, m) at x on the body of a marker, less that on the marker.
-  static double power(const MarkerFrame& marker, const Result& r, const Inputs& in) {
-    const MarkerInWorld at = in_world(marker, in);
-    const Motion& body = in.slot(marker.slot);
-    const Vec3 w = body.A * body.w, v = body.v + cross(w, Vec3(r.x - body.x));
-    const Vec3 dv = v - at.v - cross(at.w, Vec3(r.x - at.x)), dw = w - at.w;
-    return r.f.dot(dv) + r.m.dot(dw);
-  }
-
-  std::string type_;
-  Code<lockstep_force> force_;
+  void apply(const Inputs& in, WrenchSum& out) const override { formula::apply(P_, S_, in, act(), out); }
+  double potential(const Inputs& in) const override { return account(in).potential; }
+  double dissipation(const Inputs& in) const override { return account(in).dissipation; }
+  double supply(const Inputs& in) const override { return account(in).supply; }
 };
 
-class HostIntegrator final : public Integrator {
- public:
-  HostIntegrator(std::string type, int order, Code<lockstep_integrator> step)
-      : type_(std::move(type)), order_(order), step_(std::move(step)) {}
-  IntegratorInfo info() const override { return {type_, order_, false, false, order_}; }
-  void begin(Dynamics&, const State&) override {}
-  StepReport step(Dynamics& dynamics, State& state, double h) override {
-    State end = state;
-    in_context([&] { return ErrorContext{.thing = {.kind = "integrator", .name = type_}, .t = state.t}; },
-               [&] { step_(Lent(end, dynamics, StateObject::May::evaluate).handle(), h); });
-    end.t = state.t + h;
-    const ProjectReport landed = project_end_or_throw(dynamics, end, type_.c_str(), state.t, h);
-    state = std::move(end);
-    return {.h = h, .violation = landed.before, .violation_after = landed.after};
-  }
-
- private:
-  std::string type_;
-  int order_;
-  Code<lockstep_integrator> step_;
-};
+std::unique_ptr<Integrator> integrator_of(const std::string& type, int order, Code<lockstep_integrator> step) {
+  return std::make_unique<HostIntegrator>(type, order, [=](Dynamics& dynamics, State& end, double h) {
+    in_context([&, t = end.t] { return ErrorContext{.thing = {.kind = "integrator", .name = type}, .t = t}; },
+               [&] { step(Lent(end, dynamics, StateObject::May::evaluate).handle(), h); });
+  });
+}
 
 // Calls `add` with the registry and the type; the user data is freed in any case.
 template <class Callback, class Add>
@@ -265,7 +229,7 @@ int lockstep_add_integrator(lockstep_registry* registry, const char* type, const
                   [&](Registry& r, const std::shared_ptr<const Type>& its) {
                     within(order, 1, std::numeric_limits<double>::digits, "order");  // h/2 leaves less than round-off
                     r.integrators.add(its->info, [=](const Params& p) -> std::unique_ptr<Integrator> {
-                      return std::make_unique<HostIntegrator>(its->info.name, order, its->code(step, p));
+                      return integrator_of(its->info.name, order, its->code(step, p));
                     });
                   });
 }

@@ -3,9 +3,9 @@
 #include <pybind11/operators.h>
 #include <spdlog/fmt/fmt.h>
 
-#include <lockstep/author/stepping.h>
 #include <lockstep/dynamics.h>
 #include "framework/hosts/python/bindings.h"
+#include "framework/tools/simulation/host_types.h"
 
 namespace lockstep::python {
 
@@ -26,40 +26,32 @@ struct SystemView {
   }
 };
 
-/// A method of fixed steps. After each the state is projected onto the constraints, if the run does so.
-class PythonIntegrator final : public Integrator {
+/// A method of fixed steps, an object of a class of Python.
+class PythonIntegrator final : public HostIntegrator {
  public:
-  PythonIntegrator(std::string name, int order, Held method)
-      : name_(std::move(name)), order_(order), method_(std::move(method)) {}
-
-  IntegratorInfo info() const override { return {name_, order_, false, false, order_}; }
+  PythonIntegrator(const std::string& name, int order, const Held& method)
+      : HostIntegrator(name, order,
+                       [=](Dynamics& dynamics, State& y, double h) { y = ended(name, method, dynamics, y, h); }),
+        method_(method) {}
   void begin(Dynamics&, const State&) override {
     const Locked lock;
     if (py::hasattr(*method_, "begin")) call(method_->attr("begin"), nullptr);
   }
-  StepReport step(Dynamics& dynamics, State& state, double h) override {
-    State end = ended(dynamics, state, h);
-    if (end.q.size() != state.q.size() || end.v.size() != state.v.size() || end.s.size() != state.s.size())
-      throw ModelError(fmt::format("integrator '{}' returned a state of other sizes", name_));
-    end.t = state.t + h;
-    const ProjectReport landed = project_end_or_throw(dynamics, end, name_.c_str(), state.t, h);
-    state = std::move(end);
-    return {.h = h, .violation = landed.before, .violation_after = landed.after};
-  }
   bool saves_all() const override { return false; }
 
  private:
-  State ended(Dynamics& dynamics, const State& state, double h) const {
+  static State ended(const std::string& name, const Held& method, Dynamics& dynamics, const State& y, double h) {
     const Locked lock;
-    const py::object made = call_with(method_->attr("step"), SystemView{&dynamics}, py::cast(state), py::float_(h));
+    const py::object made = call_with(method->attr("step"), SystemView{&dynamics}, py::cast(y), py::float_(h));
     if (!py::isinstance<State>(made))
-      throw py::type_error(fmt::format("step() of integrator '{}' returned {}; return the new state", name_,
+      throw py::type_error(fmt::format("step() of integrator '{}' returned {}; return the new state", name,
                                        std::string(py::repr(made))));
-    return made.cast<State>();
+    State end = made.cast<State>();
+    if (end.q.size() != y.q.size() || end.v.size() != y.v.size() || end.s.size() != y.s.size())
+      throw ModelError(fmt::format("integrator '{}' returned a state of other sizes", name));
+    return end;
   }
 
-  std::string name_;
-  int order_;
   Held method_;
 };
 

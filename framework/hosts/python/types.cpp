@@ -7,10 +7,11 @@
 
 #include <lockstep/author/formula.h>
 #include <lockstep/author/loader.h>
-#include <lockstep/author/phi_links.h>
+#include <lockstep/function_laws.h>
 #include "framework/description/scene/system_of.h"
 #include "framework/hosts/python/bindings.h"
 #include "framework/tools/check/derivatives.h"
+#include "framework/tools/simulation/host_types.h"
 
 namespace lockstep::python {
 
@@ -48,37 +49,23 @@ class Function {
 
 // -- laws
 
-class PythonLaw final : public MotionLaw {
- public:
-  PythonLaw(Function f, std::vector<double> breaks) : f_(std::move(f)), breaks_(std::move(breaks)) {}
-  LawValue at(double t) const override {
-    const Locked lock;
-    const py::object y = f_(argument(t));
-    if (PyTuple_Check(y.ptr()) != 0 && PyTuple_GET_SIZE(y.ptr()) == 3)
-      return {number_from<double>(py::handle(PyTuple_GET_ITEM(y.ptr(), 0)), kWhat),
-              number_from<double>(py::handle(PyTuple_GET_ITEM(y.ptr(), 1)), kWhat),
-              number_from<double>(py::handle(PyTuple_GET_ITEM(y.ptr(), 2)), kWhat)};
-    const Time jet = number_from<Time>(y, kWhat);
-    return {jet.v, jet.d, jet.h};
-  }
-  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
-    for (const double t : breaks_)
-      if (t0 < t && t < t1) out.push_back(t);
-  }
+/// A function of the time, which it gets as a jet: the object of the last call, unless the function kept it.
+struct PythonLaw {
+  Function f;
+  mutable std::optional<Held> argument{};
 
- private:
-  static constexpr const char* kWhat = "the function of a law";
-  /// The time as a jet; the object of the last call, unless the function kept it.
-  const py::object& argument(double t) const {
-    if (argument_ && (**argument_).ref_count() == 1)
-      (**argument_).cast<Time&>() = Time(t, 1.0, 0.0);
+  Time operator()(const Time& t) const {
+    constexpr const char* kWhat = "the function of a law";
+    const Locked lock;
+    if (argument && (**argument).ref_count() == 1)
+      (**argument).cast<Time&>() = t;
     else
-      argument_.emplace(py::cast(Time(t, 1.0, 0.0)));
-    return **argument_;
+      argument.emplace(py::cast(t));
+    const py::object y = f(**argument);
+    if (PyTuple_Check(y.ptr()) == 0 || PyTuple_GET_SIZE(y.ptr()) != 3) return number_from<Time>(y, kWhat);
+    const auto level = [&](int k) { return number_from<double>(py::handle(PyTuple_GET_ITEM(y.ptr(), k)), kWhat); };
+    return {level(0), level(1), level(2)};
   }
-  mutable std::optional<Held> argument_;
-  Function f_;
-  std::vector<double> breaks_;
 };
 
 // -- joints
@@ -151,17 +138,6 @@ struct PythonRows {
   }
 };
 
-template <class Phi, class Base = std::conditional_t<Phi::spec.pairs == 1, PhiLock<Phi>, PhiCoupling<Phi>>>
-class PythonJoint final : public Base {
- public:
-  template <class... Args>
-  explicit PythonJoint(std::string type, Args&&... args) : Base(std::forward<Args>(args)...), type_(std::move(type)) {}
-  std::string_view type() const override { return type_; }
-
- private:
-  std::string type_;
-};
-
 /// How a joint of Python was declared.
 struct JointSpec {
   std::string type, mask;
@@ -186,8 +162,8 @@ unsigned probe(const Function& f) {
 template <int n, Reads reads, bool counts>
 std::unique_ptr<Lock> joint_of(const Attachment& a, const JointSpec& spec, Function f) {
   using Phi = PythonRows<1, n, reads, counts>;
-  return std::make_unique<PythonJoint<Phi>>(spec.type, a.name, a.p(), a.s(),
-                                            spec.mask.empty() ? Mask::none : mask_from(spec.mask), Phi{std::move(f)});
+  const Mask mask = spec.mask.empty() ? Mask::none : mask_from(spec.mask);
+  return std::make_unique<HostJoint<PhiLock<Phi>>>(spec.type, a.name, a.p(), a.s(), mask, Phi{std::move(f)});
 }
 
 template <int n>
@@ -208,8 +184,9 @@ std::unique_ptr<Lock> make_joint(const Attachment& a, const JointSpec& spec, Fun
     throw ModelError(fmt::format("joint '{}' has {} rows; a function of several pairs has one", a.name, spec.rows));
   using Two = PythonRows<2, 1, Reads::both, true>;
   using Three = PythonRows<3, 1, Reads::both, true>;
-  if (a.pairs.size() == 2) return std::make_unique<PythonJoint<Two>>(spec.type, CoupledPairs(a), Two{std::move(f)});
-  return std::make_unique<PythonJoint<Three>>(spec.type, CoupledPairs(a), Three{std::move(f)});
+  if (a.pairs.size() == 2)
+    return std::make_unique<HostJoint<PhiCoupling<Two>>>(spec.type, CoupledPairs(a), Two{std::move(f)});
+  return std::make_unique<HostJoint<PhiCoupling<Three>>>(spec.type, CoupledPairs(a), Three{std::move(f)});
 }
 
 // -- forces
@@ -353,9 +330,7 @@ std::string Types::add(const py::handle& given) {
   const py::handle f = py::object(type.attr("function"));
   if (kind == "law") {
     const auto breaks = type.attr("breaks").cast<std::vector<double>>();
-    registry.laws.add(info, [f, breaks](const Params& p) -> LawPtr<MotionLaw> {
-      return std::make_shared<PythonLaw>(Function(f, p), breaks);
-    });
+    registry.laws.add(info, [f, breaks](const Params& p) { return laws::law(PythonLaw{Function(f, p)}, breaks); });
   } else if (kind == "joint") {
     const JointSpec spec{name, type.attr("mask").cast<std::string>(), type.attr("rows").cast<int>()};
     registry.links.add(info,
