@@ -5,7 +5,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -23,15 +22,8 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
 
-#if defined(__x86_64__)
-constexpr unsigned kMachine = EM_X86_64;
-#elif defined(__aarch64__)
-constexpr unsigned kMachine = EM_AARCH64;
-#elif defined(__riscv)
-constexpr unsigned kMachine = EM_RISCV;
-#else
-constexpr unsigned kMachine = EM_NONE;  // not known here: any is taken
-#endif
+// The header of the library, or of the program that contains it: the linker defines it.
+extern "C" __attribute__((visibility("hidden"))) const Elf64_Ehdr __ehdr_start;  // NOLINT: the linker's name
 
 std::string machine_name(unsigned machine) {
   static const std::map<unsigned, const char*> kNames = {
@@ -95,11 +87,12 @@ void check_image(const std::vector<char>& bytes, const std::string& path) {
   if (!std::string_view(bytes.data(), bytes.size()).starts_with(ELFMAG))
     refuse_image(path, bytes.empty() ? "it is empty" : "it does not begin with an ELF header");
   const auto header = read_at<Elf64_Ehdr>(bytes, 0, path);
-  constexpr unsigned kOrder = std::endian::native == std::endian::little ? ELFDATA2LSB : ELFDATA2MSB;
-  if (header.e_ident[EI_CLASS] != ELFCLASS64 || header.e_ident[EI_DATA] != kOrder)
-    refuse_image(path, "it is made for a machine of another word size or byte order");
-  if (kMachine != EM_NONE && header.e_machine != kMachine)
-    refuse_image(path, "it is made for " + machine_name(header.e_machine) + ", this host is " + machine_name(kMachine));
+  for (const int kind : {EI_CLASS, EI_DATA})
+    if (header.e_ident[kind] != __ehdr_start.e_ident[kind])
+      refuse_image(path, "it is made for a machine of another word size or byte order");
+  if (header.e_machine != __ehdr_start.e_machine)
+    refuse_image(path, "it is made for " + machine_name(header.e_machine) + ", this host is " +
+                           machine_name(__ehdr_start.e_machine));
   for (unsigned k = 0; k < header.e_phnum; ++k) {
     const auto s = read_at<Elf64_Phdr>(bytes, header.e_phoff + k * sizeof(Elf64_Phdr), path);
     require(bytes, s.p_offset, s.p_filesz, path);
