@@ -14,7 +14,6 @@
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/resolve.h"
 #include "framework/description/scene/tree.h"
-#include "framework/description/scene/with_values.h"
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/tree/tree_layout.h"
 #include "framework/foundation/math/limits.h"
@@ -412,18 +411,18 @@ Mechanism read_mechanism(const std::string& file, const Registry& registry,
   return read_mechanism(read_scene(file), registry, set);
 }
 
-Scene with_values(Scene scene, Registry& registry, const std::vector<std::pair<std::string, std::string>>& set) {
+Scene with_values(Scene scene, Registry& registry, const std::vector<std::string>& set) {
   for (const std::string& plugin : scene.plugins)
     if (things_of(registry, plugin_name(plugin)).empty()) load_plugin(registry, plugin);
-  std::vector<std::string> texts;
-  for (const auto& [name, value] : set) texts.push_back(name + "=" + value);
-  return texts.empty() ? scene : set_in_scene(scene, texts, registry);
+  return set.empty() ? scene : set_in_scene(scene, set, registry);
 }
 
 Mechanism read_mechanism(Scene scene, const Registry& given,
                          const std::vector<std::pair<std::string, std::string>>& set) {
   Registry registry = given;
-  scene = with_values(std::move(scene), registry, set);
+  std::vector<std::string> texts;
+  for (const auto& [name, value] : set) texts.push_back(name + "=" + value);
+  scene = with_values(std::move(scene), registry, texts);
   Mechanism mechanism = build_mechanism(scene, registry);
   record_places(mechanism);
   return mechanism;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <lockstep/scene.h>
@@ -31,6 +32,10 @@ struct SceneReading {
 /// A scene as scene_from() of scene.h reads it, which includes only what the rule lets it. `again`: it was read before
 /// with other values, and the keys that are left out were reported.
 LOCKSTEP_API Scene scene_from(Value root, std::string file, const IncludeRule&, bool again = false);
+
+/// Loads the plugins that the scene requires and the registry lacks, and sets parameters and other plain values, each by
+/// "NAME=VALUE". Throws what load_plugin() and set_in_scene() throw.
+LOCKSTEP_API Scene with_values(Scene, Registry&, const std::vector<std::string>& set);
 
 /// Throws SceneError for an unknown version of the format, before anything else is read.
 void check_format(const Value& root);

@@ -3,18 +3,15 @@
 #include "framework/hosts/c/run.h"
 
 #include <algorithm>
-#include <sstream>
 #include <utility>
 
-#include <lockstep/author/loader.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
-#include <lockstep/text.h>
-#include "framework/description/registry/shelves.h"
-#include "framework/description/scene/system_of.h"
+#include "framework/description/scene/reading.h"
 #include "framework/description/scene/write.h"
 #include "framework/hosts/c/json.h"
 #include "framework/hosts/c/registry.h"
+#include "framework/mechanism/params/read.h"
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/scene_run/scene_run.h"
 
@@ -50,10 +47,8 @@ ControlInput& Run::input(int index) {
 }
 
 std::vector<std::string> lines_of(const char* text, const char* name) {
-  std::vector<std::string> lines;
-  std::istringstream in(text_or(text, name));
-  for (std::string line; std::getline(in, line);)
-    if (const std::string_view words = text::trimmed(line); !words.empty()) lines.emplace_back(words);
+  std::vector<std::string> lines = words_at('\n', text_or(text, name));
+  std::erase(lines, "");
   return lines;
 }
 
@@ -71,21 +66,13 @@ void keep_inputs(Registry& registry, const Run& run) {
   };
 }
 
-// The registry of a run: that of the host, its inputs, and the plugins that the scene requires.
-Registry registry_for(const lockstep_registry* given, Run& run, const Scene& scene) {
+// By a copy of the host's registry, with the inputs of the run and the plugins that the scene requires.
+void open(Run& run, const lockstep_registry* given, const char* set, Scene scene) {
   Registry registry = given == nullptr ? builtin_registry() : Registry();
   if (given != nullptr)
     with_argument<RegistryObject>(given, "registry", [&](RegistryObject& r) { registry = r.registry; });
-  for (const std::string& plugin : scene.plugins)
-    if (things_of(registry, plugin_name(plugin)).empty()) load_plugin(registry, plugin);
+  scene = with_values(std::move(scene), registry, lines_of(set, "set"));
   keep_inputs(registry, run);
-  return registry;
-}
-
-void open(Run& run, const lockstep_registry* given, const char* set, Scene scene) {
-  const Registry registry = registry_for(given, run, scene);
-  if (const std::vector<std::string> lines = lines_of(set, "set"); !lines.empty())
-    scene = set_in_scene(scene, lines, registry);
   Mechanism mechanism = build_observed(scene, registry);
   record_places(mechanism);
   for (const ChannelRequest& c : mechanism.run.record) run.columns.emplace_back(c.column(), c.channel);

@@ -2,13 +2,11 @@
 // Analyses of a scene's mechanism, at its assembled start or at the present state of a run.
 #include <pybind11/complex.h>
 
-#include <algorithm>
-
 #include <lockstep/analysis.h>
 #include <lockstep/equilibrium.h>
 #include <lockstep/kinematics.h>
 #include <lockstep/modes.h>
-#include "framework/description/scene/with_values.h"
+#include "framework/description/scene/reading.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/hosts/python/simulation.h"
 #include "framework/tools/analysis/driven_scene.h"
@@ -32,7 +30,9 @@ struct Subject {
         scene(scene_of(source, types)),
         registry(types.registry()),
         run(of == nullptr ? nullptr : &of->simulation()) {
-    computing([&] { scene = with_values(std::move(scene), registry, set); });
+    std::vector<std::string> texts;
+    for (const auto& [name, value] : set) texts.push_back(name + "=" + value);
+    computing([&] { scene = with_values(std::move(scene), registry, texts); });
   }
   std::unique_ptr<Mechanism> built() const {
     auto m = std::make_unique<Mechanism>(build_mechanism(scene, registry));

@@ -4,12 +4,10 @@
 #include <pybind11/functional.h>
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <lockstep/assembly.h>
-#include "framework/description/scene/with_values.h"
+#include "framework/description/scene/reading.h"
 
 namespace lockstep::python {
 
