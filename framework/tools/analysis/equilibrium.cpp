@@ -271,11 +271,9 @@ class EquilibriumSearch {
     if (!newton(report_.relaxation_steps, options_.relaxation_steps)) no_equilibrium();
   }
 
-  bool gone() const {
-    double far = 0;
-    for (int k = 0; k < system_.n_slots(); ++k)
-      far = std::max(far, (state_.q.segment<3>(7 * k) - start_.q.segment<3>(7 * k)).norm());
-    return !(far < kFarAway * extent_);
+  bool gone() {
+    measure_move(system_, start_, state_, report_);
+    return !(report_.largest_move < kFarAway * extent_);
   }
 
   [[noreturn]] void no_equilibrium() {

@@ -6,9 +6,8 @@
 #include <functional>
 #include <utility>
 
-#include <lockstep/author/force.h>
+#include <lockstep/author/formula.h>
 #include <lockstep/author/registry.h>
-#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/tables.h"
 #include "framework/description/scene/tree.h"
@@ -26,13 +25,10 @@ constexpr const char *kInputLaw = "linear_input",  ///< scalar law: {"number", "
     *kInputTranslation = "linear_input_along",     ///< translation law: {"number", "axis", "law"}
         *kInputForce = "linear_input_force";       ///< force: {"number", "along"}
 
-std::shared_ptr<InputLaw>& input_of(const std::shared_ptr<InputLaws>& all, const Params& params) {
-  return all->at(static_cast<std::size_t>(params.integer("number")));
-}
-
-std::shared_ptr<InputLaw>& made_input(const std::shared_ptr<InputLaws>& all, const Params& params) {
-  std::shared_ptr<InputLaw>& input = input_of(all, params);
-  if (!input) input = std::make_shared<InputLaw>();
+std::shared_ptr<InputLaw>& made_input(const std::shared_ptr<InputLaws>& all, const Params& params,
+                                      LawPtr<MotionLaw> law = {}) {
+  std::shared_ptr<InputLaw>& input = all->at(static_cast<std::size_t>(params.integer("number")));
+  if (!input) input = std::make_shared<InputLaw>(std::move(law));
   return input;
 }
 
@@ -77,13 +73,11 @@ std::unique_ptr<Force> input_force(const Attachment& attachment, const Params& p
                           const double u = input->at(in.t).y;
                           if (u == 0) return;
                           const MarkerFrame P(*p), S = s != nullptr ? MarkerFrame(*s) : MarkerFrame();
-                          const Vec3 f = u * in_world(S, in).A.col(axis % 3);
-                          if (axis >= 3) {
-                            out.torque(P.slot, f), out.torque(S.slot, -f);
-                          } else {
-                            const Vec3 x = in_world(P, in).x;
-                            out.force(P.slot, f, x), out.force(S.slot, -f, x);
-                          }
+                          const auto act = [&](const Ends<double>& at, auto& load) {
+                            const Vec3 f = u * at.S.axis(axis % 3);
+                            axis >= 3 ? load.torque(f) : load.force(f, at.P.x());
+                          };
+                          formula::apply(P, S, in, act, out);
                         });
 }
 
@@ -99,9 +93,7 @@ void add_input_types(Registry& registry, const std::shared_ptr<InputLaws>& laws)
                "a law of the scene, and the input of a linearisation",
                {number, {"law", Form::law, Unit::none, kOptional, "the law of the scene", {}, LawQuantity::value}}};
   registry.laws.add(std::move(law), [laws](const Params& params) -> LawPtr<MotionLaw> {
-    std::shared_ptr<InputLaw>& input = input_of(laws, params);
-    if (!input) input = std::make_shared<InputLaw>(params.has("law") ? params.law("law") : nullptr);
-    return input;
+    return made_input(laws, params, params.has("law") ? params.law("law") : nullptr);
   });
   TypeInfo translation{kInputTranslation,
                        "a translation of the scene, and the input of a linearisation along an axis",

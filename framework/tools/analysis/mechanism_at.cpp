@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include <lockstep/error.h>
 #include <lockstep/simulation.h>
 #include "framework/tools/scene_run/scene_run.h"
 

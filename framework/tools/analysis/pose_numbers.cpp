@@ -24,22 +24,6 @@ void for_each_reaction(const System& system, Visit&& visit) {
   }
 }
 
-LinkWrench wrench_of(const Lock& link, int part, const Evaluated& v) {
-  const MarkerFrame at(*link.pairs().front().first);
-  return Reactions(v).on_body_of(at, link, v.in, part);
-}
-
-std::vector<std::pair<std::string, NamedReaction>> reactions_of(const System& system, const Evaluated& v) {
-  std::vector<std::pair<std::string, NamedReaction>> all;
-  for_each_reaction(system, [&](const Lock& link, const std::string& name, int part) {
-    const bool holds = Reactions(v).in_force(link);
-    if (holds || system.left_out(link) != 0)
-      all.push_back(
-          {name, {name, link.pairs().front().first->body->name, wrench_of(link, part, v), holds ? "" : "left out"}});
-  });
-  return all;
-}
-
 }  // namespace
 
 std::vector<Channel> pose_channels(System& system) {
@@ -73,15 +57,21 @@ std::vector<std::pair<std::string, NamedReaction>> reactions_at_rest(Dynamics& d
   const Evaluation& e = dynamics.gather(state);
   const VecX still = VecX::Zero(6 * system.n_slots());
   const double force = kNegligible * report.largest_force, moment = force * system.length();
-  auto all = reactions_of(system, {e.inputs(), still, report.lambda, e.rows()});
-  for (auto& [name, reaction] : all) {
-    const auto is_of = [&, &its = name](const std::string& channel) {
-      return channel.starts_with(its + ".force_on_p_world_") || channel.starts_with(its + ".torque_on_p_world_");
+  const Evaluated v{e.inputs(), still, report.lambda, e.rows()};
+  std::vector<std::pair<std::string, NamedReaction>> all;
+  for_each_reaction(system, [&](const Lock& link, const std::string& name, int part) {
+    const bool holds = Reactions(v).in_force(link);
+    if (!holds && system.left_out(link) == 0) return;
+    const Marker& P = *link.pairs().front().first;
+    LinkWrench wrench = Reactions(v).on_body_of(MarkerFrame(P), link, v.in, part);
+    for (double& x : wrench.force) x = std::abs(x) <= force ? 0 : x;
+    for (double& x : wrench.moment) x = std::abs(x) <= moment ? 0 : x;
+    const auto is_of = [&](const std::string& channel) {
+      return channel.starts_with(name + ".force_on_p_world_") || channel.starts_with(name + ".torque_on_p_world_");
     };
-    for (double& x : reaction.wrench.force) x = std::abs(x) <= force ? 0 : x;
-    for (double& x : reaction.wrench.moment) x = std::abs(x) <= moment ? 0 : x;
-    if (reaction.note.empty() && std::ranges::any_of(unique.channels, is_of)) reaction.note = "not unique";
-  }
+    const bool differs = std::ranges::any_of(unique.channels, is_of);  // from other reactions that are possible
+    all.push_back({name, {name, P.body->name, wrench, !holds ? "left out" : differs ? "not unique" : ""}});
+  });
   return all;
 }
 
