@@ -5,7 +5,6 @@
 #include "framework/hosts/c/lockstep/c.h"
 
 #include <atomic>
-#include <exception>
 #include <memory>
 #include <string>
 

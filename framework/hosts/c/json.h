@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <lockstep/author/params.h>
 #include <lockstep/error.h>

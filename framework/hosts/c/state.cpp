@@ -7,7 +7,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <lockstep/system.h>
 
 namespace lockstep::c {
 

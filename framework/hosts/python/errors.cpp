@@ -2,7 +2,6 @@
 // Errors become exceptions of lockstep.errors, findings become warnings.
 #include <cmath>
 
-#include <lockstep/log.h>
 #include "framework/hosts/python/bindings.h"
 
 namespace lockstep::python {
