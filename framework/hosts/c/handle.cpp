@@ -4,7 +4,6 @@
 #include <array>
 #include <boost/locale/utf.hpp>
 #include <cmath>
-#include <mutex>
 #include <new>
 #include <string_view>
 #include <thread>
@@ -14,8 +13,9 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/version.h>
+#include "framework/description/scene/json.h"
+#include "framework/description/scene/write.h"
 #include "framework/foundation/support/thrown.h"
-#include "framework/hosts/c/json.h"
 
 namespace lockstep::c {
 namespace {
@@ -39,6 +39,30 @@ static_assert(int(Error::Kind::other) + 1 == LOCKSTEP_OTHER && int(Error::Kind::
 int code_of(const Error& error) {
   if (const auto* refusal = dynamic_cast<const Refusal*>(&error)) return refusal->code;
   return error.kind() <= Error::Kind::interrupted ? static_cast<int>(error.kind()) + 1 : int(LOCKSTEP_OTHER);
+}
+
+// Sentence and data of an error; what finds no memory stays as it was.
+void write_error(const Error& error, int code, std::string& text, std::string& json) noexcept {
+  try {
+    text = utf8(error.what());
+    const ErrorData& d = error.data();
+    json = write_json_line(Value::object(
+        {{"code", code},
+         {"kind", to_string(error.kind())},
+         {"text", text},
+         {"thing",
+          Value::object(
+              {{"kind", d.thing.kind}, {"name", d.thing.name}, {"type", d.thing.type}, {"origin", d.thing.origin}})},
+         {"key", d.key},
+         {"value", d.value},
+         {"problem", d.problem},
+         {"advice", d.advice},
+         {"file", d.file},
+         {"line", d.line},
+         {"column", d.column},
+         {"t", number_or_null(d.t)}}));
+  } catch (...) {  // no memory for them
+  }
 }
 
 struct Table {
@@ -75,8 +99,8 @@ bool remove_handle(const void* handle) noexcept {
   return all.objects.erase(reinterpret_cast<std::uintptr_t>(handle)) == 1;
 }
 
-void Object::close() {
-  while (busy_.exchange(true)) std::this_thread::yield();
+void Object::lock() {
+  while (!try_lock()) std::this_thread::yield();
 }
 
 int Object::keep_error() noexcept {
@@ -97,6 +121,8 @@ int Object::keep_error() noexcept {
   }
   return code;
 }
+
+std::string utf8(const std::string& text) { return *read_json(write_json_line(text), "").text(); }
 
 void refuse(int code, const std::string& problem) { throw Refusal(code, problem); }
 void refuse_null(const char* name) {
@@ -137,8 +163,8 @@ struct LastError {
 LastError error_of(const void* handle) {
   const std::shared_ptr<Object> object = object_of(handle);
   if (object == nullptr) return {LOCKSTEP_CLOSED, "this is not a live handle; it was freed or never made", "{}"};
-  const Object::Hold hold(*object);
-  if (!hold.got()) return {LOCKSTEP_BUSY, "the handle is in use", "{}"};
+  const std::unique_lock hold(*object, std::try_to_lock);
+  if (!hold) return {LOCKSTEP_BUSY, "the handle is in use", "{}"};
   return {object->code, object->error_text.c_str(), object->error_json.c_str()};
 }
 
@@ -155,8 +181,8 @@ int lockstep_free(void* handle) {
   if (handle == nullptr) return LOCKSTEP_DONE;
   std::shared_ptr<Object> object = object_of(handle);  // destroyed here, after the hold
   if (object == nullptr) return LOCKSTEP_CLOSED;
-  const Object::Hold hold(*object);
-  if (!hold.got()) return LOCKSTEP_BUSY;
+  const std::unique_lock hold(*object, std::try_to_lock);
+  if (!hold) return LOCKSTEP_BUSY;
   object->made = false;  // for a call that has looked it up and comes later
   return remove_handle(handle) ? LOCKSTEP_DONE : LOCKSTEP_CLOSED;
 }

@@ -5,9 +5,12 @@
 #include "framework/hosts/c/lockstep/c.h"
 
 #include <atomic>
+#include <cmath>
 #include <memory>
+#include <mutex>
 #include <string>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 
 namespace lockstep::c {
@@ -16,28 +19,13 @@ namespace lockstep::c {
 /// is found to be so.
 class Object {
  public:
-  Object() = default;
-  Object(const Object&) = delete;
-  Object& operator=(const Object&) = delete;
   virtual ~Object() = default;
 
-  /// While it exists, no other call may use the object.
-  class Hold {
-   public:
-    explicit Hold(Object& of) : of_(of), got_(!of.busy_.exchange(true)) {}
-    ~Hold() {
-      if (got_) of_.busy_ = false;
-    }
-    Hold(const Hold&) = delete;
-    Hold& operator=(const Hold&) = delete;
-    bool got() const { return got_; }
-
-   private:
-    Object& of_;
-    const bool got_;
-  };
-  /// Waits for a call in progress and lets none come after it.
-  void close();
+  /// While it is locked, no other call may use the object: a std::unique_lock holds it for one call.
+  bool try_lock() { return !busy_.exchange(true); }
+  void unlock() { busy_ = false; }
+  /// Waits for a call in progress.
+  void lock();
 
   /// Calls `act`, and keeps what it throws as the error; returns its code. Throws nothing.
   template <class Act>
@@ -63,12 +51,22 @@ class Object {
   std::string text_;
 };
 
+/// A registry as a handle.
+struct RegistryObject final : Object {
+  Registry registry;
+};
+
 /// Adds an object to the table and returns its handle.
 void* new_handle(std::shared_ptr<Object>);
 /// The object of a handle; null if it is none.
 std::shared_ptr<Object> object_of(const void* handle) noexcept;
 /// Takes a handle out of the table; returns whether it was there.
 bool remove_handle(const void* handle) noexcept;
+
+/// The text; bytes that are not UTF-8, as files and hosts may give, are replaced.
+std::string utf8(const std::string& text);
+/// A number as JSON has it: null if it is not finite.
+inline Value number_or_null(double x) { return std::isfinite(x) ? Value(x) : Value(); }
 
 /// Throws an error with this code.
 [[noreturn]] void refuse(int code, const std::string& problem);
@@ -104,12 +102,12 @@ int call(const void* handle, Act&& act) noexcept {
   const std::shared_ptr<Object> object = object_of(handle);
   auto* const self = dynamic_cast<H*>(object.get());
   if (self == nullptr) return LOCKSTEP_CLOSED;
-  const Object::Hold hold(*self);
-  if (!hold.got()) return LOCKSTEP_BUSY;
+  const std::unique_lock hold(*self, std::try_to_lock);
+  if (!hold) return LOCKSTEP_BUSY;
   if (!self->made) return LOCKSTEP_CLOSED;
   if (!with_also || self->also == nullptr) return self->attempt([&] { act(*self); });
-  const Object::Hold both(*self->also);
-  return both.got() ? self->attempt([&] { act(*self); }) : int(LOCKSTEP_BUSY);
+  const std::unique_lock both(*self->also, std::try_to_lock);
+  return both ? self->attempt([&] { act(*self); }) : int(LOCKSTEP_BUSY);
 }
 
 /// Calls `act` with the object of another argument. Throws an error about it that has the code of that call.

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The functions of runs that judge: verdict, report, findings, linearisation.
-#include <lockstep/author/registry.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
 #include "framework/description/scene/write.h"
-#include "framework/hosts/c/json.h"
 #include "framework/hosts/c/run.h"
 
 namespace lockstep::c {
@@ -23,6 +21,25 @@ Value report_of(Simulation& s) {
                         {"right", verdict.right},
                         {"energy", verdict.audit.verdict()},
                         {"imbalance", number_or_null(verdict.audit.imbalance_share())}});
+}
+
+// Fields that do not apply are absent, as in the program's results.
+Value value_of(const Finding& f) {
+  Value v = Value::object({{"severity", to_string(f.severity())}, {"code", std::string(f.code())}});
+  const auto add = [&](const char* key, bool applies, Value value) {
+    if (applies) v.object()->push_back({key, std::move(value), {}});
+  };
+  const auto text = [&](const char* key, const std::string& words) { add(key, !words.empty(), words); };
+  const auto number = [&](const char* key, double x) { add(key, !std::isnan(x), number_or_null(x)); };
+  text("thing", f.thing), text("message", f.message), text("advice", f.advice);
+  number("value", f.value), number("limit", f.limit), text("unit", f.unit), number("t", f.t), text("place", f.place);
+  return v;
+}
+
+Value list_of(const std::vector<Signal>& signals) {
+  Value::List all;
+  for (const Signal& s : signals) all.push_back(Value::object({{"name", s.name}, {"unit", s.unit}}));
+  return all;
 }
 
 // About the present state, by dynamics of its own: six velocities a body, without stabilisation.

@@ -9,8 +9,6 @@
 #include <lockstep/recorder.h>
 #include "framework/description/scene/reading.h"
 #include "framework/description/scene/write.h"
-#include "framework/hosts/c/json.h"
-#include "framework/hosts/c/registry.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/scene_run/scene_run.h"

@@ -16,7 +16,8 @@ void StateObject::require(May wanted) const {
                                                : "this state cannot be evaluated; take a copy (lockstep_get_state)");
 }
 
-void check_finite(const System& system, const VecX& q, const VecX& v, const VecX& s) {
+// Throws LOCKSTEP_NON_FINITE, by the name of a body, if numbers of a state or of its rates are not finite.
+static void check_finite(const System& system, const VecX& q, const VecX& v, const VecX& s) {
   constexpr const char* kAdvice = " gets a number that is not finite; look at the state and step that were given";
   for (int k = 0; k < system.n_slots(); ++k)
     if (!q.segment<7>(7 * k).allFinite() || !v.segment<6>(6 * k).allFinite())

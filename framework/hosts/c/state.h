@@ -11,9 +11,6 @@
 
 namespace lockstep::c {
 
-/// Throws LOCKSTEP_NON_FINITE, by the name of a body, if numbers of a state or of its rates are not finite.
-void check_finite(const System&, const VecX& q, const VecX& v, const VecX& s);
-
 /// A state that a handle stands for.
 class StateObject final : public Object {
  public:
@@ -60,7 +57,7 @@ class Lent {
   /// Of a state that is only read.
   Lent(const State& state, Dynamics& dynamics)
       : Lent(const_cast<State&>(state), dynamics, StateObject::May::read) {}  // NOLINT: never changed
-  ~Lent() { remove_handle(handle_), object_->close(); }
+  ~Lent() { remove_handle(handle_), object_->lock(); }
   Lent(const Lent&) = delete;
   Lent& operator=(const Lent&) = delete;
   lockstep_state* handle() const { return handle_; }

@@ -11,12 +11,10 @@
 #include <lockstep/author/check.h>
 #include <lockstep/author/formula.h>
 #include <lockstep/author/loader.h>
+#include "framework/description/scene/describe.h"
 #include "framework/description/scene/json.h"
-#include "framework/description/scene/tables.h"
 #include "framework/description/scene/write.h"
-#include "framework/hosts/c/json.h"
 #include "framework/hosts/c/numeric_phi.h"
-#include "framework/hosts/c/registry.h"
 #include "framework/hosts/c/state.h"
 #include "framework/hosts/c/user_code.h"
 #include "framework/mechanism/params/read.h"
@@ -151,6 +149,35 @@ int add_type(lockstep_registry* registry, const char* name, const char* keys, co
       add(r.registry, std::make_shared<const Type>(name, keys, what, shelf, owner));
     });
   });
+}
+
+// Types by shelf, with the fields of `lockstep list --json`.
+Value types_of_registry(const Registry& registry) {
+  Value all = Value::object({});
+  const auto add = [](Value& to, const char* key, Value value) {
+    to.object()->push_back({key, std::move(value), {}});
+  };
+  for (const char* shelf : {"links", "laws", "forces", "integrators", "solvers"}) {
+    Value::List types;
+    for (const Description& d : shelf_contents(registry, shelf)) {
+      Value::List keys;
+      for (const Key& key : d.info.keys) {
+        keys.push_back(Value::object({{"name", key.name},
+                                      {"form", form_words(key, d.parts)},
+                                      {"required", key.required()},
+                                      {"help", key.help}}));
+        if (key.default_value() != nullptr) add(keys.back(), "default", *key.default_value());
+      }
+      types.push_back(Value::object({{"name", d.info.name},
+                                     {"shelf", d.shelf},
+                                     {"help", d.info.help},
+                                     {"origin", d.origin},
+                                     {"keys", std::move(keys)}}));
+      if (const std::string its = example_of(d); !its.empty()) add(types.back(), "example", read_json(its, "example"));
+    }
+    add(all, shelf, std::move(types));
+  }
+  return all;
 }
 
 CheckReport check(const Registry& registry, const std::string& kind, const std::string& type, const Params& keys) {

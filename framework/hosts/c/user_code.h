@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <lockstep/error.h>
+#include "framework/foundation/support/at_end.h"
 
 namespace lockstep::c {
 
@@ -34,29 +35,16 @@ int with_user(void* user, lockstep_free_user free_user, Act act) noexcept {
 /// The message of the callback in progress in this thread; null: there is none.
 extern thread_local std::string* message_in_progress;
 
-/// Takes the message of one callback.
-class Message {
- public:
-  Message() : outer_(std::exchange(message_in_progress, &text_)) {}
-  ~Message() { message_in_progress = outer_; }
-  Message(const Message&) = delete;
-  Message& operator=(const Message&) = delete;
-  const std::string& text() const { return text_; }
-
- private:
-  std::string text_;
-  std::string* outer_;
-};
-
 /// Calls a callback that may stop the run: whether it goes on. Throws UserCodeError with the callback's message.
 template <class F, class... Args>
 bool goes_on(F callback, Args... args) {
-  const Message message;
+  std::string message;
+  const AtEnd restore([outer = std::exchange(message_in_progress, &message)] { message_in_progress = outer; });
   const int result = callback(args...);
   if (result != 0 && result != LOCKSTEP_STOP)
-    throw UserCodeError(message.text().empty()
+    throw UserCodeError(message.empty()
                             ? "the callback returned " + std::to_string(result) + " " + lockstep_code_name(result)
-                            : message.text());
+                            : message);
   return result == 0;
 }
 

@@ -45,8 +45,6 @@ class Run {
  public:
   /// `record`: names of columns and their channels, beside those of the scene.
   Run(const py::object& source, Types types, const Settings& set, const Settings& record, bool with_report);
-  Run(const Run&) = delete;
-  Run& operator=(const Run&) = delete;
 
   /// Calls `act` while no other thread may use the run. If it calls functions of Python it keeps the interpreter's lock,
   /// and lends it to other threads as often as the interpreter does.

@@ -75,7 +75,7 @@ template <class T>
 struct Coordinates {
   LockCoords<T> of;
   std::shared_ptr<unsigned> read{};  // null: nobody asks
-  enum : unsigned { kTranslation = 1, kRotation = 2, kAngle = 4 };
+  enum : unsigned { kTranslation = unsigned(Reads::translation), kRotation = unsigned(Reads::rotation), kAngle = 4 };
   unsigned known = kTranslation | kRotation | kAngle;  // what the joint computes
   void note(unsigned what) const {
     if (read) *read |= what;
@@ -130,11 +130,7 @@ struct PythonRows {
   static constexpr PhiSpec spec{.pairs = pairs, .rows = n, .reads = reads, .counts_turns = counts};
   template <class T, class... More>
   auto operator()(const LockCoords<T>& first, const More&... more) const {
-    using C = Coordinates<T>;
-    const unsigned known = (lockstep::reads(reads, Reads::translation) ? unsigned(C::kTranslation) : 0) |
-                           (lockstep::reads(reads, Reads::rotation) ? unsigned(C::kRotation) : 0) |
-                           (counts ? unsigned(C::kAngle) : 0);
-    return called<n>(f, known, first, more...);
+    return called<n>(f, unsigned(reads) | (counts ? Coordinates<T>::kAngle : 0U), first, more...);
   }
 };
 
@@ -159,27 +155,22 @@ unsigned probe(const Function& f) {
   return *y.read;
 }
 
-template <int n, Reads reads, bool counts>
-std::unique_ptr<Lock> joint_of(const Attachment& a, const JointSpec& spec, Function f) {
-  using Phi = PythonRows<1, n, reads, counts>;
-  const Mask mask = spec.mask.empty() ? Mask::none : mask_from(spec.mask);
-  return std::make_unique<HostJoint<PhiLock<Phi>>>(spec.type, a.name, a.p(), a.s(), mask, Phi{std::move(f)});
-}
-
 template <int n>
-std::unique_ptr<Lock> joint_of(const Attachment& a, const JointSpec& spec, Function f) {
+std::unique_ptr<Lock> joint_of(const Attachment& a, const JointSpec& spec, const Function& f) {
   using C = Coordinates<Time>;
+  const Mask mask = spec.mask.empty() ? Mask::none : mask_from(spec.mask);
+  const auto joint = [&](auto phi) -> std::unique_ptr<Lock> {
+    return std::make_unique<HostJoint<PhiLock<decltype(phi)>>>(spec.type, a.name, a.p(), a.s(), mask, std::move(phi));
+  };
   const unsigned read = probe(f);
-  if ((read & C::kAngle) != 0) return joint_of<n, Reads::both, true>(a, spec, std::move(f));
-  if ((read & C::kRotation) != 0) return joint_of<n, Reads::both, false>(a, spec, std::move(f));
-  return joint_of<n, Reads::translation, false>(a, spec, std::move(f));
+  if ((read & C::kAngle) != 0) return joint(PythonRows<1, n, Reads::both, true>{f});
+  if ((read & C::kRotation) != 0) return joint(PythonRows<1, n, Reads::both, false>{f});
+  return joint(PythonRows<1, n, Reads::translation, false>{f});
 }
 
 std::unique_ptr<Lock> make_joint(const Attachment& a, const JointSpec& spec, Function f) {
   if (a.pairs.size() == 1)
-    return spec.rows == 1   ? joint_of<1>(a, spec, std::move(f))
-           : spec.rows == 2 ? joint_of<2>(a, spec, std::move(f))
-                            : joint_of<3>(a, spec, std::move(f));
+    return spec.rows == 1 ? joint_of<1>(a, spec, f) : spec.rows == 2 ? joint_of<2>(a, spec, f) : joint_of<3>(a, spec, f);
   if (spec.rows != 1)
     throw ModelError(fmt::format("joint '{}' has {} rows; a function of several pairs has one", a.name, spec.rows));
   using Two = PythonRows<2, 1, Reads::both, true>;

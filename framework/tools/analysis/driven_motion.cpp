@@ -83,6 +83,7 @@ bool DrivenMotion::settle_angles() {
 /// One step. False, and why, if no pose near the predicted one satisfies the constraints.
 bool DrivenMotion::step(double t) {
   const double h = t - state_.t;
+  const auto fails = [this](std::string why) { return why_ = std::move(why), false; };
   trial_ = state_;
   way_ = state_.v + 0.5 * h * a_ + h * h / 6 * jerk_;
   advance_state(trial_, h, way_);
@@ -93,20 +94,12 @@ bool DrivenMotion::step(double t) {
   lead_angles(dynamics_, state_, trial_);
   guess_.q = trial_.q;
   const ProjectReport moved = dynamics_.project(trial_);
-  const double length = dynamics_.system().length();
-  if (!moved.converged) {
-    why_ = "no position near the previous one satisfies the constraints";
-    return false;
-  }
-  if (!(moved.after_v <= kSlight * std::max(1.0, trial_.v.lpNorm<Eigen::Infinity>()))) {
-    why_ = fmt::format("the drives prescribe a velocity that the joints do not allow, by {:.2g} m/s (dead centre)",
-                       moved.after_v);
-    return false;
-  }
-  if (h != 0 && apart(dynamics_.system(), guess_, trial_) > kBranch * length) {
-    why_ = "the next position is not reached continuously";
-    return false;
-  }
+  if (!moved.converged) return fails("no position near the previous one satisfies the constraints");
+  if (!(moved.after_v <= kSlight * std::max(1.0, trial_.v.lpNorm<Eigen::Infinity>())))
+    return fails(fmt::format(
+        "the drives prescribe a velocity that the joints do not allow, by {:.2g} m/s (dead centre)", moved.after_v));
+  if (h != 0 && apart(dynamics_.system(), guess_, trial_) > kBranch * dynamics_.system().length())
+    return fails("the next position is not reached continuously");
   if (!settle_angles()) return false;
   std::swap(state_, trial_);
   if (dynamics_.system().n_memory() > 0) dynamics_.accept(state_);

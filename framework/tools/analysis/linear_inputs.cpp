@@ -249,17 +249,16 @@ class Opening {
     }
   }
   static void move_beside(Value& law, int axis, std::size_t number) {
-    Value input = Value::object({{"type", kInputTranslation}, {"number", static_cast<int>(number)}, {"axis", axis}});
-    input.object()->push_back({"law", law, law.where}), input.where = law.where;
-    law = std::move(input);
+    replace(law, Value::object({{"type", kInputTranslation},
+                                {"number", static_cast<int>(number)},
+                                {"axis", axis},
+                                {"law", law}}));
   }
   // q = (rotation by the input about an axis of the frame) (law)
   static void turn_before(Value& law, int axis, std::size_t number) {
-    Value first =
+    const Value first =
         Value::object({{"type", "axis_rotation"}, {"axis", kAxes[axis]}, {"law", input_beside(nullptr, number)}});
-    Value both = Value::object({{"type", "product"}, {"first", std::move(first)}});
-    both.object()->push_back({"second", law, law.where}), both.where = law.where;
-    law = std::move(both);
+    replace(law, Value::object({{"type", "product"}, {"first", first}, {"second", law}}));
   }
 
   void collect_force(Value& force) {
