@@ -4,6 +4,7 @@
 #include <pybind11/functional.h>
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <lockstep/assembly.h>
@@ -136,7 +137,7 @@ bool Run::goes_on() {
   if (on_step) {
     const Locked lock;
     between_steps_ = true;
-    const AtEnd over([this] { between_steps_ = false, present_.pass(); });
+    const AtEnd over([this] { between_steps_ = false, now_.reset(); });
     const py::object given = call(py::object(on_step), nullptr);
     if (!given.is_none() && !py::bool_(given)) return false;
   }
@@ -208,11 +209,21 @@ std::pair<double, std::string> Run::value(const std::string& name) {
   if (simulation(), runner_ != std::thread::id{} && !between_steps_)
     throw ModelError("\"" + name +
                      "\" cannot be read inside a step; read it in on_step, or between the calls of the run");
-  const Channel& channel = present_.channel(simulation_, recorded, name);
+  auto known = channels_.find(name);
+  if (known == channels_.end()) {
+    const auto own = std::ranges::find(recorded, name, &Settings::value_type::first);
+    Channel made = make_channel(simulation_.system(), own == recorded.end() ? name : own->second);
+    if (made.memory || made.of_motion)
+      throw ModelError("\"" + name + "\" depends on the motion before; read its column of the table");
+    known = channels_.emplace(name, std::move(made)).first;
+  }
   begin();
   double value = 0;
-  alone([&] { value = present_.value(simulation_, channel); });
-  return {value, channel.unit};
+  alone([&] {
+    if (!now_) now_.emplace(simulation_.dynamics(), simulation_.state(), none_);
+    value = known->second.value(*now_);
+  });
+  return {value, known->second.unit};
 }
 
 std::string Run::report_page() {

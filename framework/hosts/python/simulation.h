@@ -18,7 +18,6 @@
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include "framework/hosts/python/bindings.h"
-#include "framework/tools/simulation/present_channels.h"
 
 namespace lockstep::python {
 
@@ -61,7 +60,7 @@ class Run {
   void advancing(Act&& act) {
     simulation();
     take_rows_back();
-    present_.pass();
+    now_.reset();
     alone(std::forward<Act>(act));
   }
   /// Warns of what the verdict on the run finds.
@@ -91,7 +90,9 @@ class Run {
   bool goes_on();
   void warn_once(std::vector<Finding>);
   std::set<std::string> warned_;
-  PresentChannels present_;
+  std::map<std::string, Channel> channels_;  // that value() was asked for
+  StepReport none_{};
+  std::optional<Sample> now_;     // the present state, evaluated once for all of them; none: it changes
   bool between_steps_ = false;   // in a call, when it calls on_step
   std::shared_ptr<Table> rows_;  // null: the recorder has them
   Turns turns_;
