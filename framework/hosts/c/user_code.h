@@ -16,17 +16,14 @@ namespace lockstep::c {
 
 /// User data, freed with the last callback that has it.
 using User = std::shared_ptr<void>;
-inline User owned(void* user, lockstep_free_user free_user) {
-  return {user, [free_user](void* data) {
-            if (free_user != nullptr) free_user(data);
-          }};
-}
 
 /// Calls `act` with user data that is freed in any case.
 template <class Act>
 int with_user(void* user, lockstep_free_user free_user, Act act) noexcept {
   try {
-    return act(owned(user, free_user));
+    return act(User(user, [free_user](void* data) {
+      if (free_user != nullptr) free_user(data);
+    }));
   } catch (...) {
     return LOCKSTEP_MEMORY;
   }

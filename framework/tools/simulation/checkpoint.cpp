@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <string_view>
 
 #include <lockstep/error.h>
 #include <lockstep/version.h>
@@ -100,7 +101,12 @@ void write_checkpoint(const std::string& file, const Snapshot& snapshot) {
   finished = true;
 }
 
-Snapshot checkpoint_from(std::string_view bytes, const std::string& file) {
+Snapshot read_checkpoint(const std::string& file) {
+  std::ifstream in_file(file, std::ios::binary);
+  std::ostringstream text;
+  if (in_file) text << in_file.rdbuf();
+  if (!in_file) refuse(file, "cannot be read; give a file written by `lockstep run --checkpoint`");
+  const std::string_view bytes = text.view();
   check_layout(bytes, file);
   const std::size_t head = first_line().size() + 8;  // bytes before the numbers
   const std::uint64_t n = bytes.size() < head + 8 ? 0 : number_at(bytes, head - 8);
@@ -119,14 +125,6 @@ Snapshot checkpoint_from(std::string_view bytes, const std::string& file) {
     refuse(file, fmt::format("was written by lockstep {}, this is {}; continue with that version, or run again",
                              version, kVersion));
   return in.rest();
-}
-
-Snapshot read_checkpoint(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (in) text << in.rdbuf();
-  if (!in) refuse(file, "cannot be read; give a file written by `lockstep run --checkpoint`");
-  return checkpoint_from(text.str(), file);
 }
 
 }  // namespace lockstep

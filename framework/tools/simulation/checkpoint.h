@@ -10,7 +10,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include <lockstep/author/memory.h>
 #include "framework/foundation/support/hash.h"
@@ -26,7 +25,5 @@ LOCKSTEP_API void check_replaceable(const std::string& file);
 LOCKSTEP_API void write_checkpoint(const std::string& file, const Snapshot&);
 /// Reads a checkpoint. Throws FileError: there is none, it is cut or damaged, of another layout or version.
 LOCKSTEP_API Snapshot read_checkpoint(const std::string& file);
-/// The same of the bytes of a file. `file`: its name in messages.
-LOCKSTEP_API Snapshot checkpoint_from(std::string_view bytes, const std::string& file);
 
 }  // namespace lockstep
