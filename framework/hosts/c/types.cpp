@@ -14,10 +14,10 @@
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/json.h"
 #include "framework/description/scene/write.h"
-#include "framework/hosts/c/numeric_phi.h"
 #include "framework/hosts/c/state.h"
 #include "framework/hosts/c/user_code.h"
 #include "framework/mechanism/params/read.h"
+#include "framework/tools/simulation/host_types.h"
 
 namespace lockstep::c {
 
