@@ -3,7 +3,7 @@
 
 #include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
-#include "framework/description/scene/write.h"
+#include "framework/description/scene/json.h"
 #include "tests/fuzz/answered.h"
 #include "tests/fuzz/targets.h"
 

@@ -12,7 +12,6 @@
 #include <locale>
 #include <random>
 
-#include "framework/description/scene/write.h"
 #include <lockstep/error.h>
 #include "tests/support/messages.h"
 

@@ -15,7 +15,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <Eigen/Geometry>
-#include "framework/description/scene/write.h"
+#include "framework/description/scene/json.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"

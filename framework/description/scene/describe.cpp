@@ -9,8 +9,8 @@
 
 #include <lockstep/text.h>
 #include "framework/description/registry/shelves.h"
+#include "framework/description/scene/json.h"
 #include "framework/description/scene/split.h"
-#include "framework/description/scene/write.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 

@@ -6,7 +6,6 @@
 
 #include "framework/description/registry/shelves.h"
 #include "framework/description/scene/json.h"
-#include "framework/description/scene/write.h"
 
 namespace lockstep {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parses JSON texts and files to a Value, in which every key and value has its place in the text.
+// JSON: texts and files as a Value, in which every key and value has its place in the text, and back.
 #pragma once
 
 #include <cstddef>
@@ -19,5 +19,12 @@ LOCKSTEP_API Value read_json(const std::string& text, const std::string& file_na
 
 /// The Value of the file. Throws FileError when the file cannot be read, SceneError for its content.
 LOCKSTEP_API Value read_json_file(const std::string& path);
+
+/// Pretty JSON, ending with a newline; short lists of plain values are on one line. Numbers have the shortest form that
+/// reads back as the same double, whatever the locale. Throws SceneError for NaN or infinity, which JSON cannot hold.
+LOCKSTEP_API std::string write_json(const Value&);
+
+/// The same in one line, without a newline at its end.
+LOCKSTEP_API std::string write_json_line(const Value&);
 
 }  // namespace lockstep

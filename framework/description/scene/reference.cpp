@@ -5,7 +5,7 @@
 #include <boost/algorithm/string/replace.hpp>
 #include <sstream>
 
-#include "framework/description/scene/write.h"
+#include "framework/description/scene/json.h"
 #include "framework/foundation/support/lines.h"
 #include "framework/mechanism/params/units.h"
 

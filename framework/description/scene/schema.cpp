@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "framework/description/registry/shelves.h"
+#include "framework/description/scene/json.h"
 #include "framework/description/scene/split.h"
-#include "framework/description/scene/write.h"
 #include "framework/mechanism/params/units.h"
 
 namespace lockstep {

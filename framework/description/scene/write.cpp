@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/description/scene/write.h"
+#include "framework/description/scene/json.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>

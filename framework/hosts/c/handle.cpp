@@ -14,7 +14,6 @@
 
 #include <lockstep/version.h>
 #include "framework/description/scene/json.h"
-#include "framework/description/scene/write.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep::c {

@@ -2,7 +2,7 @@
 // The functions of runs that judge: verdict, report, findings, linearisation.
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
-#include "framework/description/scene/write.h"
+#include "framework/description/scene/json.h"
 #include "framework/hosts/c/run.h"
 
 namespace lockstep::c {

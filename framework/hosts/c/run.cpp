@@ -7,8 +7,8 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
+#include "framework/description/scene/json.h"
 #include "framework/description/scene/reading.h"
-#include "framework/description/scene/write.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/scene_run/scene_run.h"

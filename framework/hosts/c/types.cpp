@@ -13,7 +13,6 @@
 #include <lockstep/author/loader.h>
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/json.h"
-#include "framework/description/scene/write.h"
 #include "framework/hosts/c/state.h"
 #include "framework/hosts/c/user_code.h"
 #include "framework/mechanism/params/read.h"

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include <lockstep/text.h>
-#include "framework/description/scene/write.h"
+#include "framework/description/scene/json.h"
 #include "framework/tools/commands/benchmark.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/precision/pareto.h"

@@ -7,7 +7,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/solid.h>
-#include "framework/description/scene/write.h"
+#include "framework/description/scene/json.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/import/urdf.h"
 #include "framework/tools/program/files.h"

@@ -9,10 +9,10 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/json.h"
 #include "framework/description/scene/place.h"
 #include "framework/description/scene/reading.h"
 #include "framework/description/scene/system_of.h"
-#include "framework/description/scene/write.h"
 #include "framework/mechanism/expression/expression.h"
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/program/files.h"

@@ -16,7 +16,7 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
-#include "framework/description/scene/write.h"
+#include "framework/description/scene/json.h"
 #include "framework/foundation/support/at_end.h"
 #include "framework/foundation/support/lines.h"
 #include "framework/tools/commands/run_queue.h"

@@ -12,7 +12,7 @@
 #include <lockstep/author/lock.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/description/scene/write.h"
+#include "framework/description/scene/json.h"
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/tree/joint_tree.h"

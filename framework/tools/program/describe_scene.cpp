@@ -7,8 +7,8 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/json.h"
 #include "framework/description/scene/place.h"
-#include "framework/description/scene/write.h"
 #include "framework/mechanism/expression/expression.h"
 #include "framework/tools/program/commands.h"
 

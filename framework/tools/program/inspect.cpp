@@ -8,7 +8,7 @@
 #include <lockstep/recorder.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/describe.h"
-#include "framework/description/scene/write.h"
+#include "framework/description/scene/json.h"
 #include "framework/foundation/support/lines.h"
 #include "framework/tools/program/describe_scene.h"
 #include "framework/tools/program/findings.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include <lockstep/error.h>
-#include "framework/description/scene/write.h"
+#include "framework/description/scene/json.h"
 #include "framework/mechanism/params/read.h"
 
 namespace lockstep {

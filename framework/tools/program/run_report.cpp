@@ -6,7 +6,7 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/text.h>
-#include "framework/description/scene/write.h"
+#include "framework/description/scene/json.h"
 #include "framework/foundation/support/lines.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/report/page.h"
