@@ -12,7 +12,7 @@
 #include "framework/description/registry/law_units.h"
 #include "framework/description/registry/shelves.h"
 #include "framework/description/scene/builder.h"
-#include "framework/description/scene/resolve.h"
+#include "framework/description/scene/reading.h"
 #include "framework/description/scene/tree.h"
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/tree/tree_layout.h"

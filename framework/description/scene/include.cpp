@@ -12,7 +12,6 @@
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/definitions.h"
 #include "framework/description/scene/json.h"
-#include "framework/description/scene/resolve.h"
 #include "framework/description/scene/tree.h"
 #include "framework/mechanism/params/csv_reader.h"
 #include "framework/mechanism/params/read.h"

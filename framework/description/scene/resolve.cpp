@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/description/scene/resolve.h"
+#include "framework/description/scene/reading.h"
 
 #include <algorithm>
 #include <optional>

@@ -8,7 +8,6 @@
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/json.h"
 #include "framework/description/scene/reading.h"
-#include "framework/description/scene/resolve.h"
 #include "framework/mechanism/params/refusals.h"
 
 namespace lockstep {
