@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include <lockstep/author/lock.h>
+#include <lockstep/author/solver.h>
 #include "framework/foundation/math/limits.h"
 
 namespace lockstep {
@@ -24,7 +25,42 @@ void for_each_reaction(const System& system, Visit&& visit) {
   }
 }
 
+/// Returns the multipliers of an equilibrium and no accelerations.
+class SolverAtRest final : public LinearSolver {
+ public:
+  explicit SolverAtRest(const VecX& lambda) : lambda_(lambda) {}
+  std::string_view name() const override { return "at rest"; }
+  bool reads_rows() const override { return true; }
+  std::unique_ptr<Factorization> analyse(const KktPattern&) const override { return std::make_unique<Known>(lambda_); }
+
+ private:
+  class Known final : public Factorization {
+   public:
+    explicit Known(const VecX& lambda) : lambda_(lambda) {}
+    void compute(const Kkt&) override { solved_ = false; }
+    // The loads of friction, which follow, change nothing.
+    SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override {
+      a.setZero(f.size());
+      if (solved_) lambda.setZero(c.size());
+      if (!solved_) lambda = lambda_;
+      solved_ = true;
+      SolveReport report;
+      report.detector = HUGE_VAL;
+      return report;
+    }
+
+   private:
+    const VecX& lambda_;
+    bool solved_ = false;
+  };
+  const VecX& lambda_;
+};
+
 }  // namespace
+
+Dynamics dynamics_at_rest(System& system, const VecX& lambda) {
+  return {system, std::make_unique<SolverAtRest>(lambda)};
+}
 
 std::vector<Channel> pose_channels(System& system) {
   std::vector<Channel> all;

@@ -27,6 +27,10 @@ LOCKSTEP_API std::vector<std::pair<std::string, NamedReaction>> reactions_at_res
                                                                                   const EquilibriumReport&,
                                                                                   const UniquenessReport&);
 
+/// By which channels are evaluated in an equilibrium with these multipliers, 1 per constraint, which must outlive it: drives
+/// hold their coordinates whatever the rates of their laws are, and friction holds as it was found to.
+LOCKSTEP_API Dynamics dynamics_at_rest(System&, const VecX& lambda);
+
 /// A number with the name of its channel, "crank.x" or "A.force_on_p_world_x".
 struct PoseNumber {
   std::string name, unit;

@@ -13,7 +13,6 @@
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/foundation/support/lines.h"
-#include "framework/tools/analysis/solver_at_rest.h"
 #include "framework/tools/analysis/wild_starts.h"
 #include "framework/tools/commands/pose_columns.h"
 #include "framework/tools/commands/state_at.h"
@@ -59,7 +58,7 @@ struct Resting {
   NearRows near{};
   State state;
   EquilibriumReport report{};
-  Dynamics at_rest{system_of(m), std::make_unique<SolverAtRest>(report.lambda)};
+  Dynamics at_rest = dynamics_at_rest(system_of(m), report.lambda);
 
   Resting(const Scene& scene, const Registry& registry)
       : m(build_observed(scene, registry)),
