@@ -138,14 +138,15 @@ std::unique_ptr<Integrator> integrator_of(const std::string& type, int order, Co
   });
 }
 
-// Calls `add` with the registry and the type; the user data is freed in any case.
-template <class Callback, class Add>
-int add_type(lockstep_registry* registry, const char* name, const char* keys, const char* what, const char* shelf,
-             void* user, lockstep_free_user free_user, Callback callback, Add add) noexcept {
+// Adds a type to a shelf, with the maker that `maker` gives of it; the user data is freed in any case.
+template <class Shelf, class Callback, class Maker>
+int add_type(lockstep_registry* registry, Shelf Registry::*on, const char* shelf, const char* name, const char* keys,
+             const char* what, void* user, lockstep_free_user free_user, Callback callback, Maker maker) noexcept {
   return with_user(user, free_user, [&](const User& owner) {
     return call<RegistryObject>(registry, [&](RegistryObject& r) {
       if (callback == nullptr) refuse_null(what);
-      add(r.registry, std::make_shared<const Type>(name, keys, what, shelf, owner));
+      const auto its = std::make_shared<const Type>(name, keys, what, shelf, owner);
+      (r.registry.*on).add(its->info, maker(its));
     });
   });
 }
@@ -218,45 +219,41 @@ int lockstep_types(lockstep_registry* registry, const char** json) {
 
 int lockstep_add_law(lockstep_registry* registry, const char* type, const char* keys, lockstep_law law,
                      lockstep_next_break next_break, void* user, lockstep_free_user free_user) {
-  return add_type(registry, type, keys, "law", "laws", user, free_user, law,
-                  [&](Registry& r, const std::shared_ptr<const Type>& its) {
-                    r.laws.add(its->info, [=](const Params& p) -> LawPtr<MotionLaw> {
-                      return std::make_shared<Law>(its->code(law, p), its->code(next_break, p));
-                    });
-                  });
+  return add_type(registry, &Registry::laws, "laws", type, keys, "law", user, free_user, law, [&](const auto& its) {
+    return [=](const Params& p) -> LawPtr<MotionLaw> {
+      return std::make_shared<Law>(its->code(law, p), its->code(next_break, p));
+    };
+  });
 }
 
 int lockstep_add_joint(lockstep_registry* registry, const char* type, const char* keys, int rows, const char* mask,
                        lockstep_joint joint, void* user, lockstep_free_user free_user) {
-  return add_type(registry, type, keys, "joint", "links", user, free_user, joint,
-                  [&](Registry& r, const std::shared_ptr<const Type>& its) {
+  return add_type(registry, &Registry::links, "links", type, keys, "joint", user, free_user, joint,
+                  [&](const auto& its) {
                     within(rows, 1, 3, "rows");
-                    const Mask held = mask_from(text_or(mask, "mask"));
-                    r.links.add(its->info, [=](const Attachment& a, const Params& p) {
+                    return [=, held = mask_from(text_or(mask, "mask"))](const Attachment& a, const Params& p) {
                       return numeric_joint(its->info.name, a, held, rows, its->code(joint, p));
-                    });
+                    };
                   });
 }
 
 int lockstep_add_force(lockstep_registry* registry, const char* type, const char* keys, lockstep_force force,
                        void* user, lockstep_free_user free_user) {
-  return add_type(registry, type, keys, "force", "forces", user, free_user, force,
-                  [&](Registry& r, const std::shared_ptr<const Type>& its) {
-                    r.forces.add(its->info, [=](const Attachment& a, const Params& p) -> std::unique_ptr<Force> {
+  return add_type(registry, &Registry::forces, "forces", type, keys, "force", user, free_user, force,
+                  [&](const auto& its) {
+                    return [=](const Attachment& a, const Params& p) -> std::unique_ptr<Force> {
                       return std::make_unique<HostForce>(its->info.name, a.name, p_of(a, p),
                                                          has_s(a) ? &s_of(a, p) : nullptr, its->code(force, p));
-                    });
+                    };
                   });
 }
 
 int lockstep_add_integrator(lockstep_registry* registry, const char* type, const char* keys, int order,
                             lockstep_integrator step, void* user, lockstep_free_user free_user) {
-  return add_type(registry, type, keys, "step", "integrators", user, free_user, step,
-                  [&](Registry& r, const std::shared_ptr<const Type>& its) {
+  return add_type(registry, &Registry::integrators, "integrators", type, keys, "step", user, free_user, step,
+                  [&](const auto& its) {
                     within(order, 1, std::numeric_limits<double>::digits, "order");  // h/2 leaves less than round-off
-                    r.integrators.add(its->info, [=](const Params& p) -> std::unique_ptr<Integrator> {
-                      return integrator_of(its->info.name, order, its->code(step, p));
-                    });
+                    return [=](const Params& p) { return integrator_of(its->info.name, order, its->code(step, p)); };
                   });
 }
 
