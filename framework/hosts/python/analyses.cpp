@@ -59,11 +59,7 @@ void analysing(Run* run, Act&& act) {
     computing(std::forward<Act>(act));
 }
 
-py::list motions_of(const std::vector<FreeMotion>& motions) {
-  py::list all;
-  for (const FreeMotion& m : motions) all.append(py::make_tuple(m.words, m.stiffness));
-  return all;
-}
+py::tuple motion_of(const FreeMotion& m) { return py::make_tuple(m.words, m.stiffness); }
 
 py::dict statics(const py::object& source, Types types, const Settings& set, Run* run, bool friction, bool nearest) {
   const Subject of(source, types, set, run);
@@ -89,11 +85,11 @@ py::dict statics(const py::object& source, Types types, const Settings& set, Run
   return py::dict(py::arg("bodies") = bodies, py::arg("reactions") = joints, py::arg("t") = state.t,
                   py::arg("stability") = s.freedoms == 0 ? "no free motion" : to_string(s.kind),
                   py::arg("freedoms") = s.freedoms, py::arg("softest") = s.softest,
-                  py::arg("unstable") = motions_of(s.unstable), py::arg("neutral") = motions_of(s.neutral),
-                  py::arg("energy") = report.energy, py::arg("method") = report.method(),
-                  py::arg("held_by_friction") = report.by_friction, py::arg("unbalanced") = report.unbalanced,
-                  py::arg("largest_move") = report.largest_move, py::arg("is_singular") = report.singular,
-                  py::arg("findings") = objects_of(report.notes));
+                  py::arg("unstable") = listed(s.unstable, motion_of),
+                  py::arg("neutral") = listed(s.neutral, motion_of), py::arg("energy") = report.energy,
+                  py::arg("method") = report.method(), py::arg("held_by_friction") = report.by_friction,
+                  py::arg("unbalanced") = report.unbalanced, py::arg("largest_move") = report.largest_move,
+                  py::arg("is_singular") = report.singular, py::arg("findings") = objects_of(report.notes));
 }
 
 /// The driven motion at these times, none: those of the scene. `inverse`: with the columns of all drives and reactions.
@@ -161,11 +157,7 @@ py::dict modes(const py::object& source, Types types, const Settings& set, Run* 
                   py::arg("findings") = objects_of(found.notes));
 }
 
-py::list signals_of(const std::vector<Signal>& signals) {
-  py::list all;
-  for (const Signal& s : signals) all.append(py::make_tuple(s.name, s.unit));
-  return all;
-}
+py::tuple signal_of(const Signal& s) { return py::make_tuple(s.name, s.unit); }
 
 py::dict linearized(const py::object& source, Types types, const Settings& set, Run* run, const py::object& spin,
                     bool frozen, bool equilibrium, const std::vector<std::string>& inputs,
@@ -181,8 +173,8 @@ py::dict linearized(const py::object& source, Types types, const Settings& set, 
     s = with_advice(kAdvice, [&] { return linearize(*at.dynamics, at.state, built.inputs, channels, options); });
   });
   return py::dict(py::arg("A") = s.A, py::arg("B") = s.B, py::arg("C") = s.C, py::arg("D") = s.D,
-                  py::arg("states") = signals_of(s.states), py::arg("inputs") = signals_of(s.inputs),
-                  py::arg("outputs") = signals_of(s.outputs), py::arg("accuracy") = s.accuracy,
+                  py::arg("states") = listed(s.states, signal_of), py::arg("inputs") = listed(s.inputs, signal_of),
+                  py::arg("outputs") = listed(s.outputs, signal_of), py::arg("accuracy") = s.accuracy,
                   py::arg("findings") = objects_of(s.notes));
 }
 

@@ -162,6 +162,14 @@ Value value_of(const py::handle&, Types& types, const std::string& place = "scen
 /// The values of checked parameters by name, all numbers.
 py::dict numbers_of(const Params&);
 
+/// A list of what `object_of` makes of each.
+template <class All, class ObjectOf>
+py::list listed(const All& all, ObjectOf object_of) {
+  py::list list;
+  for (const auto& each : all) list.append(object_of(each));
+  return list;
+}
+
 /// Findings as Python objects.
 py::list objects_of(const std::vector<Finding>&);
 /// Python warnings of findings above notes.

@@ -56,11 +56,7 @@ py::object object_of(const Finding& f) {
 
 }  // namespace
 
-py::list objects_of(const std::vector<Finding>& findings) {
-  py::list all;
-  for (const Finding& f : findings) all.append(object_of(f));
-  return all;
-}
+py::list objects_of(const std::vector<Finding>& findings) { return listed(findings, object_of); }
 
 void warn(const std::vector<Finding>& findings) {
   if (!findings.empty()) python_errors().attr("warn")(objects_of(findings));

@@ -294,9 +294,7 @@ void bind_simulation(py::module_& m) {
            })
       .def("inputs",
            [](Run& r) {
-             std::vector<std::string> names;
-             for (const ControlInput& input : r.simulation().system().control_inputs()) names.push_back(input.name());
-             return names;
+             return listed(r.simulation().system().control_inputs(), [](const ControlInput& i) { return i.name(); });
            })
       .def("input", [](Run& r, const std::string& name) { return r.simulation().input(name).value(); })
       .def("set_input", [](Run& r, const std::string& name,
@@ -313,10 +311,8 @@ void bind_simulation(py::module_& m) {
       .def("channels",
            [](Run& r) {
              r.simulation().loop();
-             py::list all;
-             for (const ChannelHelp& c : channel_help(r.simulation().system()))
-               all.append(py::make_tuple(c.name, c.unit, c.help));
-             return all;
+             return listed(channel_help(r.simulation().system()),
+                           [](const ChannelHelp& c) { return py::make_tuple(c.name, c.unit, c.help); });
            })
       .def("report_page", &Run::report_page);
 }
