@@ -90,27 +90,19 @@ def _read(source: Any) -> _core.Scene:
     return source if isinstance(source, _core.Scene) else _core.Scene(source, built_in())
 
 
-def _one(scene: _core.Scene, units: Units, row: Row, until: float | None, columns: Any,
-         measure: Measure | None) -> Result:
-    """A run. `units` are taken from the first that has ended."""
-    with heard() as findings:
-        try:
-            run = Simulation(scene, set=row, record=columns, report=False)
-            run.advance_to(until)
-            if measure is not None:
-                return measure(run), None, None, findings
-            if not units:
-                units |= run.units
-            return run.extremes(), units, None, findings
-        except Exception as error:
-            return None, None, error, findings
-
-
-def _chunk(results: list[Result], scene: _core.Scene, rows: list[Row], *options: Any) -> None:
-    """The runs of some rows, appended to `results`."""
+def _chunk(results: list[Result], scene: _core.Scene, rows: list[Row], until: float | None, columns: Any,
+           measure: Measure | None) -> None:
+    """The runs of some rows, appended to `results`. Units are those of the first that has ended."""
     units: Units = {}
     for row in rows:
-        results.append(_one(scene, units, row, *options))
+        with heard() as findings:
+            try:
+                run = Simulation(scene, set=row, record=columns, report=False)
+                run.advance_to(until)
+                units = units or ({} if measure else run.units)
+                results.append((measure(run) if measure else run.extremes(), units or None, None, findings))
+            except Exception as error:
+                results.append((None, None, error, findings))
 
 
 def _remote(source: Any, *work: Any) -> list[Result]:

@@ -50,12 +50,9 @@ def _type(kind: str, function: Callable[..., Any], first: int, **more: Any) -> T
 
 def _keys(function: Callable[..., Any], first: int) -> list[tuple[str, float | None]]:
     """The parameters of a function after its first ones."""
-    keys: list[tuple[str, float | None]] = []
-    for p in list(inspect.signature(function).parameters.values())[first:]:
-        if p.kind in (p.VAR_POSITIONAL, p.VAR_KEYWORD):
-            continue
-        keys.append((p.name, None if p.default is p.empty else float(p.default)))
-    return keys
+    return [(p.name, None if p.default is p.empty else float(p.default))
+            for p in list(inspect.signature(function).parameters.values())[first:]
+            if p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)]
 
 
 def law(function: Callable[..., Any] | None = None, *, breaks: Sequence[float] = ()) -> Type:
