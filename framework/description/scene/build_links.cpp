@@ -6,6 +6,7 @@
 #include "framework/description/registry/law_units.h"
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/split.h"
+#include "framework/description/scene/tree.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/system/coordinate_names.h"
 
@@ -223,8 +224,7 @@ void Builder::drives(const Params& p, Lock& link) {
   Jointed* joint = link.jointed();
   if (joint == nullptr)
     p.refuse("drive", "a joint of type \"" + std::string(link.type()) + "\" cannot have a drive; remove it");
-  const Value::List one = {v};
-  const Value::List& items = v.list() != nullptr ? *v.list() : one;
+  const std::span<const Value> items = one_or_all(v);
   for (std::size_t i = 0; i < items.size(); ++i) {
     const std::string place = part_of(p.owner(), "drive") + (v.list() != nullptr ? "[" + std::to_string(i) + "]" : "");
     const Params drive = params_of(items[i], "drive", place, &registry_);

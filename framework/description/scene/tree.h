@@ -30,6 +30,11 @@ LOCKSTEP_API std::span<Value> items(Value& object, std::string_view key);
 inline std::span<const Value> items(const Value& object, std::string_view key) {
   return items(const_cast<Value&>(object), key);
 }
+/// The items of a list; of anything else itself.
+template <class V>
+std::span<V> one_or_all(V& v) {
+  return v.list() != nullptr ? std::span<V>(*v.list()) : std::span<V>(&v, 1);
+}
 /// The members of the object under a key; none if there is no object.
 std::span<Value::Member> members(Value& object, std::string_view key);
 

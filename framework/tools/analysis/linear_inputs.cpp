@@ -208,20 +208,15 @@ class Opening {
   void collect_drives(Value& link) {
     Value* drive = member(link, "drive");
     if (drive == nullptr) return;
-    const bool several = drive->list() != nullptr && drive->list()->size() > 1;
-    const auto take = [&](Value& one) {
+    for (Value& one : one_or_all(*drive)) {
       const std::string axis = text_of(one, "axis"), link_name = text_of(link, "name"), name = link_name + "." + axis;
       const bool speed = member(one, "law") == nullptr;
-      add(name, several ? name : link_name, std::string(axis.starts_with("r") ? "rad" : "m") + (speed ? "/s" : ""),
-          [&one, speed](std::size_t number) {
+      add(name, one_or_all(*drive).size() > 1 ? name : link_name,
+          std::string(axis.starts_with("r") ? "rad" : "m") + (speed ? "/s" : ""), [&one, speed](std::size_t number) {
             const char* const key = speed ? "speed" : "law";
             put(one, key, input_beside(member(one, key), number));
           });
-    };
-    if (Value::List* drives = drive->list())
-      for (Value& one : *drives) take(one);
-    else
-      take(*drive);
+    }
   }
 
   // Laws of time that are given under these keys: "rope.length", "table.translation.x", "A.turn.z".

@@ -181,7 +181,7 @@ CheckReport check_force(System& system, const Force& force, const CheckOptions& 
   if (std::ranges::none_of(system.forces(), [&](const auto& f) { return f.get() == &force; }))
     throw ModelError(fmt::format("check_force: force '{}' is not in the system; add it by System::add", force.name()));
   CheckReport report(fmt::format("force '{}' ({})", force.name(), force.type()), options.seed);
-  if (set_up(system, report)) ForceCheck(system, force, report, options).run();
+  if (completes(report, [&] { system.setup(); })) ForceCheck(system, force, report, options).run();
   return report;
 }
 

@@ -7,8 +7,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/error.h>
+#include "framework/tools/check/compare.h"
 #include "framework/tools/check/draw.h"
-#include "framework/tools/check/state_check.h"
 
 namespace lockstep {
 namespace {
@@ -75,7 +75,7 @@ CheckReport check_in_samples(const std::string& subject, const CheckOptions& opt
     std::function<void(CheckReport&)> check;
     try {
       check = make(sample);
-      if (!set_up(sample.system, report)) break;
+      if (!completes(report, [&] { sample.system.setup(); })) break;
     } catch (const ModelError& error) {
       if (&kind == kKinds) throw;
       report.note(fmt::format("not checked with {}: {}", kind.name, error.what()));

@@ -54,10 +54,6 @@ TestState coasted(const TestState& from, double x) {
   return to;
 }
 
-bool set_up(System& system, CheckReport& report) {
-  return completes(report, [&] { system.setup(); });
-}
-
 StateCheck::StateCheck(const System& system, CheckReport& report, const CheckOptions& options,
                        const Remembering* remembering, int first_memory)
     : system_(system),

@@ -39,9 +39,6 @@ TestState random_state(const System&, const TestState& about, Draw&, double reac
 /// The state x seconds later without accelerations: x + v t, e exp(w t/2).
 TestState coasted(const TestState&, double x);
 
-/// Sets the system up. False if user code wrote where it must not: that is reported, and nothing else can be checked.
-bool set_up(System&, CheckReport&);
-
 class StateCheck {
  public:
   virtual ~StateCheck() = default;
