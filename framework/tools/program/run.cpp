@@ -30,7 +30,6 @@
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/scene_run/requirements.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
-#include "framework/tools/scene_run/run_findings.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {

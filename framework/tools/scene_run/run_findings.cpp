@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/scene_run/run_findings.h"
-
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
@@ -8,6 +6,9 @@
 #include <lockstep/text.h>
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/system/diagnose.h"
+#include "framework/tools/rank/doubts.h"
+#include "framework/tools/rank/singular_watch.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {

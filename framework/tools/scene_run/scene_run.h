@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What every run of a scene begins with.
+// What every run of a scene begins with, and what is found of it at its end.
 #pragma once
 
 #include <optional>
@@ -74,5 +74,11 @@ inline State assembled_start(Dynamics& dynamics, Mechanism& m, AssemblyReport* r
   refuse_locked(dynamics, start);
   return start;
 }
+
+class Doubts;
+class SingularWatch;
+
+/// What speaks against the result of a run so far: singular positions, doubts, energy and drift; then whether it is stiff.
+LOCKSTEP_API std::vector<Finding> run_findings(StepLoop&, const Audit&, const Doubts&, const SingularWatch&);
 
 }  // namespace lockstep

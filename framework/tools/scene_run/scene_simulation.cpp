@@ -7,7 +7,6 @@
 #include "framework/tools/rank/singular_watch.h"
 #include "framework/tools/scene_run/requirements.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
-#include "framework/tools/scene_run/run_findings.h"
 #include "framework/tools/scene_run/scene_run.h"
 #include "framework/tools/simulation/simulation_parts.h"
 
