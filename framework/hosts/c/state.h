@@ -51,12 +51,10 @@ class StateObject final : public Object {
 /// A handle of a state for the time of a callback.
 class Lent {
  public:
-  Lent(State& state, Dynamics& dynamics, StateObject::May may)
-      : object_(std::make_shared<StateObject>(state, dynamics, may)),
+  /// A state that may be changed is not constant.
+  Lent(const State& state, Dynamics& dynamics, StateObject::May may = StateObject::May::read)
+      : object_(std::make_shared<StateObject>(const_cast<State&>(state), dynamics, may)),  // NOLINT
         handle_(static_cast<lockstep_state*>(new_handle(object_))) {}
-  /// Of a state that is only read.
-  Lent(const State& state, Dynamics& dynamics)
-      : Lent(const_cast<State&>(state), dynamics, StateObject::May::read) {}  // NOLINT: never changed
   ~Lent() { remove_handle(handle_), object_->lock(); }
   Lent(const Lent&) = delete;
   Lent& operator=(const Lent&) = delete;
