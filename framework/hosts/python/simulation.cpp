@@ -9,6 +9,7 @@
 
 #include <lockstep/assembly.h>
 #include "framework/description/scene/reading.h"
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep::python {
 
@@ -235,11 +236,7 @@ std::string Run::report_page() {
 
 void bind_simulation(py::module_& m) {
   m.def(
-      "seconds",
-      [](const std::string& text) {
-        const TypeInfo time{"time", "a time", {{"t", Form::number, Unit::time, kRequired, "s"}}};
-        return Params(Value::object({{"t", text}}), time, "time").number("t");
-      },
+      "seconds", [](const std::string& text) { return read_number(text, Unit::time, "the time"); },
       "A time of a text with a unit, s.");
   py::class_<StateView>(m, "State", "A state of a run, valid during the call of the function of an event.")
       .def_property_readonly(
