@@ -21,15 +21,6 @@ Channel channel_of(Mechanism& m, const EventRequest& request) {
   return channel;
 }
 
-Event make_event(Mechanism& m, const EventRequest& request, Recorder& recorder) {
-  Event event = request.event;
-  if (request.channel.empty()) return event;
-  const Channel channel = channel_of(m, request);
-  recorder.follow(channel);
-  event.value = ChannelCondition{channel.value, request.crosses, channel.of_motion ? channel.memory : nullptr};
-  return event;
-}
-
 }  // namespace
 
 std::unique_ptr<Recorder> make_recorder(Mechanism& m, const std::set<std::string>* only) {
@@ -66,7 +57,13 @@ std::vector<Event> make_events(Mechanism& m, Recorder& recorder) {
   std::vector<Event> events;
   Refusals wrong;
   for (const EventRequest& request : m.events)
-    wrong.attempt([&] { events.push_back(make_event(m, request, recorder)); });
+    wrong.attempt([&] {
+      Event& event = events.emplace_back(request.event);
+      if (request.channel.empty()) return;
+      const Channel channel = channel_of(m, request);
+      recorder.follow(channel);
+      event.value = ChannelCondition{channel.value, request.crosses, channel.of_motion ? channel.memory : nullptr};
+    });
   wrong.raise();
   return events;
 }
