@@ -153,17 +153,6 @@ Value read_included(const Params& p, Definitions& outer, SceneReading& reading, 
 
 constexpr const char* kBrought[] = {"requires", "points", "bodies", "markers", "links", "forces", "events"};
 
-// The value under one of these keys, if it is given.
-Value* brought_under(Value& scene, const std::string& key) {
-  Value* v = member(scene, key);
-  if (v == nullptr) return nullptr;
-  const bool points = key == "points";
-  if (points ? v->object() == nullptr : v->list() == nullptr)
-    refuse(v->where, part_of("scene", key),
-           std::string("expected ") + (points ? "an object of points by name" : "a list") + ", got " + shown(*v));
-  return v;
-}
-
 }  // namespace
 
 void expand_includes(Value& root, SceneReading& reading, Formulas& formulas) {
@@ -185,7 +174,7 @@ void expand_includes(Value& root, SceneReading& reading, Formulas& formulas) {
   for (const char* key : kBrought) {
     Value brought(Value::Object{});
     for (Value& part : parts)
-      if (Value* v = brought_under(part, key)) append(brought, key, std::move(*v));
+      if (Value* v = member(part, key)) append(brought, key, std::move(*v), part_of("scene", key));
     if (Value* all = member(brought, key)) made_under(root, key, {}) = std::move(*all);
   }
 }

@@ -81,17 +81,6 @@ class Copy {
   std::string index_, number_;
 };
 
-void append(Value& root, const Value::Member& part, const Copy& copy, const std::string& owner) {
-  Value more = part.value;
-  const std::string context = part_of(owner, part.key);
-  const bool points = part.key == "points";
-  if (points ? more.object() == nullptr : more.list() == nullptr)
-    refuse(more.where, context,
-           std::string("expected ") + (points ? "an object of points" : "a list of objects") + ", got " + shown(more));
-  copy.fill(more, context);
-  append(root, part.key, std::move(more));
-}
-
 void expand(Value& root, const Value& object, const std::string& owner, Definitions& definitions) {
   Value settled = object;
   if (settled.object() != nullptr)
@@ -109,9 +98,13 @@ void expand(Value& root, const Value& object, const std::string& owner, Definiti
   if (times < 0 || times > kMostCopies)
     p.refuse("times", "it is " + std::to_string(times) + "; give a number from 0 to " + std::to_string(kMostCopies));
   for (int k = 0; k < times; ++k)
-    for (const Value::Member& m : *object.object())
-      if (m.key != "times" && m.key != "from" && m.key != "index")
-        append(root, m, Copy(definitions, index, from + k), owner);
+    for (const auto& [key, part, where] : *object.object()) {
+      if (key == "times" || key == "from" || key == "index") continue;
+      const std::string context = part_of(owner, key);
+      Value more = part;
+      Copy(definitions, index, from + k).fill(more, context);
+      append(root, key, std::move(more), context);
+    }
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <iterator>
 
+#include "framework/mechanism/params/read.h"
+
 namespace lockstep {
 
 std::span<Value> items(Value& object, std::string_view key) {
@@ -30,8 +32,12 @@ Value& made_under(Value& object, const std::string& key, Value fresh) {
   return object.object()->back().value;
 }
 
-void append(Value& scene, const std::string& key, Value more) {
+void append(Value& scene, const std::string& key, Value more, const std::string& context) {
   const SourceLocation where = more.where;
+  const bool points = key == "points";
+  if (points ? more.object() == nullptr : more.list() == nullptr)
+    refuse(where, context,
+           std::string("expected ") + (points ? "an object of points by name" : "a list") + ", got " + shown(more));
   Value* all = member(scene, key);
   if (all == nullptr)
     scene.object()->push_back({key, std::move(more), where});

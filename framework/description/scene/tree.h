@@ -46,8 +46,9 @@ inline void replace(Value& v, Value by) { v = placed_at(SourceLocation(v.where),
 LOCKSTEP_API Value& made_under(Value& object, const std::string& key, Value fresh);
 /// Gives a key another value, at the place of the old one or of the object.
 inline void put(Value& object, const std::string& key, Value v) { replace(made_under(object, key, {}), std::move(v)); }
-/// Puts items of a list, or members of an object, behind those under a key of the scene.
-void append(Value& scene, const std::string& key, Value more);
+/// Puts points, members of an object, or other things, items of a list, behind those under a key of the scene. Throws
+/// SceneError if they are of another form.
+void append(Value& scene, const std::string& key, Value more, const std::string& context);
 
 /// Calls visit(child, key) for the items of a list, whose key is "", and for the members of an object.
 template <class V, class F>
