@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <vector>
 
 #include <lockstep/error.h>
 #include "framework/foundation/support/hash.h"
@@ -34,7 +33,7 @@ std::string machine_name(unsigned machine) {
 }
 
 // A pipe is not opened: that would wait for its writer forever.
-std::vector<char> bytes_of(const std::string& path) {
+std::string bytes_of(const std::string& path) {
   static const std::map<fs::file_type, const char*> kOthers = {{fs::file_type::directory, "a folder"},
                                                                {fs::file_type::fifo, "a pipe"},
                                                                {fs::file_type::character, "a device"},
@@ -51,15 +50,13 @@ std::vector<char> bytes_of(const std::string& path) {
   if (end < 0) throw PluginError(who + "has no end; a plugin is a regular file");
   const auto size = static_cast<std::uint64_t>(end);
   if (size > kMostBytes) throw PluginError(fmt::format("{}has {} bytes; a plugin has at most 2^30", who, size));
-  std::vector<char> bytes(size);
+  std::string bytes(size, '\0');
   if (!file.seekg(0).read(bytes.data(), static_cast<std::streamsize>(size)))
     throw PluginError(who + "cannot be read to its end; try again");
   return bytes;
 }
 
-PluginStamp stamp_of_bytes(const std::vector<char>& bytes) {
-  return {bytes.size(), hash_of({bytes.data(), bytes.size()})};
-}
+PluginStamp stamp_of_bytes(const std::string& bytes) { return {bytes.size(), hash_of(bytes)}; }
 
 [[noreturn]] void refuse_image(const std::string& path, const std::string& why) {
   throw PluginError("plugin file '" + path + "' is not a shared library that can be loaded here: " + why +
@@ -67,14 +64,14 @@ PluginStamp stamp_of_bytes(const std::vector<char>& bytes) {
 }
 
 // Refuses a file that ends before n bytes from `offset` on.
-void require(const std::vector<char>& bytes, std::uint64_t offset, std::uint64_t n, const std::string& path) {
+void require(const std::string& bytes, std::uint64_t offset, std::uint64_t n, const std::string& path) {
   if (offset > bytes.size() || bytes.size() - offset < n)
     refuse_image(path, fmt::format("the file is truncated: {} bytes, but its headers require at least {}", bytes.size(),
                                    std::max({offset, n, offset + n})));
 }
 
 template <class T>
-T read_at(const std::vector<char>& bytes, std::uint64_t offset, const std::string& path) {
+T read_at(const std::string& bytes, std::uint64_t offset, const std::string& path) {
   require(bytes, offset, sizeof(T), path);
   T value;
   std::memcpy(&value, bytes.data() + offset, sizeof value);
@@ -83,8 +80,8 @@ T read_at(const std::vector<char>& bytes, std::uint64_t offset, const std::strin
 
 // The faults that the system's loader does not report: another machine, and a file that was cut (ELF: System V ABI,
 // chapters 4 and 5).
-void check_image(const std::vector<char>& bytes, const std::string& path) {
-  if (!std::string_view(bytes.data(), bytes.size()).starts_with(ELFMAG))
+void check_image(const std::string& bytes, const std::string& path) {
+  if (!bytes.starts_with(ELFMAG))
     refuse_image(path, bytes.empty() ? "it is empty" : "it does not begin with an ELF header");
   const auto header = read_at<Elf64_Ehdr>(bytes, 0, path);
   for (const int kind : {EI_CLASS, EI_DATA})
@@ -104,11 +101,9 @@ void check_image(const std::vector<char>& bytes, const std::string& path) {
 PluginStamp stamp_of(const std::string& file) { return stamp_of_bytes(bytes_of(file)); }
 
 CheckedFile data_from(const std::string& path, std::string_view magic, std::size_t most) {
-  const std::vector<char> bytes = bytes_of(path);
+  const std::string bytes = bytes_of(path);
   check_image(bytes, path);
-  const auto at = std::search(bytes.begin(), bytes.end(), magic.begin(), magic.end());
-  const auto n = std::min<std::ptrdiff_t>(bytes.end() - at, static_cast<std::ptrdiff_t>(most));
-  return {stamp_of_bytes(bytes), {at, at + n}};
+  return {stamp_of_bytes(bytes), bytes.substr(std::min(bytes.find(magic), bytes.size()), most)};
 }
 
 }  // namespace lockstep
