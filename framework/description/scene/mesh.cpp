@@ -151,13 +151,11 @@ TriangleMesh read_stl_text(const std::string& file, std::string_view text) {
 }
 
 // 80 bytes of any text, the number of triangles, and of each its normal, three corners and two bytes; little endian.
-TriangleMesh read_stl_binary(const std::string& file, std::string_view bytes) {
+TriangleMesh read_stl_binary(const std::string& file, std::string_view bytes, std::uint32_t n) {
   static_assert(std::endian::native == std::endian::little);
   if (bytes.size() < kStlHead)
     throw FileError(file + ": it has " + std::to_string(bytes.size()) + " bytes; a binary STL has at least " +
                     std::to_string(kStlHead) + ", a text STL begins with \"solid\"");
-  std::uint32_t n = 0;
-  std::memcpy(&n, bytes.data() + kStlHead - 4, 4);
   const std::size_t needed = kStlHead + kStlTriangle * std::size_t{n};
   if (needed != bytes.size())
     throw FileError(file + ": it declares " + std::to_string(n) + " triangles (" + std::to_string(needed) +
@@ -184,7 +182,7 @@ TriangleMesh read_stl(const std::string& file, std::string_view bytes) {
   const std::string_view shown = text::trimmed(bytes.substr(0, 200), " \t\r\n");
   const bool is_text = shown.size() >= 5 && same_word(shown.substr(0, 5), "solid") &&
                        bytes.substr(0, 2000).find('\0') == std::string_view::npos;
-  return is_text && !sized ? read_stl_text(file, bytes) : read_stl_binary(file, bytes);
+  return is_text && !sized ? read_stl_text(file, bytes) : read_stl_binary(file, bytes, n);
 }
 
 // Number of a corner "7", "7/2", "7//3" or "-1": from 1, or from the last point backwards.

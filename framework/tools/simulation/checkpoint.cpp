@@ -7,17 +7,18 @@
 
 #include <bit>
 #include <cerrno>
-#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <string_view>
 
 #include <lockstep/error.h>
 #include <lockstep/version.h>
 #include "framework/foundation/support/at_end.h"
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep {
 
@@ -46,14 +47,13 @@ void append(std::string& bytes, std::uint64_t n) { bytes.append(reinterpret_cast
 void check_layout(std::string_view bytes, const std::string& file) {
   if (!bytes.starts_with(kMagic)) refuse(file, "is not a checkpoint; give a file written by lockstep run --checkpoint");
   const std::string_view rest = bytes.substr(kMagic.size());
-  int layout = 0;
-  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), layout);
-  if (error != std::errc{} || end == rest.data() + rest.size() || *end != '\n')
-    refuse(file, "is truncated or damaged: its first line has no layout number; use an older one");
-  if (layout != kCheckpointLayout)
+  const std::size_t end = rest.find('\n');
+  const std::optional<int> layout = end != rest.npos ? number_in<int>(rest.substr(0, end)) : std::nullopt;
+  if (!layout) refuse(file, "is truncated or damaged: its first line has no layout number; use an older one");
+  if (*layout != kCheckpointLayout)
     refuse(file, fmt::format("has layout {} instead of {}: another version or build of lockstep wrote it; use that "
                              "one, or run the scene again from its start",
-                             layout, kCheckpointLayout));
+                             *layout, kCheckpointLayout));
 }
 
 }  // namespace
@@ -69,10 +69,8 @@ void write_checkpoint(const std::string& file, const Snapshot& snapshot) {
   Snapshot all;
   all.put_text(kVersion);
   const std::vector<double>&head = all.numbers(), &rest = snapshot.numbers();
-  std::string bytes;
-  const std::string line = first_line();
-  bytes.reserve(line.size() + 8 * (head.size() + rest.size()) + 16);
-  bytes.append(line);
+  std::string bytes = first_line();
+  bytes.reserve(bytes.size() + 8 * (head.size() + rest.size()) + 16);
   append(bytes, head.size() + rest.size());
   for (const std::vector<double>* part : {&head, &rest})
     bytes.append(reinterpret_cast<const char*>(part->data()), 8 * part->size());
