@@ -159,9 +159,7 @@ void Shelf<Product, Args...>::merge(const Shelf& other) {
                             ? "it is already loaded into this registry; load it once"
                             : kind_ + " '" + name + "'" + origin_words(entry.origin) + " is already registered" +
                                   origin_words(taken->origin) + "; choose another name");
-  auto merged = entries_;
-  merged.insert(other.entries_.begin(), other.entries_.end());
-  entries_.swap(merged);
+  entries_.insert(other.entries_.begin(), other.entries_.end());
 }
 
 template class Shelf<LawPtr<MotionLaw>>;

@@ -10,11 +10,6 @@
 namespace lockstep::python {
 namespace {
 
-template <class J>
-J power(const J& a, const J& b) {
-  return exp(b * log(a));
-}
-
 // Operators with a jet and with a number on either side, and the functions that numpy calls of objects: numpy.sin(jet) is
 // jet.sin().
 template <class J>
@@ -49,7 +44,8 @@ void bind_jet(py::module_& m, const char* name) {
             return p == 0 ? J(1) : p == 1 ? a : p == 2 ? a * a : p == 0.5 ? sqrt(a) : pow(a, p);
           },
           py::is_operator())
-      .def("__pow__", &power<J>, py::is_operator())
+      .def(
+          "__pow__", [](const J& a, const J& b) { return exp(b * log(a)); }, py::is_operator())
       .def(
           "__rpow__", [](const J& a, double b) { return exp(std::log(b) * a); }, py::is_operator())
       .def("__neg__", [](const J& a) { return -a; })

@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
 #include <lockstep/report.h>
 #include <lockstep/scene.h>

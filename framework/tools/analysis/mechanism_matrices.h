@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include <lockstep/dynamics.h>
 #include "framework/tools/rank/stopping_form.h"
 
 namespace lockstep {
