@@ -131,11 +131,9 @@ class Mechanism:
             raise AttributeError(name)
         if name in _SHAPES:
             return partial(self._shape, name)
-        names = _names()
-        if name in names["joints"]:
-            return partial(self.joint, name)
-        if name in names["forces"]:
-            return partial(self.force, name)
+        for kind, add in (("joints", self.joint), ("forces", self.force)):
+            if name in _names()[kind]:
+                return partial(add, name)
         near = difflib.get_close_matches(name, self.__dir__(), 1)
         raise AttributeError(f'no joint, force or shape "{name}"' + (f'; did you mean "{near[0]}"?' if near else ""))
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import html
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 from typing import TYPE_CHECKING, Any, Union
 
@@ -235,13 +236,11 @@ class Simulation:
             out.write(page)
 
     def _repr_html_(self) -> str:
-        if not (self._report and self._run.begun):
-            return f"<pre>{html.escape(repr(self))}</pre>"
-        try:
-            page = html.escape(self._run.report_page(), quote=True)
-        except ModelError:  # nothing ran yet
-            return f"<pre>{html.escape(repr(self))}</pre>"
-        return f'<iframe srcdoc="{page}" style="width: 100%; height: 720px; border: 0"></iframe>'
+        with suppress(ModelError):  # nothing ran yet
+            if self._report and self._run.begun:
+                page = html.escape(self._run.report_page(), quote=True)
+                return f'<iframe srcdoc="{page}" style="width: 100%; height: 720px; border: 0"></iframe>'
+        return f"<pre>{html.escape(repr(self))}</pre>"
 
     def __repr__(self) -> str:
         name = self._run.title or "a scene without a title"

@@ -162,10 +162,8 @@ def _of_measures(rows: list[Mapping[str, Any]]) -> list[Column]:
     """The numbers that a measure returned."""
     columns = []
     for name in dict.fromkeys(itertools.chain.from_iterable(rows)):
-        try:
+        with suppress(TypeError, ValueError):  # no number; `measured` has it
             columns.append(Column([float(row.get(name, math.nan)) for row in rows], name))
-        except (TypeError, ValueError):  # no number; `measured` has it
-            continue
     return columns
 
 
