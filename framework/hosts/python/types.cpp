@@ -274,12 +274,10 @@ class PythonForce final : public FormulaForce<PythonForce> {
 /// The keys of a Type: the further parameters of its function.
 Keys keys_of(const py::object& type) {
   Keys keys;
-  for (const py::handle each : type.attr("keys")) {
-    const py::tuple key = py::reinterpret_borrow<py::tuple>(each);
-    keys.push_back({key[0].cast<std::string>(), Form::number, Unit::any,
-                    key[1].is_none() ? Default(kRequired) : Default(Value(key[1].cast<double>())),
+  using Given = std::vector<std::pair<std::string, std::optional<double>>>;  // with their defaults
+  for (const auto& [name, fallback] : type.attr("keys").cast<Given>())
+    keys.push_back({name, Form::number, Unit::any, fallback ? Default(Value(*fallback)) : Default(kRequired),
                     "a parameter of the function"});
-  }
   return keys;
 }
 
