@@ -3,6 +3,7 @@
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
 #include "framework/description/scene/json.h"
+#include "framework/description/scene/tree.h"
 #include "framework/hosts/c/run.h"
 
 namespace lockstep::c {
@@ -26,11 +27,12 @@ Value report_of(Simulation& s) {
 // Fields that do not apply are absent, as in the program's results.
 Value value_of(const Finding& f) {
   Value v = Value::object({{"severity", to_string(f.severity())}, {"code", std::string(f.code())}});
-  const auto add = [&](const char* key, bool applies, Value value) {
-    if (applies) v.object()->push_back({key, std::move(value), {}});
+  const auto text = [&](const char* key, const std::string& words) {
+    if (!words.empty()) put(v, key, words);
   };
-  const auto text = [&](const char* key, const std::string& words) { add(key, !words.empty(), words); };
-  const auto number = [&](const char* key, double x) { add(key, !std::isnan(x), number_or_null(x)); };
+  const auto number = [&](const char* key, double x) {
+    if (!std::isnan(x)) put(v, key, number_or_null(x));
+  };
   text("thing", f.thing), text("message", f.message), text("advice", f.advice);
   number("value", f.value), number("limit", f.limit), text("unit", f.unit), number("t", f.t), text("place", f.place);
   return v;

@@ -13,6 +13,7 @@
 #include <lockstep/author/loader.h>
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/json.h"
+#include "framework/description/scene/tree.h"
 #include "framework/hosts/c/state.h"
 #include "framework/hosts/c/user_code.h"
 #include "framework/mechanism/params/read.h"
@@ -154,9 +155,6 @@ int add_type(lockstep_registry* registry, Shelf Registry::*on, const char* shelf
 // Types by shelf, with the fields of `lockstep list --json`.
 Value types_of_registry(const Registry& registry) {
   Value all = Value::object({});
-  const auto add = [](Value& to, const char* key, Value value) {
-    to.object()->push_back({key, std::move(value), {}});
-  };
   for (const char* shelf : {"links", "laws", "forces", "integrators", "solvers"}) {
     Value::List types;
     for (const Description& d : shelf_contents(registry, shelf)) {
@@ -166,16 +164,16 @@ Value types_of_registry(const Registry& registry) {
                                       {"form", form_words(key, d.parts)},
                                       {"required", key.required()},
                                       {"help", key.help}}));
-        if (key.default_value() != nullptr) add(keys.back(), "default", *key.default_value());
+        if (key.default_value() != nullptr) put(keys.back(), "default", *key.default_value());
       }
       types.push_back(Value::object({{"name", d.info.name},
                                      {"shelf", d.shelf},
                                      {"help", d.info.help},
                                      {"origin", d.origin},
                                      {"keys", std::move(keys)}}));
-      if (const std::string its = example_of(d); !its.empty()) add(types.back(), "example", read_json(its, "example"));
+      if (const std::string its = example_of(d); !its.empty()) put(types.back(), "example", read_json(its, "example"));
     }
-    add(all, shelf, std::move(types));
+    put(all, shelf, std::move(types));
   }
   return all;
 }
