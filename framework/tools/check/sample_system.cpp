@@ -2,11 +2,12 @@
 #include "framework/tools/check/sample_system.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/error.h>
+#include <lockstep/function_laws.h>
 #include "framework/tools/check/compare.h"
 #include "framework/tools/check/draw.h"
 
@@ -18,21 +19,18 @@ constexpr SampleKind kKinds[] = {{"both bodies moving", false, false, false},
                                  {"P on the ground", false, true, false},
                                  {"markers moving by laws", false, false, true}};
 
-// Smooth motions of markers, with exact derivatives.
-struct Sway final : TranslationLaw {
-  explicit Sway(const Vec3& to) : a(to) {}
-  TranslationValue at(double t) const override {
-    return {std::sin(1.3 * t) * a, 1.3 * std::cos(1.3 * t) * a, -1.69 * std::sin(1.3 * t) * a};
-  }
-  Vec3 a;
-};
-struct Wag final : RotationLaw {
-  explicit Wag(const Vec3& axis) : n(axis.normalized()) {}
-  RotationValue at(double t) const override {
-    return {axis_angle(n, 0.3 * std::sin(1.7 * t)), 0.51 * std::cos(1.7 * t) * n, -0.867 * std::sin(1.7 * t) * n};
-  }
-  Vec3 n;
-};
+// A smooth motion of a marker.
+void move_by_laws(Marker& m, Draw& draw) {
+  const Vec3 a = draw.vector(0.2), n = draw.vector(1).normalized();
+  m.translation_law = laws::translation([a](auto t) {
+    const auto share = sin(1.3 * t);
+    return std::array{share * a[0], share * a[1], share * a[2]};
+  });
+  m.rotation_law = laws::rotation([n](auto t) {
+    const auto half = 0.15 * sin(1.7 * t), s = sin(half);
+    return QuatT<decltype(t)>{cos(half), s * n[0], s * n[1], s * n[2]};
+  });
+}
 
 }  // namespace
 
@@ -58,10 +56,7 @@ Attachment SampleSystem::attachment(const std::string& name) {
     Marker& p = system.add_marker(of + "P" + number, *bodies_[k], {draw.vector(0.2), draw.turn(0.5)});
     Marker& s = system.add_marker(of + "S" + number, *common_, {draw.vector(0.2), draw.turn(0.5)});
     if (kind.markers_move)
-      for (Marker* m : {&p, &s}) {
-        m->translation_law = std::make_shared<Sway>(draw.vector(0.2));
-        m->rotation_law = std::make_shared<Wag>(draw.vector(1));
-      }
+      for (Marker* m : {&p, &s}) move_by_laws(*m, draw);
     attachment.pairs.emplace_back(&p, &s);
   }
   return attachment;
