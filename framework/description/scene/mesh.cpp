@@ -16,12 +16,12 @@
 #include <lockstep/error.h>
 #include <lockstep/solid.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/json.h"
 #include "framework/mechanism/params/read.h"
 
 namespace lockstep {
 namespace {
 
-constexpr std::size_t kMostMeshBytes = std::size_t{64} << 20;
 constexpr std::size_t kMostTriangles = 1'000'000;
 constexpr std::size_t kStlHead = 84, kStlTriangle = 50;  // bytes
 
@@ -231,7 +231,7 @@ std::string bytes_of_mesh(const std::string& file) {
     throw FileError(file + ": " +
                     (std::filesystem::exists(file, error) ? "it is not a file" : "there is no such file") +
                     "; check the path, which is relative to the scene's folder");
-  if (std::filesystem::file_size(file, error) > kMostMeshBytes && !error)
+  if (std::filesystem::file_size(file, error) > kMostBytes && !error)
     throw FileError(file + ": it is larger than 64 MB; make the mesh coarser, for example with MeshLab or Blender");
   std::ifstream in(file, std::ios::binary);
   std::string bytes{std::istreambuf_iterator<char>(in), {}};

@@ -12,6 +12,7 @@
 #include <lockstep/body.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/json.h"
 #include "framework/tools/import/robot.h"
 
 namespace lockstep::urdf {
@@ -19,8 +20,7 @@ namespace {
 
 using Tree = boost::property_tree::ptree;
 
-constexpr int kMostDepth = 200;                            // of tags: the parser calls itself
-constexpr std::size_t kMostBytes = std::size_t{64} << 20;  // as of scenes
+constexpr int kMostTags = 200;  // nested: the parser calls itself
 
 /// The nesting of tags, at most.
 int depth_of(const std::string& text) {
@@ -71,7 +71,7 @@ class Reader {
   Tree tree_of(const std::string& text) const {
     if (text.size() > kMostBytes) fail("it is larger than 64 MB, the limit");
     if (!is_utf8(text)) fail("it is not in UTF-8; convert it");
-    if (depth_of(text) > kMostDepth) fail("its tags are nested deeper than " + std::to_string(kMostDepth) + " levels");
+    if (depth_of(text) > kMostTags) fail("its tags are nested deeper than " + std::to_string(kMostTags) + " levels");
     Tree tree;
     std::istringstream in(text);
     try {
