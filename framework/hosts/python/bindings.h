@@ -58,19 +58,12 @@ class Locked {
  private:
   std::optional<py::gil_scoped_acquire> lock_;
 };
-/// Lends the lock, which this thread holds, to others.
-class Unlocked {
- public:
-  Unlocked() : state_(PyEval_SaveThread()) {}
-  Unlocked(const Unlocked&) = delete;
-  Unlocked& operator=(const Unlocked&) = delete;
-  ~Unlocked() {
-    outlasting([this] { PyEval_RestoreThread(state_); });
-  }
-
- private:
-  PyThreadState* state_;
-};
+/// Lends the lock, which this thread holds, to others until what it returns is destroyed, unless `keeps`.
+inline auto lent_lock(bool keeps = false) {
+  return AtEnd([state = keeps ? nullptr : PyEval_SaveThread()] {
+    if (state != nullptr) outlasting([state] { PyEval_RestoreThread(state); });
+  });
+}
 
 /// Looks for an interrupt (Ctrl-C) while something computes, and lends the lock to others, as often as the interpreter does.
 class Turns {
@@ -179,8 +172,7 @@ void warn(const std::vector<Finding>&);
 template <class Act>
 std::vector<Finding> found_by(Act&& act, bool holds = false) {
   FindingScope scope;
-  std::optional<Unlocked> unlocked;
-  if (!holds) unlocked.emplace();
+  const auto others = lent_lock(holds);
   act();
   return std::move(scope.found);
 }

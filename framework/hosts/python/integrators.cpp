@@ -20,7 +20,7 @@ struct SystemView {
   StateRate rates(const State& at) const {
     if (dynamics == nullptr) throw ModelError("the system of an integrator is used after its step");
     StateRate k = sized_like(at);
-    const Unlocked others;
+    const auto others = lent_lock();
     dynamics->rate(at, k);
     return k;
   }

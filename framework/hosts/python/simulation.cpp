@@ -129,7 +129,7 @@ void Turns::take() {
   const auto now = std::chrono::steady_clock::now();
   if (now - looked_ < interval_) return;
   looked_ = now;
-  if (PyGILState_Check() != 0) const Unlocked others;
+  if (PyGILState_Check() != 0) const auto others = lent_lock();
   const Locked lock;
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
