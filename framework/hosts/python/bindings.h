@@ -9,7 +9,6 @@
 #include <chrono>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,16 +47,10 @@ decltype(auto) outlasting(Act&& act) {
   }
 }
 
-/// Holds the interpreter's lock, in any thread.
-class Locked {
- public:
-  Locked() {
-    outlasting([this] { lock_.emplace(); });
-  }
-
- private:
-  std::optional<py::gil_scoped_acquire> lock_;
-};
+/// Holds the interpreter's lock, in any thread, until what it returns is destroyed.
+inline py::gil_scoped_acquire locked() {
+  return outlasting([] { return py::gil_scoped_acquire(); });
+}
 /// Lends the lock, which this thread holds, to others until what it returns is destroyed, unless `keeps`.
 inline auto lent_lock(bool keeps = false) {
   return AtEnd([state = keeps ? nullptr : PyEval_SaveThread()] {
@@ -116,7 +109,7 @@ class Held {
   explicit Held(py::object object)
       : object_(new py::object(std::move(object)), [](py::object* o) {
           if (Py_IsInitialized() == 0) return;  // the interpreter has ended, and the object with it
-          const Locked lock;
+          const auto lock = locked();
           delete o;
         }) {}
   const py::object& operator*() const { return *object_; }

@@ -34,14 +34,14 @@ class PythonIntegrator final : public HostIntegrator {
                        [=](Dynamics& dynamics, State& y, double h) { y = ended(name, method, dynamics, y, h); }),
         method_(method) {}
   void begin(Dynamics&, const State&) override {
-    const Locked lock;
+    const auto lock = locked();
     if (py::hasattr(*method_, "begin")) call(method_->attr("begin"), nullptr);
   }
   bool saves_all() const override { return false; }
 
  private:
   static State ended(const std::string& name, const Held& method, Dynamics& dynamics, const State& y, double h) {
-    const Locked lock;
+    const auto lock = locked();
     const py::object made = call_with(method->attr("step"), SystemView{&dynamics}, py::cast(y), py::float_(h));
     if (!py::isinstance<State>(made))
       throw py::type_error(fmt::format("step() of integrator '{}' returned {}; return the new state", name,
@@ -67,7 +67,7 @@ void set_part(State& y, const py::array_t<double, py::array::c_style | py::array
 void add_integrator(Registry& registry, const TypeInfo& info, py::handle type) {
   const int order = type.attr("order").cast<int>();
   registry.integrators.add(info, [name = info.name, order, type](const Params& p) -> std::unique_ptr<Integrator> {
-    const Locked lock;
+    const auto lock = locked();
     return std::make_unique<PythonIntegrator>(name, order, Held(type.attr("function")(**numbers_of(p))));
   });
 }

@@ -77,12 +77,12 @@ void add_event(Run& run, std::string name, const py::object& when, std::optional
   if (at) e.at = *at;
   if (!when.is_none())
     e.value = [f = py::handle(when)](const Sample& s) {
-      const Locked lock;
+      const auto lock = locked();
       return call_with(f, StateView{&s.state, &s.system()}).cast<double>();
     };
   if (!change.is_none())
     e.change = [f = py::handle(change), &run](State& s) {
-      const Locked lock;
+      const auto lock = locked();
       call_with(f, StateView{&s, &run.simulation().system(), &s});
     };
   run.functions.append(when), run.functions.append(change);
@@ -130,13 +130,13 @@ void Turns::take() {
   if (now - looked_ < interval_) return;
   looked_ = now;
   if (PyGILState_Check() != 0) const auto others = lent_lock();
-  const Locked lock;
+  const auto lock = locked();
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
 
 bool Run::goes_on() {
   if (on_step) {
-    const Locked lock;
+    const auto lock = locked();
     between_steps_ = true;
     const AtEnd over([this] { between_steps_ = false, now_.reset(); });
     const py::object given = call(py::object(on_step), nullptr);

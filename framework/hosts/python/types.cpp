@@ -34,7 +34,7 @@ T number_from(const py::handle& o, const char* what) {
 class Function {
  public:
   Function(py::handle f, const Params& parameters) : f_(f) {
-    const Locked lock;
+    const auto lock = locked();
     if (!parameters.keys().empty()) keys_.emplace(numbers_of(parameters));
   }
   template <class... Args>
@@ -56,7 +56,7 @@ struct PythonLaw {
 
   Time operator()(const Time& t) const {
     constexpr const char* kWhat = "the function of a law";
-    const Locked lock;
+    const auto lock = locked();
     if (argument && (**argument).ref_count() == 1)
       (**argument).cast<Time&>() = t;
     else
@@ -119,7 +119,7 @@ auto rows_from(const py::object& rows) {
 /// The rows of a function at coordinates. Not inlined: rows of a function are compiled flat, with all that they call.
 template <int n, class T, class... More>
 [[gnu::noinline]] auto called(const Function& f, unsigned known, const LockCoords<T>& first, const More&... more) {
-  const Locked lock;
+  const auto lock = locked();
   return rows_from<T, n>(f(py::cast(Coordinates<T>{first, {}, known}), py::cast(Coordinates<T>{more, {}, known})...));
 }
 
@@ -145,7 +145,7 @@ unsigned probe(const Function& f) {
   using C = Coordinates<Time>;
   C y{{}, std::make_shared<unsigned>(0)};
   y.of.e0 = 1.0;
-  const Locked lock;
+  const auto lock = locked();
   try {
     f(py::cast(y));
   } catch (py::error_already_set& error) {  // a pose that it cannot take
@@ -246,7 +246,7 @@ class PythonForce final : public FormulaForce<PythonForce> {
 
   template <class T, class Load>
   void act(const Ends<T>& at, Load& load) const {
-    const Locked lock;
+    const auto lock = locked();
     const py::object made = f_(py::cast(EndsView<T>{MarkerView<T>(at.P), MarkerView<T>(at.S), at.t}));
     if (!py::isinstance<py::dict>(made)) return load.force(vector_from<T>(made, "the force"), at.P.x());
     for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(made)) {
