@@ -115,11 +115,6 @@ std::vector<std::string> read_panel(const Value& panel, std::vector<ChannelReque
   return names;
 }
 
-void read_draw(const Params& p, RunSettings& run, Refusals& wrong) {
-  for (const Value& panel : items_of(p, "draw", "a list of panels, each a list of recorded names"))
-    wrong.attempt([&] { run.draw.push_back(read_panel(panel, run.record, wrong)); });
-}
-
 // The settings with known names and valid forms; errors of the others are kept.
 Value sound_settings(const Value& v, Refusals& wrong) {
   Refusals here;
@@ -220,7 +215,10 @@ RunSettings read_run(const Value& v) {
     recorded = (v.find("record") == nullptr) == (sound.find("record") == nullptr);
   });
   if (recorded) {  // else errors of these may follow from that of "record"
-    wrong.attempt([&] { read_draw(p, run, wrong); });
+    wrong.attempt([&] {
+      for (const Value& panel : items_of(p, "draw", "a list of panels, each a list of recorded names"))
+        wrong.attempt([&] { run.draw.push_back(read_panel(panel, run.record, wrong)); });
+    });
     wrong.attempt([&] { read_outputs(sound, run.record); });
   }
   wrong.raise();

@@ -14,14 +14,6 @@ namespace {
 
 constexpr Event::Crossing kCrossings[] = {Event::Crossing::falling, Event::Crossing::any, Event::Crossing::rising};
 
-std::function<double(const Sample&)> condition_of(lockstep_condition condition, double crosses, const User& user) {
-  return [=](const Sample& s) {
-    double value = 0;
-    invoke(condition, user.get(), Lent(s.state, s.dynamics()).handle(), &value);
-    return value - crosses;
-  };
-}
-
 std::function<double(const Sample&)> channel_of(Run& run, Simulation& s, const char* name, double crosses) {
   const Channel channel = make_channel(s.system(), name);
   if (!run.begun) s.recorder().follow(channel);
@@ -74,7 +66,11 @@ int lockstep_add_event(lockstep_run* run, const char* name, const char* channel,
       if (channel != nullptr)
         event.value = channel_of(r, s, needed_text(channel, "channel"), value);
       else if (condition != nullptr)
-        event.value = condition_of(condition, value, owner);
+        event.value = [=](const Sample& at) {
+          double now = 0;
+          invoke(condition, owner.get(), Lent(at.state, at.dynamics()).handle(), &now);
+          return now - value;
+        };
       else
         event.at = value;
       if (action != nullptr)

@@ -13,10 +13,6 @@
 
 namespace lockstep {
 
-void TestState::stop() {
-  for (Motion& O : motions) O.v.setZero(), O.w.setZero();
-}
-
 TestState start_of(const System& system, double t) {
   const State start = system.start();
   TestState at{t, {}, start.s, start.z};

@@ -28,7 +28,9 @@ struct TestState {
   Motion& slot(int k) { return motions[k + 1]; }
   const Motion& slot(int k) const { return motions[k + 1]; }
   /// Sets every velocity to zero.
-  void stop();
+  void stop() {
+    for (Motion& O : motions) O.v.setZero(), O.w.setZero();
+  }
 };
 
 /// The start of a set-up system, at time t.
