@@ -7,7 +7,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-
 namespace lockstep::c {
 
 void StateObject::require(May wanted) const {

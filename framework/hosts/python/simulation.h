@@ -91,7 +91,7 @@ class Run {
   std::set<std::string> warned_;
   std::map<std::string, Channel> channels_;  // that value() was asked for
   StepReport none_{};
-  std::optional<Sample> now_;     // the present state, evaluated once for all of them; none: it changes
+  std::optional<Sample> now_;    // the present state, evaluated once for all of them; none: it changes
   bool between_steps_ = false;   // in a call, when it calls on_step
   std::shared_ptr<Table> rows_;  // null: the recorder has them
   Turns turns_;

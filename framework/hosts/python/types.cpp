@@ -170,7 +170,9 @@ std::unique_ptr<Lock> joint_of(const Attachment& a, const JointSpec& spec, const
 
 std::unique_ptr<Lock> make_joint(const Attachment& a, const JointSpec& spec, Function f) {
   if (a.pairs.size() == 1)
-    return spec.rows == 1 ? joint_of<1>(a, spec, f) : spec.rows == 2 ? joint_of<2>(a, spec, f) : joint_of<3>(a, spec, f);
+    return spec.rows == 1   ? joint_of<1>(a, spec, f)
+           : spec.rows == 2 ? joint_of<2>(a, spec, f)
+                            : joint_of<3>(a, spec, f);
   if (spec.rows != 1)
     throw ModelError(fmt::format("joint '{}' has {} rows; a function of several pairs has one", a.name, spec.rows));
   using Two = PythonRows<2, 1, Reads::both, true>;

@@ -244,10 +244,9 @@ class Opening {
     }
   }
   static void move_beside(Value& law, int axis, std::size_t number) {
-    replace(law, Value::object({{"type", kInputTranslation},
-                                {"number", static_cast<int>(number)},
-                                {"axis", axis},
-                                {"law", law}}));
+    replace(law,
+            Value::object(
+                {{"type", kInputTranslation}, {"number", static_cast<int>(number)}, {"axis", axis}, {"law", law}}));
   }
   // q = (rotation by the input about an axis of the frame) (law)
   static void turn_before(Value& law, int axis, std::size_t number) {
