@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
+#include "framework/tools/charts/chart_path.h"
 #include "framework/tools/charts/chart_style.h"
 
 namespace lockstep {
@@ -121,6 +122,16 @@ void panel(Script& out, const ChartSpec& spec, const Layout& layout, std::size_t
   plot(out, clauses);
 }
 
+// Widens the range that has more room, so that both axes have one scale: pixels per unit.
+void equalize(Range& x, Range& y, double width, double height) {
+  const double span = std::max((x.second - x.first) / width, (y.second - y.first) / height);
+  const auto widen = [&](Range& r, double pixels) {
+    const double middle = 0.5 * (r.first + r.second);
+    r = {middle - 0.5 * span * pixels, middle + 0.5 * span * pixels};
+  };
+  widen(x, width), widen(y, height);
+}
+
 }  // namespace
 
 Series table_series(const Table& table, const std::string& x, const std::string& y, const std::string& label) {
@@ -135,6 +146,23 @@ void write_chart(const std::string& path, const ChartSpec& spec) {
   const Layout layout = layout_of(spec);
   for (std::size_t k = 0; k < spec.panels.size(); ++k) panel(out, spec, layout, k);
   draw_page(out, path, spec.width, spec.height);
+}
+
+void write_path(const std::string& path, const PathSpec& spec) {
+  ChartSpec chart{spec.title, spec.x_label, {{spec.y_label, {{"", spec.x, spec.y}}}}};
+  chart.width = spec.width, chart.height = spec.height;
+  check(chart);
+  Panel& panel = chart.panels.front();
+  Extent x{}, y{};
+  x.take(spec.x, false), y.take(spec.y, false);
+  chart.x_range = with_margin(x), panel.y_range = with_margin(y);
+  const Layout at = layout_of(chart);
+  if (spec.equal_scales && chart.x_range && panel.y_range)
+    equalize(*chart.x_range, *panel.y_range, (at.right - at.left) * spec.width, at.plot_height * spec.height);
+  std::size_t first = 0;
+  while (first + 1 < spec.x.size() && !(std::isfinite(spec.x[first]) && std::isfinite(spec.y[first]))) ++first;
+  panel.notes = {{spec.x[first], spec.y[first], "start"}};
+  write_chart(path, chart);
 }
 
 }  // namespace lockstep

@@ -104,7 +104,7 @@ void add_panel(Script& out, const GridSpec& spec, const Legend& legend, std::siz
     clauses.push_back(plot_clause(block_name(k, i), s, n));
   }
   if (!panel.open_ends.x.empty()) {
-    path_data(out, "open", panel.open_ends);
+    series_data(out, "open", panel.open_ends);
     clauses.push_back(fmt::format("$open using 1:2 {} notitle", kRings));
   }
   plot(out, clauses);

@@ -16,18 +16,24 @@ namespace {
 // Okabe and Ito, "Color universal design" (2008), darkest first.
 constexpr std::array<std::string_view, 7> kColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                   "#e69f00", "#56b4e9", "#000000"};
-constexpr std::size_t kMostPoints = 3000;
+constexpr std::size_t kMostPoints = 3000, kMostOfPath = 40'000;
 
 bool is_color(const std::string& text) {
   return text.size() == 7 && text[0] == '#' &&
          std::all_of(text.begin() + 1, text.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
 }
 
-// Of each run of points the first, the least and the largest: a picture 1000 pixels wide shows no more.
+// Of each run of points the first, the least and the largest: a picture 1000 pixels wide shows no more. Of a path, whose
+// points are not ordered along x, evenly spread ones.
 std::vector<std::size_t> thinned(const Series& s) {
   std::vector<std::size_t> keep;
   const std::size_t n = s.y.size();
   const bool joined = s.style == SeriesStyle::lines || s.style == SeriesStyle::dashes;
+  if (joined && !std::ranges::is_sorted(s.x)) {
+    for (std::size_t i = 0; i < n; i += 1 + n / kMostOfPath) keep.push_back(i);
+    if (keep.back() + 1 != n) keep.push_back(n - 1);
+    return keep;
+  }
   const std::size_t run = joined && n > kMostPoints ? (3 * n + kMostPoints - 1) / kMostPoints : 1;
   for (std::size_t i = 0; i < n; i += run) {
     const std::size_t end = std::min(i + run, n);
@@ -49,16 +55,6 @@ std::vector<std::size_t> thinned(const Series& s) {
 std::size_t character_end(const std::string& text, std::size_t at) {
   while (at > 0 && at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80) --at;
   return std::min(at, text.size());
-}
-
-void point_data(Script& out, const std::string& name, const Series& s, const std::vector<std::size_t>& which) {
-  out.begin_data(name);
-  for (std::size_t i : which) {
-    const double row[] = {s.x[i], s.y[i]};
-    const bool shown = std::isfinite(s.x[i]) && std::isfinite(s.y[i]);
-    out.row(std::span(row, shown ? 2 : 0));
-  }
-  out.end_data();
 }
 
 constexpr std::size_t kTitleLetters = 84;  // in a line: 870 pixels
@@ -131,15 +127,14 @@ void notes(Script& out, const std::vector<Note>& all) {
   }
 }
 
-void series_data(Script& out, const std::string& name, const Series& s) { point_data(out, name, s, thinned(s)); }
-
-void path_data(Script& out, const std::string& name, const Series& s) {
-  constexpr std::size_t kMost = 40'000;
-  const std::size_t stride = 1 + s.x.size() / kMost;
-  std::vector<std::size_t> which;
-  for (std::size_t i = 0; i < s.x.size(); i += stride) which.push_back(i);
-  if (!which.empty() && which.back() + 1 != s.x.size()) which.push_back(s.x.size() - 1);
-  point_data(out, name, s, which);
+void series_data(Script& out, const std::string& name, const Series& s) {
+  out.begin_data(name);
+  for (const std::size_t i : thinned(s)) {
+    const double row[] = {s.x[i], s.y[i]};
+    const bool shown = std::isfinite(s.x[i]) && std::isfinite(s.y[i]);
+    out.row(std::span(row, shown ? 2 : 0));
+  }
+  out.end_data();
 }
 
 std::string plot_clause(const std::string& name, const Series& s, std::size_t n) {

@@ -24,8 +24,6 @@ LOCKSTEP_API void axis(Script&, char axis, const std::string& label, bool log, d
 LOCKSTEP_API void notes(Script&, const std::vector<Note>&);
 /// Data block `$name` of the series, thinned to what a picture can show.
 LOCKSTEP_API void series_data(Script&, const std::string& name, const Series&);
-/// The same of a path, whose points are not ordered along x: thinned evenly.
-LOCKSTEP_API void path_data(Script&, const std::string& name, const Series&);
 /// The name of the data block of one series of one panel, and all blocks of some panels.
 LOCKSTEP_API std::string block_name(std::size_t panel, std::size_t series);
 template <class P>
