@@ -3,10 +3,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <cmath>
 #include <optional>
 
-#include <lockstep/assembly.h>
 #include <lockstep/error.h>
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/consistency.h"
@@ -15,7 +13,6 @@
 #include "framework/tools/program/run_warnings.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/rank/cause.h"
-#include "framework/tools/rank/loop_rows.h"
 #include "framework/tools/rank/motion_words.h"
 #include "framework/tools/rank/unknowns.h"
 
@@ -53,24 +50,6 @@ State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, Mobili
   }
   if (!near.looked) near = {true, nearly_redundant_at(dynamics, m, start)};
   return start;
-}
-
-/// Joints whose laws move their constraints at one of some times, which meet no period.
-std::vector<std::string> moved_by_laws(Dynamics& dynamics, State at, double until) {
-  std::vector<std::string> names;
-  at.v.setZero();
-  try {
-    for (int k = 0; k < 10; ++k) {
-      at.t = until * std::sqrt(k) / 3;
-      const Evaluation& e = dynamics.gather_rows(at);
-      VecX C, rates;
-      e.residuals(C, rates);
-      for (int row = 0; row < rates.size(); ++row)
-        if (rates[row] != 0) add_name(NamedRow(dynamics.system(), e.rows(), row).link->name(), names);
-    }
-  } catch (const Error&) {  // a law ends before: a run reports it
-  }
-  return names;
 }
 
 bool is_near(const BranchPoint& position) { return position.singular || position.nearness < kNearPosition; }
@@ -114,7 +93,7 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   r.freedoms = in_space.freedoms, r.driven = in_space.driven, r.drives = in_space.drives;
   found.columns_not_unique = columns_not_unique(m.run, found.reactions);
   if (r.freedoms + r.driven == 0 && r.drives.empty() && found.error.empty())
-    found.laws = moved_by_laws(dynamics, at, m.run.until > 0 ? m.run.until : 1);
+    found.laws = moved_by_laws(dynamics, at, m.run.until > 0 ? m.run.until : 1).value_or(std::vector<std::string>());
   if (r.freedoms > 0 && r.freedoms <= kMostMotions && in_space.unknowns <= kDenseUnknowns)
     found.moves = driven_by(dynamics, at);
   return found;

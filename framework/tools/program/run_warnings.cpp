@@ -5,6 +5,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include <lockstep/analysis.h>
 #include <lockstep/author/integrator.h>
@@ -16,6 +17,7 @@
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/tools/rank/cause.h"
 #include "framework/tools/rank/doubts.h"
+#include "framework/tools/rank/loop_rows.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
@@ -43,27 +45,6 @@ bool may_let_go(const Mechanism& m) {
          std::ranges::any_of(m.events, [](const EventRequest& e) { return !e.event.deactivate.empty(); });
 }
 
-// Whether laws drive constraints from t = 0 s to `until`: Ct, or C of bodies at rest, at some times. An error of a law
-// is reported by the run.
-bool laws_move(Dynamics& dynamics, const State& state, double until) try {
-  constexpr double kMoves = 1e-9, kOff = 1e-6;  // m/s; m, beyond what assembling leaves
-  State at = state;
-  dynamics.to_slots(at);
-  at.v.setZero();
-  VecX C, Cd;
-  constexpr int kInstants = 127;
-  for (int k = 0; k <= kInstants; ++k) {
-    at.t = until * k / kInstants;
-    const Evaluation& e = dynamics.gather_rows(at);
-    e.residuals(C, Cd);
-    if (!(e.norm(Cd) <= kMoves)) return true;
-    if (!(e.norm(C) <= kOff)) return true;
-  }
-  return false;
-} catch (const Error&) {
-  return true;
-}
-
 // The active joints with constraints, merged ones too.
 std::vector<std::string> holding(const System& system, const State& state) {
   std::vector<std::string> names;
@@ -73,6 +54,26 @@ std::vector<std::string> holding(const System& system, const State& state) {
 }
 
 }  // namespace
+
+std::optional<std::vector<std::string>> moved_by_laws(Dynamics& dynamics, State at, double until) try {
+  constexpr double kMoves = 1e-9, kOff = 1e-6;  // m/s; m, beyond what assembling leaves
+  constexpr int kInstants = 127;
+  std::vector<std::string> names;
+  dynamics.to_slots(at);
+  at.v.setZero();
+  VecX C, Cd;
+  for (int k = 0; k <= kInstants; ++k) {
+    at.t = until * k / kInstants;
+    const Evaluation& e = dynamics.gather_rows(at);
+    e.residuals(C, Cd);
+    for (int row = 0; row < C.size(); ++row)
+      if (!(std::abs(Cd[row]) <= kMoves && std::abs(C[row]) <= kOff))
+        add_name(NamedRow(dynamics.system(), e.rows(), row).link->name(), names);
+  }
+  return names;
+} catch (const Error&) {
+  return {};
+}
 
 std::vector<Finding> settings_to_warn_of(const Scene& scene, const Mechanism& m, const Arguments& args, bool adaptive) {
   const RunSettings& run = m.run;
@@ -155,7 +156,8 @@ void warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, i
   const System& system = m.system;
   if (system.n_velocities() == 0 || system.n_velocities() > most || may_let_go(m)) return;
   const MobilityReport mobile = mobility(dynamics, sim.state());
-  if (mobile.freedoms > 0 || laws_move(dynamics, sim.state(), m.run.until)) return;
+  if (mobile.freedoms > 0) return;
+  if (const auto moved = moved_by_laws(dynamics, sim.state(), m.run.until); !moved || !moved->empty()) return;
   State state = sim.state();
   dynamics.to_slots(state);
   if (const System::InSpace look = dynamics.look_in_space(); mobility(dynamics, state).freedoms > 0)

@@ -2,7 +2,9 @@
 // Warnings before a run: settings without effect, singular starts, reactions that are not unique.
 #pragma once
 
-#include <lockstep/sweep.h>
+#include <optional>
+
+#include <lockstep/step_loop.h>
 #include "framework/tools/program/commands.h"
 #include "framework/tools/rank/branch_point.h"
 
@@ -18,6 +20,9 @@ void refuse_impossible_formulation(const RunSettings&, const Loaded&);
 /// Throws the error of a law that has no value at the end of the run, such as a table that is shorter, unless an event
 /// may stop the run or release a joint before.
 void refuse_short_laws(const Mechanism&, Dynamics&, const State& start);
+/// Joints whose laws move their constraints from t = 0 s to `until`: Ct, or C of bodies at rest, at some times. None: a law
+/// fails there, which the run reports.
+std::optional<std::vector<std::string>> moved_by_laws(Dynamics&, State, double until);
 inline constexpr int kManyVelocities = 3000;  ///< unknown; the degrees of freedom of more are not counted
 /// Warns of a mechanism without a degree of freedom, unless a law moves it, an event releases a joint or a joint is
 /// one-sided. Not of one with more unknown velocities than `most`, as the count costs too much.

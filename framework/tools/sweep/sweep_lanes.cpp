@@ -7,6 +7,7 @@
 #include <lockstep/error.h>
 #include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/mechanism/expression/expression.h"
+#include "framework/tools/analysis/driven_scene.h"
 #include "framework/tools/precision/work_precision.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -82,20 +83,6 @@ std::string differing(const RunSettings& a, const RunSettings& b) {
                       r.stabilization.tolerance, r.formulation, r.max_steps);
   };
   return method(a) == method(b) ? "" : "the runs have different methods, steps or tolerances";
-}
-
-// The output times of a run.
-std::vector<double> output_times(const RunSettings& run) {
-  std::vector<double> times;
-  if (!run.times.empty()) {
-    for (const double t : run.times)
-      if (t <= run.until) times.push_back(t);
-    return times;
-  }
-  for (long k = 0; static_cast<double>(k) * run.output < run.until - 1e-9 * run.output; ++k)
-    times.push_back(static_cast<double>(k) * run.output);
-  times.push_back(run.until);
-  return times;
 }
 
 void prepare(Lane& lane, const Registry& registry) {
@@ -201,7 +188,8 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
       lanes.back()->found = scope.found;
       if (lanes.back()->recorder->table().names() != like.names()) return apart("the runs record different columns");
     }
-    times = output_times(scenes.front().run);
+    times = pose_times(scenes.front().run);
+    std::erase_if(times, [&](double t) { return t > scenes.front().run.until; });
     if (lanes.empty() || times.empty()) return apart("there are no output times");
     reports = run_together(lanes, times, registry, goes_on);
   } catch (const Error& error) {
