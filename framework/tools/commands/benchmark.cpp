@@ -140,19 +140,6 @@ bool has_loops(Dynamics& along_joints, State start) {
   return start.coordinates && start.coordinates->has_rows();
 }
 
-std::string run_line(const WorkPrecisionRun& r) {
-  std::string line = fmt::format(
-      "  {:<24} {:<10}  {:<9} {:<8} {:<16} ", r.integrator, to_string(r.formulation), to_string(r.stabilization),
-      r.solver, fmt::format("{} {:.3g}{}", r.adaptive ? "tolerance" : "step", r.setting, r.adaptive ? "" : " s"));
-  if (!r.done()) {
-    std::string reason = r.failure.substr(0, r.failure.find('\n'));
-    if (reason.size() > 90) reason = reason.substr(0, reason.rfind(' ', 90)) + " ...";
-    return line + (r.given_up ? "" : "failed: ") + reason;
-  }
-  return line + fmt::format("{:9.1e} {:9.1e} {:9.1e} {:9.1e} {:9.2g} {:8}{}", r.error.position, r.error.velocity,
-                            r.error.energy, r.error.reaction, r.cpu, r.evaluations, r.wrong ? "  WRONG" : "");
-}
-
 }  // namespace
 
 Options measuring_options() {
@@ -274,7 +261,6 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args) {
 
 std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Arguments& args, const Interrupt& interrupt) {
   const bool quiet = !args.has("--verbose") || args.has("--quiet") || args.has("--json");
-  bool headed = false;
   Progress progress(benchmark.options.budget, args.has("--quiet"), Counts::budget);
   const double begin = thread_seconds();
   const FindingScope unheard;  // what coarse settings do to a run is what is measured
@@ -288,11 +274,7 @@ std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Argument
   benchmark.options.measured = [&](const WorkPrecisionRun& run) {
     if (quiet || run.interrupted) return;
     progress.finish();
-    if (!headed)
-      fmt::print("  {:<24} {:<10} {:<9} {:<8} {:<16} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8}\n", "integrator",
-                 "formulation", "stabil.", "solver", "setting", "m", "m/s", "J", "N", "CPU s", "evals");
-    headed = true;
-    fmt::print("{}\n", run_line(run));
+    fmt::print("{}", run_line(run));
     std::fflush(stdout);
   };
   benchmark.options.clock = [&] {  // after an interrupt, no time is left

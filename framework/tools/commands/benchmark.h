@@ -62,6 +62,8 @@ std::string digits_text(const Json& x) {
 }
 
 // Measured runs as results have them.
+/// In one line: its errors and its cost, or why it failed.
+std::string run_line(const WorkPrecisionRun&);
 /// Method, setting, errors, cost, or why it failed.
 const Fields<WorkPrecisionRun>& measured_run_fields();
 /// The same with what is known of its cost.

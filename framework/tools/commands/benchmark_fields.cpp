@@ -8,6 +8,8 @@
 #include <cmath>
 #include <map>
 
+#include "framework/foundation/support/lines.h"
+
 namespace lockstep {
 namespace {
 
@@ -50,6 +52,12 @@ std::string count_text(const Json& names) {
 }
 
 }  // namespace
+
+std::string run_line(const WorkPrecisionRun& r) {
+  if (!r.done()) return fmt::format("  {}: {}{}\n", label(r), r.given_up ? "" : "failed: ", first_line(r.failure));
+  return fmt::format("  {}: error {}; CPU {:.2g} s, {} evaluations{}\n", label(r), error_text(error_fields()(r.error)),
+                     r.cpu, r.evaluations, r.wrong ? "; WRONG" : "");
+}
 
 const Fields<WorkPrecisionRun>& measured_run_fields() {
   using Run = WorkPrecisionRun;

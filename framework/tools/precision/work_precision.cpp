@@ -29,9 +29,7 @@ constexpr double kTooDear = 10;     // times the cheapest run that met the targe
 struct Combination {
   const MethodChoice* method;
   const SolverChoice* solver;
-  Formulation formulation;
-  Stabilization::Kind kind;
-  bool adaptive;
+  WorkPrecisionRun way;    // a run without setting and results
   bool base_form;          // only the integrator differs from the base
   double handicap;         // factor on the expected cost when the next run is chosen
   std::size_t rung = 0;    // the next setting
@@ -65,12 +63,12 @@ class Benchmark {
     for (const Combination& c : combinations_)
       if (!c.over) result_.left_out.push_back(label(run_of(c))), result_.open.push_back(run_of(c));
     for (const Combination& c : combinations_)
-      if (c.over && c.n_stuck == 0 && any_done(c)) result_.falling.push_back(run_of_first(c));
+      if (c.over && c.n_stuck == 0 && any_done(c)) result_.falling.push_back(c.way);
     // By combination in the order of the plan, each from coarse to fine.
     std::vector<WorkPrecisionRun> sorted;
     for (const Combination& c : combinations_)
       for (const WorkPrecisionRun& run : result_.runs)
-        if (is_of(run, c)) sorted.push_back(run);
+        if (same_way(run, c.way)) sorted.push_back(run);
     result_.runs = std::move(sorted);
     return std::move(result_);
   }
@@ -97,8 +95,8 @@ class Benchmark {
             if (o.separately && n > 1) continue;
             const double handicap = std::pow(kPatience, in_form) * (n > in_form ? kOther : 1.0);
             const bool keyed = n > in_form && integrator_type(method.name) != method.name;  // a key is a change as well
-            all.emplace_back(n + differs(keyed),
-                             Combination{&method, &solver, formulation, kind, *adaptive, in_form == 0, handicap});
+            const WorkPrecisionRun way{method.name, solver.name, formulation, kind, *adaptive};
+            all.emplace_back(n + differs(keyed), Combination{&method, &solver, way, in_form == 0, handicap});
           }
     }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -124,7 +122,7 @@ class Benchmark {
   }
 
   std::size_t n_rungs(const Combination& c) const {
-    return c.adaptive ? options_.tolerances.size() : options_.steps.size();
+    return c.way.adaptive ? options_.tolerances.size() : options_.steps.size();
   }
   double left() const { return options_.budget - (clocks_.clock() - begin_); }
 
@@ -162,11 +160,9 @@ class Benchmark {
   double too_long() const { return std::max(kTooDear * cheapest_met_, options_.quick); }
 
   WorkPrecisionRun run_of(const Combination& c) const {
-    WorkPrecisionRun run;
-    run.integrator = c.method->name, run.solver = c.solver->name;
-    run.formulation = run.used = c.formulation, run.stabilization = c.kind, run.adaptive = c.adaptive;
+    WorkPrecisionRun run = c.way;
     run.setting =
-        c.adaptive ? options_.tolerances[c.rung] : trajectory_.length / trajectory_.outputs / options_.steps[c.rung];
+        run.adaptive ? options_.tolerances[c.rung] : trajectory_.length / trajectory_.outputs / options_.steps[c.rung];
     return run;
   }
 
@@ -205,18 +201,18 @@ class Benchmark {
              integrator_type(other.integrator) == integrator_type(run.integrator);
     });
     if (same == result_.runs.end()) return nullptr;
-    return &*std::ranges::find_if(combinations_, [&](const Combination& c) { return is_of(*same, c); });
+    return &*std::ranges::find_if(combinations_, [&](const Combination& c) { return same_way(*same, c.way); });
   }
 
   // Ends the one with the longer name; the other has the runs of both.
   void merge(Combination& c, Combination& other) {
     c.over = true;
     if (any_done(c)) return;  // they are not the same at other settings
-    std::erase_if(result_.runs, [&](const WorkPrecisionRun& run) { return is_of(run, c); });
-    if (c.formulation != other.formulation || c.method->name.size() >= other.method->name.size()) return;
+    std::erase_if(result_.runs, [&](const WorkPrecisionRun& run) { return same_way(run, c.way); });
+    if (c.way.formulation != other.way.formulation || c.method->name.size() >= other.method->name.size()) return;
     for (WorkPrecisionRun& run : result_.runs)
-      if (is_of(run, other)) run.integrator = c.method->name;
-    std::swap(c, other), std::swap(c.method, other.method);
+      if (same_way(run, other.way)) run.integrator = c.method->name;
+    std::swap(c, other), std::swap(c.method, other.method), std::swap(c.way.integrator, other.way.integrator);
   }
 
   void keep(const WorkPrecisionRun& run) {
@@ -226,9 +222,9 @@ class Benchmark {
 
   Outcome measure(const Combination& c, WorkPrecisionRun& run, double limit) {
     Stabilization stabilization = options_.gains;
-    stabilization.kind = c.kind;
-    Recipe recipe{c.method, c.solver, {c.formulation, stabilization}};
-    if (c.adaptive)
+    stabilization.kind = run.stabilization;
+    Recipe recipe{c.method, c.solver, {run.formulation, stabilization}};
+    if (run.adaptive)
       recipe.tolerance = {run.setting, 1e-2 * run.setting}, recipe.step = options_.largest_step;
     else
       recipe.step = run.setting;
@@ -261,8 +257,8 @@ class Benchmark {
 
   // Decides whether this combination continues, and predicts the cost of its next run.
   void advance(Combination& c, const WorkPrecisionRun& run, double spent) {
-    double growth = c.adaptive ? (c.last_cpu > 0 ? std::clamp(run.cpu / c.last_cpu, 1.1, 5.0) : kFirstGrowth) : 2;
-    if (!c.adaptive && c.rung + 1 < n_rungs(c))
+    double growth = run.adaptive ? (c.last_cpu > 0 ? std::clamp(run.cpu / c.last_cpu, 1.1, 5.0) : kFirstGrowth) : 2;
+    if (!run.adaptive && c.rung + 1 < n_rungs(c))
       growth = static_cast<double>(options_.steps[c.rung + 1]) / options_.steps[c.rung];
     c.expected = growth * spent;
     c.last_cpu = run.cpu;
@@ -303,12 +299,8 @@ class Benchmark {
   }
 
   bool any_done(const Combination& c) const {
-    return std::ranges::any_of(result_.runs, [&](const WorkPrecisionRun& run) { return run.done() && is_of(run, c); });
-  }
-  bool is_of(const WorkPrecisionRun& run, const Combination& c) const { return same_way(run_of_first(c), run); }
-  WorkPrecisionRun run_of_first(Combination c) const {
-    c.rung = 0;
-    return run_of(c);
+    return std::ranges::any_of(result_.runs,
+                               [&](const WorkPrecisionRun& run) { return run.done() && same_way(run, c.way); });
   }
 
   const Trajectory& trajectory_;

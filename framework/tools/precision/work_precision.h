@@ -125,7 +125,7 @@ struct WorkPrecision {
   std::vector<Unsuited> unsuited{};      ///< reasons why n combinations, such as `what`, cannot run this mechanism
   std::vector<std::string> left_out{};   ///< runs that the budget did not reach
   std::vector<WorkPrecisionRun> open{};  ///< the same runs, by their settings: nothing is known of them
-  /// Combinations that ended at their finest setting, or as too expensive, while their error still fell, by their first.
+  /// Combinations that ended at their finest setting, or as too expensive, while their error still fell; without settings.
   std::vector<WorkPrecisionRun> falling{};
   std::string reference, second;  ///< "dop853 at 1e-13"
   HistoryError agreement;         ///< of the two references: smaller errors are meaningless
