@@ -204,7 +204,12 @@ std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<con
   std::vector<CopyReport> reports(starts.size());
   if (times.empty()) return reports;
   const bool watches = w.method->info().passes_singular && w.options.stabilization.kind == Stabilization::Kind::project;
-  const lanes::RunTask task{w.options, *w.method->scheme(), watches, w.make_integrator, times, output, step, go_on};
+  const EmbeddedScheme& scheme = *w.method->scheme();
+  const StepLoopOptions loop{.step = scheme.error != nullptr ? w.options.max_step : w.options.step,
+                             .tolerance = w.options.tolerance,
+                             .output_times = {times.begin(), times.end()},
+                             .max_steps = w.options.max_steps};
+  const lanes::RunTask task{w.options, *w.method, scheme, loop, watches, w.make_integrator, times, output, step, go_on};
   const auto run_batch = [&](lanes::Batch& batch) {
     const auto n = static_cast<std::size_t>(batch.size());
     const auto states = starts.subspan(batch.first(), n);

@@ -1,48 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/batch/copy_run.h"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <lockstep/error.h>
 #include <lockstep/solvers.h>
-#include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/consistency.h"
-#include "framework/dynamics/simulate/step_rules.h"
+#include "framework/dynamics/simulate/last_steps.h"
 
 namespace lockstep::lanes {
-
-void OutputSchedule::begin(const System& system, double t0, std::span<const double> times) {
-  times_ = times;
-  next_ = std::lower_bound(times.begin(), times.end(), t0) - times.begin();
-  const double past_end = times.empty() ? t0 : std::nextafter(times.back(), HUGE_VAL);  // a jump at the very end, too
-  passes::breakpoints(system, t0, past_end, jumps_);
-  next_jump_ = 0;
-  span_ = times.empty() ? 0.0 : times.back() - t0;
-}
-
-// An output at the jump is of its far side.
-bool OutputSchedule::jump_first() const { return next_jump_ < jumps_.size() && jumps_[next_jump_] <= times_[next_]; }
-
-double OutputSchedule::reach() const {
-  if (!jump_first()) return times_[next_];
-  const double t = jumps_[next_jump_];
-  return t - before_jump(t, span_);
-}
-
-double OutputSchedule::step(double t, double h, bool equal) const {
-  const double way = reach() - t;
-  if (equal) return way / std::max(1.0, std::ceil(way / h - 1e-6));
-  return step_within(way, h, 1e-4 * h);
-}
-
-bool OutputSchedule::lands(double t, double h) const { return t + h >= reach() - 1e-15 * std::abs(t); }
-
-double OutputSchedule::arrive(bool& output) {
-  output = !jump_first();
-  return output ? times_[next_++] : jumps_[next_jump_++];
-}
 
 void pass_jump(Dynamics& dynamics, State& state, double t) {
   const double limit = StepLoopOptions().start_limit;
@@ -52,10 +18,6 @@ void pass_jump(Dynamics& dynamics, State& state, double t) {
   cross_rest(dynamics, state, t, rate);
   if (const auto refusal = jump.refusal(dynamics, state, limit)) throw AssemblyError(*refusal);
   make_consistent(dynamics, state, "the jump of a law", limit);
-}
-
-void check_length(const LastSteps& last, const RunTask& task, double end, double t, long n) {
-  last.check({task.options.integrator, task.scheme.error != nullptr, t, end, n, task.options.max_steps});
 }
 
 namespace {
@@ -84,7 +46,8 @@ class Follower final : public Observer {
     if (report_.t < task_.times.back())
       guarded([&] {
         task_.go_on_from(report_.t);
-        check_length(last_, task_, task_.times.back(), report_.t, report_.steps);
+        last_.check({task_.options.integrator, task_.scheme.error != nullptr, report_.t, task_.times.back(),
+                     report_.steps, task_.loop.max_steps});
       });
   }
   void jumped(const Sample& sample) override { tell(sample.state, true); }
@@ -136,9 +99,8 @@ void run_alone(System& system, int copy, State state, std::size_t next, double s
                CopyReport& report) try {
   report.alone = true, report.t = state.t;
   Dynamics dynamics = task.dynamics_of(system);
-  const double step = task.scheme.error ? task.options.max_step : task.options.step;
   StepLoop loop(dynamics, task.make_integrator(),
-                {.step = step, .tolerance = task.options.tolerance, .start_limit = start_limit});
+                {.step = task.loop.step, .tolerance = task.loop.tolerance, .start_limit = start_limit});
   Follower follower(copy, dynamics, task, report);
   loop.add_observer(follower);
   loop.set_state(std::move(state));

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include <lockstep/error.h>
 #include "framework/tools/batch/lane_run.h"
 
 namespace lockstep::lanes {
@@ -13,11 +14,14 @@ void LaneRun::choose_steps() {
     Lane& the = lanes_[l];
     h_[l] = 0;  // lanes that have ended do not move
     if (!the.going) continue;
-    double h = the.advised;
-    if (task_.options.max_step > 0) h = std::min(h, task_.options.max_step);
-    the.asked = h;
-    h_[l] = the.schedule.step(t_[l], h, fixed_);
-    the.lands = the.schedule.lands(t_[l], h_[l]);
+    try {
+      if (!the.rejected) the.target = the.clock.next_target(t_[l], task_.times.back(), kNever, 0, false);
+      h_[l] = the.clock.step_towards(t_[l], the.target, the.largest);
+    } catch (const Error&) {  // the scalar code reports it
+      leave(l);
+    }
+    if (!the.rejected) the.asked = h_[l];
+    the.lands = h_[l] == the.target.reach - t_[l];
   }
 }
 

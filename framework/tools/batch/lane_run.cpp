@@ -39,13 +39,14 @@ void LaneRun::begin(std::span<const State> starts) {
     Lane& the = lanes_[l];
     if (!the.going) continue;
     const State start = starts_[l];  // arrive() may park the lane
-    the.schedule.begin(batch_.system(l), start.t, task_.times);
+    the.clock.set_end(task_.times.back(), start.t);
+    the.clock.start(start.t);
+    the.next = std::ranges::lower_bound(task_.times, start.t) - task_.times.begin();
     the.control.begin();
-    the.last.begin(start.t);
     reports_[l].t = start.t;
-    if (the.schedule.reach() <= start.t) arrive(l);
+    arrive(l);
     if (the.going && batch_.watches()) find_redundancy(l, start);
-    if (the.going) the.advised = task_.options.step > 0 ? task_.options.step : first_step(l, start);
+    if (the.going) the.clock.begin(start.t, task_.options.step > 0 ? task_.options.step : first_step(l, start));
   }
   batch_.start_from(y_.data(), t_);
 }
@@ -65,8 +66,7 @@ double LaneRun::first_step(int lane, const State& start) const {
   norm.scale(start, 1.0);
   StateRate f0 = sized_like(start), f1 = f0;
   State y0 = start, y1;
-  double largest = lanes_[lane].schedule.reach() - start.t;
-  if (task_.options.max_step > 0) largest = std::min(largest, task_.options.max_step);
+  const double largest = lanes_[lane].clock.horizon(start.t);
   try {
     dynamics.to_formulation(y0);  // coordinates of its own
     y1 = y0;
@@ -94,19 +94,22 @@ void LaneRun::see(int lane) {
   batch_.to_slots(lane, told_);
 }
 
-// Ends a step at the schedule's next instant.
+// What is due at the target of a step: the jump of a law, then outputs.
 void LaneRun::arrive(int lane) {
   Lane& the = lanes_[lane];
-  const double before = t_[lane];
-  bool output = false;
-  t_[lane] = reports_[lane].t = the.schedule.arrive(output);
-  if (!survives(lane, [&] { output ? see(lane) : cross_jump(lane, before); })) return;
-  if (output)
-    task_.tell(batch_.first() + lane, the.schedule.next() - 1, told_);
-  else
+  if (the.target.jump) {
+    const double before = t_[lane];
+    t_[lane] = reports_[lane].t = the.target.t;
+    if (!survives(lane, [&] { cross_jump(lane, before); })) return;
     tell_step(lane, true);
-  the.going = the.going && !the.schedule.done();
-  if (the.going && the.schedule.reach() <= t_[lane]) arrive(lane);  // an output at a jump, or a jump just behind one
+  }
+  the.clock.set_anchor(t_[lane]);
+  for (; the.going && the.next < task_.times.size() && task_.times[the.next] <= t_[lane]; ++the.next) {
+    if (!survives(lane, [&] { see(lane); })) return;
+    task_.tell(batch_.first() + lane, the.next, told_);
+    the.clock.pass_output();
+  }
+  the.going = the.going && the.next < task_.times.size();
 }
 
 // To callers that follow every step.
@@ -148,14 +151,11 @@ void LaneRun::accept(int lane, double error) {
   batch_.take_off_turns(lane, y_.data());
   batch_.accept(lane);
   first_done_ = false;
-  t_[lane] = the.lands ? the.schedule.reach() : t_[lane] + h_[lane];
-  reports_[lane].t = t_[lane];
-  ++reports_[lane].steps, the.last.add(t_[lane]);
-  if (!fixed_) {
-    const double next = h_[lane] * the.control.accept(h_[lane], error, 0, the.rejected);
-    the.advised = the.rejected ? next : advised_after(the.asked, h_[lane], h_[lane], next);
-  }
-  the.rejected = false;
+  t_[lane] = reports_[lane].t = the.lands ? the.target.reach : t_[lane] + h_[lane];
+  ++reports_[lane].steps, the.clock.last().add(t_[lane]);
+  const double next = fixed_ ? 0 : h_[lane] * the.control.accept(h_[lane], error, 0, the.rejected);
+  the.clock.count_step(the.asked, {.h = h_[lane], .h_next = next});
+  the.rejected = false, the.largest = 0;
   const auto end = [&] {
     const System& system = batch_.system(lane);
     if (passes::keeps_anything(system)) {
@@ -164,8 +164,7 @@ void LaneRun::accept(int lane, double error) {
       batch_.remember(lane, state_.z);
       batch_.put(lane, state_, y_.data());
     }
-    if (!the.schedule.done() && t_[lane] < the.schedule.end())
-      check_length(the.last, task_, the.schedule.end(), t_[lane], reports_[lane].steps);
+    if (t_[lane] < task_.times.back()) the.clock.check(t_[lane], reports_[lane].steps);
   };
   if (!survives(lane, end)) return;
   tell_step(lane, false);
@@ -176,8 +175,8 @@ void LaneRun::accept(int lane, double error) {
 void LaneRun::reject(int lane, double factor) {
   ++reports_[lane].rejected;
   lanes_[lane].rejected = true;
-  lanes_[lane].advised = factor * h_[lane];
-  if (fixed_ || step_vanished(t_[lane], lanes_[lane].advised, lanes_[lane].asked)) leave(lane);
+  lanes_[lane].largest = factor * h_[lane];
+  if (fixed_ || step_vanished(t_[lane], lanes_[lane].largest, lanes_[lane].asked)) leave(lane);
 }
 
 // The run of a copy continues outside of the lanes.
@@ -189,7 +188,7 @@ void LaneRun::leave(int lane) {
   // Without projection its drift is as large as its errors.
   const bool projects = task_.options.stabilization.kind == Stabilization::Kind::project;
   const double limit = projects ? StepLoopOptions().start_limit : HUGE_VAL;
-  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), lanes_[lane].schedule.next(), limit, task_,
+  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), lanes_[lane].next, limit, task_,
             reports_[lane]);
 }
 

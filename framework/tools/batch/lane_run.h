@@ -8,7 +8,7 @@
 
 #include <lockstep/author/stepping.h>
 #include "framework/dynamics/integrate/singular_passage.h"
-#include "framework/dynamics/simulate/step_rules.h"
+#include "framework/dynamics/simulate/clock.h"
 #include "framework/tools/batch/copy_run.h"
 
 namespace lockstep::lanes {
@@ -21,14 +21,17 @@ struct Pivots {
 };
 
 struct Lane {
-  explicit Lane(int order) : control(order) {}
+  Lane(const System& system, const RunTask& task)
+      : clock(system, task.method, task.loop), control(task.scheme.tableau.order) {}
   bool going = false;     // steps in lanes
   bool rejected = false;  // an attempt at the present step was rejected
-  bool lands = false;     // the present attempt ends on the schedule's next instant
-  double advised = 0, asked = 0;
-  OutputSchedule schedule;
+  bool lands = false;     // the present attempt ends on the target
+  double asked = 0;       // the first attempt at it, s
+  double largest = 0;     // the next one after a rejection, s; 0: no limit
+  std::size_t next = 0;   // output time
+  Clock clock;
+  Clock::Target target;
   PiControl control;
-  LastSteps last;
   Pivots first, stages;   // of the first stage, and of all of them
   double usual = 0;       // number of small pivots: those of redundant rows
   double near_below = 0;  // a smaller one of the others is near a singular position
@@ -55,7 +58,7 @@ class LaneRun {
     for (Aligned<double>* v : {&y_, &stage_, &end_, &error_}) v->assign(batch.n_numbers(), 0.0);
     k_.resize(tableau_.n_stages);
     for (Aligned<double>& k : k_) k.assign(batch.n_numbers(), 0.0);
-    lanes_.assign(kL, Lane(tableau_.order));
+    for (int l = 0; l < kLanes; ++l) lanes_.emplace_back(batch.system(l), task);
   }
 
   void run(std::span<const State> starts) {
