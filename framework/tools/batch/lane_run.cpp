@@ -60,17 +60,14 @@ void LaneRun::read(int lane, const double* y, double t, State& out) const {
 
 double LaneRun::first_step(int lane, const State& start) const {
   Dynamics dynamics = task_.dynamics_of(batch_.system(lane));
-  ErrorNorm norm;
-  norm.set(task_.options.tolerance);
-  norm.set_states(static_cast<int>(batch_.n_controlled()));
-  norm.scale(start, 1.0);
-  StateRate f0 = sized_like(start), f1 = f0;
-  State y0 = start, y1;
+  const std::unique_ptr<Integrator> method = task_.make_integrator();
+  method->set_tolerance(task_.options.tolerance);
   const double largest = lanes_[lane].clock.horizon(start.t);
+  State own = start;
   try {
-    dynamics.to_formulation(y0);  // coordinates of its own
-    y1 = y0;
-    return guess_first_step(dynamics, y0, tableau_.order, largest, norm, f0, f1, y1);
+    dynamics.to_formulation(own);  // coordinates of its own
+    method->begin(dynamics, own);
+    return method->first_step(dynamics, own, largest);
   } catch (const Error&) {
     return largest;  // the run will hit and report the error
   }
