@@ -25,7 +25,6 @@
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/pictures.h"
 #include "framework/tools/program/terminal.h"
-#include "framework/tools/rank/cause.h"
 #include "framework/tools/scene_run/requirements.h"
 #include "framework/tools/scene_run/scene_run.h"
 
@@ -45,7 +44,8 @@ std::vector<Channel> recorded_at_rest(Mechanism& m) {
     else if (request.channel.starts_with('=') || c.unit == "rad" || c.unit == "m")
       all.push_back(std::move(c));
   }
-  for (Channel& c : load_channels(system_of(m))) all.push_back(std::move(c));
+  for (Channel& c : load_channels(system_of(m)))
+    if (std::ranges::find(all, c.name, &Channel::name) == all.end()) all.push_back(std::move(c));
   return all;
 }
 
@@ -66,20 +66,18 @@ struct Resting {
         recorded(recorded_at_rest(m)),
         poses(pose_channels(system_of(m))),
         dynamics(make_dynamics(m, registry)),
-        state(decided_start(dynamics, m, &near)) {}
+        state(decided_start(dynamics, m, &near)) {
+    m.start_speeds.clear();
+  }
 
   /// Takes the assembled start, or the poses of `before`, if it has as many.
   void begin(const Arguments& args, const State* before = nullptr) {
     state.t = instant_of(args);
+    if (before != nullptr) m.assembly = {}, near = {};
     if (before != nullptr && before->q.size() == state.q.size()) state.q = before->q, state.s = before->s;
     state.v.setZero();
     if (before == nullptr && !m.run.assemble) return begin_turns(dynamics, state);
-    try {
-      assemble_drawn(dynamics, state, {}, before == nullptr ? m.assembly : AssemblyOptions(),
-                     before == nullptr && near.drawn ? *near.drawn : drawn_start(dynamics, state));
-    } catch (const AssemblyError& error) {
-      rethrow_with(cause_of_start(dynamics, state), error);
-    }
+    assemble_scene(dynamics, m, state, near);
   }
   /// From there. `friction`: whether it may hold the poses.
   void find(const Arguments& args, const State* before, bool friction) {
@@ -320,12 +318,6 @@ std::string branch_status(const Arguments& args, Resting& before, const Resting&
   return fmt::format("another branch: '{}' moved by {:.3g} m", now.report.moved_most, now.report.largest_move);
 }
 
-/// What the picture of --vary shows: what is recorded, else poses and reactions.
-std::vector<PoseNumber> drawn_of(Resting& r) {
-  const std::vector<PoseNumber> all = numbers_of(r, true);
-  return {all.begin() + 3, all.end()};  // without stability and move
-}
-
 /// Draws columns over the value that varies, the first. Of run.draw remain those that have values at rest.
 void draw_curves(const Arguments& args, const std::string& title, const Table& curves, RunSettings run,
                  std::vector<std::string>& files) {
@@ -374,6 +366,7 @@ Result vary(const Arguments& args) {
       const std::vector<PoseNumber> numbers = numbers_of(*now, record.empty());
       if (width != 0 && line.size() + numbers.size() + 1 != width)
         throw ModelError("its columns are not those of the values before; vary values that keep bodies and joints");
+      const std::vector<PoseNumber> drawn = now->values(now->recorded.empty() ? now->poses : now->recorded);
       std::string status = before ? branch_status(args, *before, *now) : "ok";
       const std::vector<Finding> broken = now->broken();
       for (const Finding& f : broken) status = (status == "ok" ? "" : status + "; ") + f.message;
@@ -382,9 +375,9 @@ Result vary(const Arguments& args) {
         found_of(*now), note_friction(now->m.system);
         add_titles(lines[0], numbers), lines[0].emplace_back("status"), width = lines[0].size();
         curves.add_column(variables[0].place, variables[0].unit), settings = now->m.run;
-        for (const PoseNumber& n : drawn_of(*now)) curves.add_column(n.name, n.unit);
+        for (const PoseNumber& n : drawn) curves.add_column(n.name, n.unit);
       }
-      for (const PoseNumber& n : drawn_of(*now)) point.push_back(n.value);
+      for (const PoseNumber& n : drawn) point.push_back(n.value);
       if (status != "ok") tell(fmt::format("warning: {}: {}\n", setting, status));
       add_values(line, numbers, record.empty()), line.push_back(status);
       ++varied.found, before = std::move(now);
