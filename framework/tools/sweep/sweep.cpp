@@ -99,14 +99,12 @@ void judge(const Audit& audit, SweepRun& run) {
   run.wrong = audit.is_wrong();
 }
 
-SweepRun recorded_run(const Table& rows, const Recorder& recorder) {
+SweepRun recorded_run(const Recorder& recorder) {
   SweepRun run;
   run.status = "ok";
-  if (rows.n_rows() == 0) return run;
-  const std::span<const ColumnRange> ranges = recorder.ranges();
-  run.columns.assign(ranges.begin(), ranges.end());
-  run.t = rows.columns().front().values.back();
-  for (std::size_t k = 0; k < run.columns.size(); ++k) run.columns[k].last = rows.columns()[k + 1].values.back();
+  if (recorder.table().n_rows() == 0) return run;
+  run.columns.assign(recorder.ranges().begin(), recorder.ranges().end());
+  run.t = recorder.last_instant();
   return run;
 }
 
@@ -132,18 +130,9 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     record_places(m);
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
     recorder->find_extremes();
-    // Rows at jumps are those of the history alone: results do not depend on whether it is kept.
-    Table outputs = recorder->table();
-    bool jumps = false;
     std::optional<RowsAtJumps> at_jumps;
-    if (history != nullptr && scene.run.at_jumps) {
-      at_jumps.emplace([&](const Sample& s) { jumps = true, recorder->output(s), jumps = false; }, *recorder);
-      recorder->on_row(
-          [&](std::span<const double> row) {
-            if (!jumps) outputs.add_row(row);
-          },
-          true);
-    }
+    if (history != nullptr && scene.run.at_jumps)
+      at_jumps.emplace([&](const Sample& s) { recorder->output(s); }, *recorder);
     const auto end = [&] {
       if (history != nullptr) *history = recorder->table();
       if (watch.ended) watch.ended(m, recorder->table());
@@ -158,7 +147,7 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
       end();
       throw;
     }
-    SweepRun recorded = recorded_run(at_jumps ? outputs : recorder->table(), *recorder);
+    SweepRun recorded = recorded_run(*recorder);
     result.columns = std::move(recorded.columns), result.t = recorded.t;
     end();
   } catch (const std::exception& error) {

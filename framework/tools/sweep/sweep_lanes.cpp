@@ -210,7 +210,7 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
       runs.back().cpu += cpu;
       continue;
     }
-    SweepRun run = recorded_run(lanes[i]->recorder->table(), *lanes[i]->recorder);
+    SweepRun run = recorded_run(*lanes[i]->recorder);
     run.steps = reports[i].steps, run.cpu = cpu;
     judge(*lanes[i], run);
     lanes[i]->doubts->take(reports[i].unmet);

@@ -23,8 +23,8 @@ struct RunWatch {
 /// Writes the results of an audit to the result of a run.
 void judge(const Audit&, SweepRun&);
 
-/// Results of a finished run, without steps and cpu: of these rows, and the extremes of the motion.
-SweepRun recorded_run(const Table& rows, const Recorder&);
+/// Results of a finished run, without steps and cpu: its end, and the extremes of the motion.
+SweepRun recorded_run(const Recorder&);
 
 /// As sweep_run.
 LOCKSTEP_API SweepRun watched_run(const Scene&, const Registry&, const Table& like,
