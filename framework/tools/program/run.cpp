@@ -2,7 +2,6 @@
 // The commands run, report and resume.
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
 #include <exception>
 #include <filesystem>
 
@@ -78,36 +77,6 @@ std::string table_of(Mechanism& m, const Loaded& loaded, const Arguments& args) 
 // Unknown velocities. Counting the degrees of freedom of more takes long: it is done only if nothing moved.
 constexpr int kFewVelocities = 300;
 
-// Whether every body is where the scene puts it: nothing moved.
-bool is_as_given(const System& system, const State& s) {
-  const State given = system.start();
-  return std::ranges::all_of(system.bodies(), [&](const Body& b) {
-    if (b.fixed) return true;
-    const Pose now = s.slot_pose(b.slot), then = given.slot_pose(b.slot);
-    return (now.x - then.x).norm() <= kSlight * system.length() &&
-           rotation_vector(now.q * conjugate(then.q)).norm() <= kSlight;
-  });
-}
-
-/// Counts the steps of a run by the coordinates of their ends. An event may change the choice of "auto".
-class FormulationSeen final : public Observer {
- public:
-  void step(const Sample& s) override { ++(s.state.coordinates ? joint_ : slots_); }
-  void save(Snapshot& out) const override {
-    out.put(static_cast<double>(joint_)), out.put(static_cast<double>(slots_));
-  }
-  void load(SnapshotReader& in) override { joint_ = in.get_count(), slots_ = in.get_count(); }
-
-  /// That of most steps; of the state if there was none: "joint", "omega" or "quaternion".
-  std::string name(const StepLoop& sim, Formulation asked) const {
-    const bool joint = joint_ + slots_ > 0 ? joint_ >= slots_ : sim.state().coordinates != nullptr;
-    return joint ? "joint" : to_string(asked == Formulation::quaternion ? asked : Formulation::omega);
-  }
-
- private:
-  long joint_ = 0, slots_ = 0;
-};
-
 // One run of a scene, with all its observers and all its results.
 class ProgramRun {
  public:
@@ -145,7 +114,8 @@ class ProgramRun {
     const std::exception_ptr error = run_on(), unwritten = thrown_by([&] { file_.write(); });  // which hides no other
     if (error) fail(error, unwritten);
     end_.audit = audit_.result();
-    end_.formulation = formulation_.name(sim_, m_.run.formulation);
+    const bool quaternion = m_.run.formulation == Formulation::quaternion;
+    end_.formulation = sim_.state().coordinates != nullptr ? "joint" : quaternion ? "quaternion" : "omega";
     end_.missed = missed_events(m_, sim_);
     end_.findings = run_findings(sim_, end_.audit, doubts_, singular_);
     for (Finding& f : broken_requirements(m_, requirements_.get())) end_.findings.push_back(std::move(f));
@@ -218,7 +188,6 @@ class ProgramRun {
     if (m_.run.at_jumps) sim_.add_observer(at_jumps_);
     if (requirements_) sim_.add_observer(*requirements_);
     sim_.add_observer(rows_);
-    sim_.add_observer(formulation_);
     if (judged()) sim_.add_observer(doubts_);
     if (judged() && SingularWatch::is_needed(dynamics_, start, sim_.integrator().info())) sim_.add_observer(singular_);
     if (details_) sim_.add_observer(*details_);
@@ -299,7 +268,9 @@ class ProgramRun {
   // Files, pictures, report and verified digits of a run that reached its end; of one that was interrupted, its rows.
   std::vector<std::string> conclude(const std::exception_ptr& unwritten) {
     try {
-      if (judged() && m_.system.n_velocities() > kFewVelocities && is_as_given(m_.system, sim_.state()))
+      const VecX moved = dynamics_.in_slots(sim_.state()).q - m_.system.start().q;
+      const bool is_as_given = moved.lpNorm<Eigen::Infinity>() <= kSlight * m_.system.length();
+      if (judged() && m_.system.n_velocities() > kFewVelocities && is_as_given)
         warn_of_no_freedom(m_, dynamics_, sim_, kManyVelocities);
     } catch (const std::exception&) {  // results are written even if this warning fails
     }
@@ -368,7 +339,6 @@ class ProgramRun {
   const std::unique_ptr<PictureRows> details_;
   RowsAtJumps at_jumps_;
   SingularWatch singular_;
-  FormulationSeen formulation_;
   EnergyAudit audit_;
   Dynamics dynamics_;
   StepLoop sim_;

@@ -35,7 +35,7 @@ struct EndedRun {
   Audit audit{};
   double seconds = 0;                     ///< wall-clock time
   bool interrupted = false;               ///< by the user
-  std::string formulation{};              ///< of its steps: "joint", "omega", "quaternion"
+  std::string formulation{};              ///< at its end: "joint", "omega", "quaternion"
   std::vector<MissedEvent> missed{};      ///< events that did not happen
   std::vector<Finding> findings{};        ///< run_findings(), missed events, suspects_of()
   std::vector<std::string> not_unique{};  ///< columns of reactions
