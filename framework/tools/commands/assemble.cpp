@@ -92,23 +92,17 @@ const Fields<Branches> kBranchesFields{{"starts", "", "starts", [](const Branche
                                        {"failed", "", "  failed", [](const Branches& b) { return b.report.failed; }},
                                        {"branches", "branch", placed, kPlacedFields}};
 
-Result find_all_branches(const Arguments& args) {
-  const int starts = whole_number("--branches", args["--branches"], kMostStarts);
-  const Loaded loaded = load(args);
-  Mechanism m = build_mechanism(loaded.scene, loaded.registry);
-  Dynamics dynamics = make_dynamics(m, loaded.registry);
-  return {loaded, kBranchesFields, Branches{find_branches(dynamics, m.system.start(), {.starts = starts}), &m.system}};
-}
-
 Result show_assembled(const Arguments& args) {
-  if (!args["--branches"].empty()) return find_all_branches(args);
+  const int starts = args["--branches"].empty() ? 0 : whole_number("--branches", args["--branches"], kMostStarts);
   const Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
+  const State given = m.system.start();
+  if (starts > 0)
+    return {loaded, kBranchesFields, Branches{find_branches(dynamics, given, {.starts = starts}), &m.system}};
   NearRows near;
   State state = decided_start(dynamics, m, &near);
   note_near(near.all, m.run.nearly_redundant);
-  const State given = m.system.start();
   const AssemblyReport r = assemble_scene(dynamics, m, state, near);
   StepLoop run(dynamics, make_integrator(m.run, *m.methods), loop_options(m.run));
   run.set_state(state), run.run_until(state.t);  // as a run begins: it reports a start beyond a stop

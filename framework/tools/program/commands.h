@@ -58,7 +58,8 @@ class UsageError : public Error {
   Kind kind() const noexcept override { return Kind::usage; }
 };
 
-/// Reads the value of an option, whose errors become those of the command line.
+/// Reads the value of an option, whose errors become those of the command line, unless they have a line of the scene: the
+/// value can be read then.
 template <class Read>
 auto as_usage(const std::string& option, Read&& read) {
   try {
@@ -66,6 +67,7 @@ auto as_usage(const std::string& option, Read&& read) {
   } catch (const ModelError& error) {
     throw UsageError(option + ": " + error.what());
   } catch (const SceneError& error) {
+    if (error.line != 0) throw;
     throw UsageError(option + ": " + error.what());
   }
 }

@@ -40,18 +40,6 @@ void put_integrator(RunSettings& run, const Arguments& args, const Registry& reg
   if (was_fixed && integrator_info(run, registry).adaptive) run.step = 0;
 }
 
-// The values of --set, all together: one alone may not fit the others' old ones.
-Scene with_values(const Scene& scene, const std::vector<std::string>& texts, const Registry& registry) {
-  try {
-    return set_in_scene(scene, texts, registry);
-  } catch (const ModelError& error) {
-    throw UsageError("--set: " + std::string(error.what()));
-  } catch (const SceneError& error) {
-    if (error.line != 0) throw;  // the value can be read, and is an error of the scene
-    throw UsageError("--set: " + std::string(error.what()));
-  }
-}
-
 // A table beyond any memory.
 void refuse_rows(const RunSettings& run, const Arguments& args) {
   constexpr double kMost = 1e8;
@@ -99,7 +87,8 @@ Loaded read_with_plugins(const Arguments& args) {
   Scene scene = scene_from(piped ? read_json(standard_input(), file) : read_json_file(file), file, rule);
   if (!args.has("--allow-files")) check_files(scene);
   Registry registry = make_registry(args.all("--plugin"), scene.plugins);
-  if (!args.all("--set").empty()) scene = with_values(scene, args.all("--set"), registry);
+  const std::vector<std::string>& values = args.all("--set");  // all together: one alone may not fit the others' old ones
+  if (!values.empty()) scene = as_usage("--set", [&] { return set_in_scene(scene, values, registry); });
   put_shortcuts(scene, args);
   return {std::move(registry), std::move(scene)};
 }
