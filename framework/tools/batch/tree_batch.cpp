@@ -6,7 +6,6 @@
 
 #include <lockstep/author/lock.h>
 #include <lockstep/body.h>
-#include <lockstep/error.h>
 #include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/tree/moving_markers.h"

@@ -11,7 +11,6 @@
 #include <lockstep/author/lock.h>
 #include <lockstep/kinematics.h>
 #include <lockstep/log.h>
-#include <lockstep/text.h>
 #include "framework/dynamics/simulate/contacts.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"

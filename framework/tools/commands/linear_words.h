@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include <lockstep/linearization.h>
 #include "framework/tools/analysis/linear_inputs.h"

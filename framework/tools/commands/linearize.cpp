@@ -2,13 +2,10 @@
 // The command linearize: A, B, C, D with named inputs and outputs.
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
 
 #include <lockstep/linearization.h>
 #include <lockstep/text.h>
-#include "framework/description/scene/system_of.h"
 #include "framework/tools/commands/linear_words.h"
-#include "framework/tools/commands/state_at.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"

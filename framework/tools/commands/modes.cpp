@@ -9,7 +9,6 @@
 #include <lockstep/modes.h>
 #include <lockstep/text.h>
 #include "framework/tools/commands/linear_words.h"
-#include "framework/tools/commands/state_at.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"

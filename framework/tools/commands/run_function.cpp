@@ -22,14 +22,6 @@
 #include "framework/tools/sweep/watched_run.h"
 
 namespace lockstep {
-namespace {
-
-using expression::Expression;
-using expression::Naming;
-using expression::Node;
-using expression::Operation;
-
-}  // namespace
 
 const Fields<Outcome>& outcome_fields() {
   static const Fields<Outcome> kFields{{"text", "", "found", &Outcome::text},
@@ -41,6 +33,7 @@ const Fields<Outcome>& outcome_fields() {
 }
 
 Sides sides_of(const std::string& option, const std::string& comparison) {
+  using expression::Operation;
   return as_usage(option, [&] {
     std::string text(text::trimmed(comparison));
     if (text.starts_with('=')) text.erase(0, 1);
@@ -48,8 +41,8 @@ Sides sides_of(const std::string& option, const std::string& comparison) {
       if (text[i] == '=' && text[i + 1] != '=' && std::string_view("<>!=").find(text[i - 1]) == std::string::npos)
         text.insert(i++, 1, '=');
     static const std::vector<std::string> kTime{"t"};
-    const Expression read(text, kTime, Naming::channels);
-    const Node& root = read.node(read.root());
+    const expression::Expression read(text, kTime, expression::Naming::channels);
+    const expression::Node& root = read.node(read.root());
     if (root.operation < Operation::less || root.operation > Operation::equal)
       throw ModelError("\"" + comparison + "\" compares nothing; write \"max(T) = 3 N m\" or \"max(T) < 3 N m\"");
     const std::size_t n = text[root.at + 1] == '=' ? 2 : 1;
