@@ -7,6 +7,7 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/json.h"
 #include "framework/tools/commands/benchmark.h"
+#include "framework/tools/commands/benchmark_fields.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/precision/pareto.h"
 #include "framework/tools/precision/work_precision_chart.h"
@@ -111,7 +112,7 @@ const Fields<Choice> kChoiceFields = [] {
   Fields<Choice> all{{"command", "", "command", &Choice::command},
                      {"run", "", "or in the scene's \"run\"", [](const Choice& c) { return Json::parse(c.block); },
                       [](const Json& block) { return block.dump(); }}};
-  const Fields<Choice> costs = Fields<Choice>{}.with(&Choice::cost, cost_fields());
+  const Fields<Choice> costs = Fields<Choice>{}.with(&Choice::cost, kCostFields);
   for (Field<Choice> f : costs.fields()) f.info.label.clear(), all.add(f);  // text has them in its table
   return all;
 }();
@@ -126,10 +127,10 @@ const Fields<Advised> kAdviseFields = Fields<Advised>{
      }},
     {"cheapest", "cheapest", &Advised::cheapest, kChoiceFields},
     {"runner_up", "", &Advised::second, kChoiceFields},
-    {"nearest", "best run", &Advised::nearest, measured_run_fields()},
+    {"nearest", "best run", &Advised::nearest, kRunFields},
     {"hint", "", "next", hint_of},
     {"each", "cheapest of each integrator, the recommended one first", &Advised::each,
-     cost_fields()}}.with([](const Advised& a) -> const WorkPrecision& { return *a.measured; }, measurement_fields());
+     kCostFields}}.with([](const Advised& a) -> const WorkPrecision& { return *a.measured; }, kMeasurementFields);
 
 // The recommended run of each integrator that met the error; the one to recommend first.
 std::vector<CostAtError> each_of(std::vector<CostAtError> costs) {

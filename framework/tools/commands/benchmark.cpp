@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/commands/benchmark.h"
+#include "framework/tools/commands/benchmark_fields.h"
 
 #include <algorithm>
 #include <cmath>

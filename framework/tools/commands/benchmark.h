@@ -2,8 +2,6 @@
 // SceneBenchmark: what `chart` and `advise` measure: the work-precision data of a scene.
 #pragma once
 
-#include <spdlog/fmt/fmt.h>
-
 #include <memory>
 #include <string>
 #include <vector>
@@ -54,22 +52,6 @@ double budget_of(const Arguments&);
 /// work_precision, with --verbose each run printed as it ends; runs that Ctrl-C cut short count as not begun. Null if it was
 /// interrupted before there was a reference.
 std::unique_ptr<WorkPrecision> measure(SceneBenchmark&, const Arguments&, const Interrupt&);
-
-/// A number with N digits, however small; "" of null.
-template <int N>
-std::string digits_text(const Json& x) {
-  return x.is_null() ? std::string() : fmt::format("{:.{}g}", x.get<double>(), N);
-}
-
-// Measured runs as results have them.
-/// In one line: its errors and its cost, or why it failed.
-std::string run_line(const WorkPrecisionRun&);
-/// Method, setting, errors, cost, or why it failed.
-const Fields<WorkPrecisionRun>& measured_run_fields();
-/// The same with what is known of its cost.
-const Fields<CostAtError>& cost_fields();
-/// All runs, the references and how well they agree, what was left out.
-const Fields<WorkPrecision>& measurement_fields();
 
 /// The run settings of a scene with the method and the setting of this run.
 RunSettings settings_of(const RunSettings&, const WorkPrecisionRun&, const Registry&);

@@ -6,6 +6,7 @@
 
 #include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/commands/benchmark.h"
+#include "framework/tools/commands/benchmark_fields.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/precision/work_precision_chart.h"
 #include "framework/tools/program/files.h"
@@ -129,7 +130,7 @@ struct Charted {
 };
 const Fields<Cheapest> kCheapestFields =
     Fields<Cheapest>{{"limit", "m", "error below [m]", &Cheapest::limit, digits_text<3>}}.with(&Cheapest::cost,
-                                                                                               cost_fields());
+                                                                                               kCostFields);
 const Fields<Winner> kWinnerFields = [] {
   Fields<Winner> all{{"by", "", "by", &Winner::by,
                       [](const Json& by) { return by == "stabilization" ? "stabilisation" : by.get<std::string>(); }},
@@ -146,7 +147,7 @@ const Fields<Charted> kChartFields =
                      kWinnerFields},
                     {"length", "s", "simulated time", [](const Charted& c) { return c.benchmark.trajectory.length; }},
                     {"imposed", "", "", [](const Charted& c) { return c.benchmark.imposed; }}}
-        .with([](const Charted& c) -> const WorkPrecision& { return c.result; }, measurement_fields())
+        .with([](const Charted& c) -> const WorkPrecision& { return c.result; }, kMeasurementFields)
         .with({{"remarks", "", "left out", [](const Charted& c) { return c.benchmark.remarks; }},
                {"no_pictures", "", "no pictures", &Charted::no_pictures}});
 

@@ -50,7 +50,7 @@ Result find(const Arguments& args) {
     throw Error(fmt::format("{} jumps over the value to reach near {}; see `lockstep sweep` there", sides.left,
                             runs.text({low})));
   const double x = at_low < at_high ? low : high;
-  Result result(runs.varied().loaded, outcome_fields(), runs.outcome(sides.left, {x}, done.at(x)));
+  Result result(runs.varied().loaded, kOutcomeFields, runs.outcome(sides.left, {x}, done.at(x)));
   const Point given{runs.given(0).value_or(a)};
   runs.conclude(result, {given, {x}}, {args["--report"].empty() ? SweepRun() : runs.at(given), done.at(x)}, 1);
   return result;
@@ -73,7 +73,7 @@ counts at the end of the run: max(T) is the largest value of the whole run, T th
 
 Example:
   lockstep find samples/scenes/slider_crank.json --vary crank=100mm:200mm --reach "max(drive_torque) = 3 N m")",
-      {&outcome_fields().schema()}};
+      {&kOutcomeFields.schema()}};
 }
 
 }  // namespace lockstep

@@ -2,7 +2,6 @@
 #include "framework/tools/commands/linear_words.h"
 
 #include <lockstep/equilibrium.h>
-#include "framework/foundation/math/limits.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/findings.h"
@@ -48,22 +47,6 @@ MechanismAt motion_state(std::unique_ptr<Mechanism> mechanism, const Registry& r
   if (args.has("--equilibrium"))
     CommandFindings::add(find_equilibrium(*at.dynamics, at.state, {.friction = false}).notes);
   return at;
-}
-
-const Fields<StateFound>& state_fields() {
-  static const Fields<Unrest> kUnrest{
-      {"still", "", "at rest there", &Unrest::is_still},
-      {"acceleration", "m/s^2", "residual acceleration", &Unrest::acceleration,
-       [](const Json& a) { return a < kRoundOff ? std::string("0 m/s^2") : number_text(a) + " m/s^2"; }},
-      {"acceleration_limit", "m/s^2", "  limit", &Unrest::acceleration_limit, json_only},
-      {"accelerates", "", "  of", &Unrest::accelerates, json_only},
-      {"speed", "m/s", "residual speed", &Unrest::speed},
-      {"speed_limit", "m/s", "  limit", &Unrest::speed_limit, json_only},
-      {"moves", "", "  of", &Unrest::moves, json_only}};
-  static const Fields<StateFound> kState =
-      Fields<StateFound>{{"spin", "rad/s", "spin of the axes", &StateFound::spin}}.with(&StateFound::unrest, kUnrest);
-  static const Fields<StateFound> kFields{{"t", "s", "t", &StateFound::t}, {"state", "state", std::identity(), kState}};
-  return kFields;
 }
 
 }  // namespace lockstep

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include <lockstep/linearization.h>
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/linear_inputs.h"
 #include "framework/tools/commands/state_at.h"
 #include "framework/tools/program/options.h"
@@ -24,8 +25,21 @@ struct StateFound {
   Vec3 spin;
   Unrest unrest;
 };
+inline const Fields<Unrest> kUnrestFields{
+    {"still", "", "at rest there", &Unrest::is_still},
+    {"acceleration", "m/s^2", "residual acceleration", &Unrest::acceleration,
+     [](const Json& a) { return a < kRoundOff ? std::string("0 m/s^2") : number_text(a) + " m/s^2"; }},
+    {"acceleration_limit", "m/s^2", "  limit", &Unrest::acceleration_limit, json_only},
+    {"accelerates", "", "  of", &Unrest::accelerates, json_only},
+    {"speed", "m/s", "residual speed", &Unrest::speed},
+    {"speed_limit", "m/s", "  limit", &Unrest::speed_limit, json_only},
+    {"moves", "", "  of", &Unrest::moves, json_only}};
+inline const Fields<StateFound> kMotionFields =
+    Fields<StateFound>{{"spin", "rad/s", "spin of the axes", &StateFound::spin}}.with(&StateFound::unrest,
+                                                                                       kUnrestFields);
 /// t, and "state": spin, residual motion.
-const Fields<StateFound>& state_fields();
+inline const Fields<StateFound> kStateFields{{"t", "s", "t", &StateFound::t},
+                                             {"state", "state", std::identity(), kMotionFields}};
 
 /// The next move in the program, for with_advice().
 inline constexpr const char* kAdvice =

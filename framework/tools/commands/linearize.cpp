@@ -63,7 +63,7 @@ const Fields<StateSpace> kSpaceFields{{"states", "x", &StateSpace::states, kSign
                                       // two steps of a central difference of sixth order
                                       {"accuracy", "", "accuracy of B, C, D", &StateSpace::accuracy}};
 const Fields<Linearized> kLinearizeFields =
-    Fields<Linearized>{}.with(&Linearized::state, state_fields()).with(&Linearized::space, kSpaceFields);
+    Fields<Linearized>{}.with(&Linearized::state, kStateFields).with(&Linearized::space, kSpaceFields);
 
 MechanismWithInputs inputs_of(const Loaded& loaded, const Arguments& args) {
   try {

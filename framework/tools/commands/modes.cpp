@@ -130,7 +130,7 @@ const Fields<Modes> kModesFields{{"modes", "modes",
                                  {"zero_bound", "1/s", "  zero below", &Modes::zero_bound},
                                  {"complete", "", "all modes", &Modes::complete}};
 const Fields<FoundModes> kFoundModesFields =
-    Fields<FoundModes>{}.with(&FoundModes::found, kModesFields).with(&FoundModes::state, state_fields());
+    Fields<FoundModes>{}.with(&FoundModes::found, kModesFields).with(&FoundModes::state, kStateFields);
 
 // A line of the list: "3: 12.5 Hz", "1: rigid".
 std::string title_of(const Mode& mode, std::size_t number) {

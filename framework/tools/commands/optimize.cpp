@@ -33,16 +33,13 @@ struct Optimized {
   long runs, failed;
 };
 
-const Fields<Optimized>& optimize_fields() {
-  const auto words = [](const Json& o) { return o["text"].get<std::string>(); };
-  static const Fields<Optimized> kFields{{"start", "start", &Optimized::start, outcome_fields(), words},
-                                         {"best", "best", &Optimized::best, outcome_fields(), words},
-                                         {"conditions", "", "conditions", &Optimized::conditions},
-                                         {"ended", "", "ended", &Optimized::ended},
-                                         {"runs", "", "runs", &Optimized::runs},
-                                         {"failed", "", "failed runs", &Optimized::failed, unless_zero}};
-  return kFields;
-}
+std::string outcome_words(const Json& o) { return o["text"].get<std::string>(); }
+const Fields<Optimized> kOptimizeFields{{"start", "start", &Optimized::start, kOutcomeFields, outcome_words},
+                                        {"best", "best", &Optimized::best, kOutcomeFields, outcome_words},
+                                        {"conditions", "", "conditions", &Optimized::conditions},
+                                        {"ended", "", "ended", &Optimized::ended},
+                                        {"runs", "", "runs", &Optimized::runs},
+                                        {"failed", "", "failed runs", &Optimized::failed, unless_zero}};
 
 /// The runs of a search, in their order. Their formulas are the objective, and two of each condition: its left side, and
 /// the smaller side less the larger one, which must not be positive.
@@ -269,7 +266,7 @@ Result optimize(const Arguments& args) {
   Optimization all(args, interrupt);
   all.runs().check_files();
   const Optimized found = all.result(all.search(args["--method"]));
-  Result result(all.runs().varied().loaded, optimize_fields(), found);
+  Result result(all.runs().varied().loaded, kOptimizeFields, found);
   all.conclude(result);
   if (const std::string& picture = args["--picture"]; !picture.empty()) {
     all.draw(picture);
@@ -311,7 +308,7 @@ the best run is then the one whose largest excess, relative to its start, is lea
 
 Example:
   lockstep optimize samples/scenes/slider_crank.json --vary crank=100mm:200mm --minimize "max(drive_torque)")--",
-      {&optimize_fields().schema()}};
+      {&kOptimizeFields.schema()}};
 }
 
 }  // namespace lockstep

@@ -23,15 +23,6 @@
 
 namespace lockstep {
 
-const Fields<Outcome>& outcome_fields() {
-  static const Fields<Outcome> kFields{{"text", "", "found", &Outcome::text},
-                                       {"values", "", "", &Outcome::values},
-                                       {"value", "", "", &Outcome::value},
-                                       {"unit", "", "", &Outcome::unit},
-                                       {"status", "", "status", &Outcome::status}};
-  return kFields;
-}
-
 Sides sides_of(const std::string& option, const std::string& comparison) {
   using expression::Operation;
   return as_usage(option, [&] {

@@ -33,7 +33,11 @@ struct Outcome {
   std::string unit{},  ///< of the value
       status{};        ///< SweepRun::outcome(); "" of one that succeeded
 };
-const Fields<Outcome>& outcome_fields();
+inline const Fields<Outcome> kOutcomeFields{{"text", "", "found", &Outcome::text},
+                                            {"values", "", "", &Outcome::values},
+                                            {"value", "", "", &Outcome::value},
+                                            {"unit", "", "", &Outcome::unit},
+                                            {"status", "", "status", &Outcome::status}};
 
 /// The run of a scene at a point. It records formulas in place of the columns of the scene.
 class RunFunction {

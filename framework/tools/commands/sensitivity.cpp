@@ -28,17 +28,14 @@ struct Slope {
   double error, relative;
 };
 
-const Fields<std::vector<Slope>>& slope_fields() {
-  static const Fields<Slope> kSlope{{"of", "", "of", &Slope::of},
-                                    {"to", "", "to", &Slope::to},
-                                    {"value", "", "value", &Slope::value},
-                                    {"derivative", "", "derivative", &Slope::derivative},
-                                    {"error", "", "estimated error", &Slope::error},
-                                    {"unit", "", "unit", &Slope::unit},
-                                    {"relative", "", "% per %", &Slope::relative}};
-  static const Fields<std::vector<Slope>> kFields{{"sensitivities", "sensitivities", std::identity(), kSlope}};
-  return kFields;
-}
+const Fields<Slope> kSlopeFields{{"of", "", "of", &Slope::of},
+                                 {"to", "", "to", &Slope::to},
+                                 {"value", "", "value", &Slope::value},
+                                 {"derivative", "", "derivative", &Slope::derivative},
+                                 {"error", "", "estimated error", &Slope::error},
+                                 {"unit", "", "unit", &Slope::unit},
+                                 {"relative", "", "% per %", &Slope::relative}};
+const Fields<std::vector<Slope>> kSlopesFields{{"sensitivities", "sensitivities", std::identity(), kSlopeFields}};
 
 std::string unit_of_slope(const std::string& of, const std::string& to) {
   if (to.empty()) return of;
@@ -143,7 +140,7 @@ Result sensitivity(const Arguments& given) {
   if (args["--tolerance"].empty()) args.set("--tolerance", kTightTolerance);
   const Interrupt interrupt;
   const Sensitivity all(args, interrupt);
-  return Result(all.loaded(), slope_fields(), all.find());
+  return Result(all.loaded(), kSlopesFields, all.find());
 }
 
 }  // namespace
@@ -165,7 +162,7 @@ extrapolated to zero. The estimated error is the least change between two extrap
 
 Example:
   lockstep sensitivity samples/scenes/slider_crank.json --of "max(drive_torque)" --to crank --to rod)--",
-      {&slope_fields().schema()}};
+      {&kSlopesFields.schema()}};
 }
 
 }  // namespace lockstep

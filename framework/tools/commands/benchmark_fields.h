@@ -1,37 +1,43 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Measured runs as results have them, for chart and advise.
-#include "framework/tools/commands/benchmark.h"
+#pragma once
 
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <string>
 
 #include "framework/foundation/support/lines.h"
+#include "framework/tools/precision/pareto.h"
+#include "framework/tools/program/result.h"
 
 namespace lockstep {
-namespace {
 
-const Fields<HistoryError>& error_fields() {
-  static const Fields<HistoryError> kFields = [] {
-    Fields<HistoryError> all{};
-    for (const ErrorKind kind : kErrorKinds)
-      all.add({to_string(kind), unit_of(kind), to_string(kind), [kind](const HistoryError& e) { return e.of(kind); }});
-    return all;
-  }();
-  return kFields;
+/// A number with N digits, however small; "" of null.
+template <int N>
+std::string digits_text(const Json& x) {
+  return x.is_null() ? std::string() : fmt::format("{:.{}g}", x.get<double>(), N);
 }
 
-std::string error_text(const Json& error) {
+inline const Fields<HistoryError> kErrorFields = [] {
+  Fields<HistoryError> all{};
+  for (const ErrorKind kind : kErrorKinds)
+    all.add({to_string(kind), unit_of(kind), to_string(kind), [kind](const HistoryError& e) { return e.of(kind); }});
+  return all;
+}();
+
+inline std::string error_text(const Json& error) {
   std::string text;
   for (const ErrorKind kind : kErrorKinds)
     text += (text.empty() ? "" : ", ") + digits_text<2>(error[to_string(kind)]) + " " + unit_of(kind);
   return text;
 }
 
-// "683: 54 valid, 61 wrong, 164 stopped as too slow, 404 failed (most often: the step shrank ...)".
-std::string runs_words(const WorkPrecision& w) {
+/// "683: 54 valid, 61 wrong, 164 stopped as too slow, 404 failed (most often: the step shrank ...)".
+inline std::string runs_words(const WorkPrecision& w) {
   constexpr const char* kWords[] = {"valid", "accurate by chance", "wrong", "stopped as too slow", "failed"};
   long n[std::size(kWords)] = {};
   std::map<std::string, long> reasons;  // without their times and hints
@@ -47,21 +53,21 @@ std::string runs_words(const WorkPrecision& w) {
   return text + " (most often: " + std::ranges::max_element(reasons, {}, [](auto& r) { return r.second; })->first + ")";
 }
 
-std::string count_text(const Json& names) {
+inline std::string count_text(const Json& names) {
   return names.empty() ? "" : std::to_string(names.size()) + " combinations; increase --budget";
 }
 
-}  // namespace
-
-std::string run_line(const WorkPrecisionRun& r) {
+/// In one line: its errors and its cost, or why it failed.
+inline std::string run_line(const WorkPrecisionRun& r) {
   if (!r.done()) return fmt::format("  {}: {}{}\n", label(r), r.given_up ? "" : "failed: ", first_line(r.failure));
-  return fmt::format("  {}: error {}; CPU {:.2g} s, {} evaluations{}\n", label(r), error_text(error_fields()(r.error)),
+  return fmt::format("  {}: error {}; CPU {:.2g} s, {} evaluations{}\n", label(r), error_text(kErrorFields(r.error)),
                      r.cpu, r.evaluations, r.wrong ? "; WRONG" : "");
 }
 
-const Fields<WorkPrecisionRun>& measured_run_fields() {
+/// Method, setting, errors, cost, or why it failed.
+inline const Fields<WorkPrecisionRun> kRunFields = [] {
   using Run = WorkPrecisionRun;
-  static const Fields<Run> kFields{
+  return Fields<Run>{
       {"integrator", "", "integrator", &Run::integrator},
       {"formulation", "", "", [](const Run& r) { return to_string(r.formulation); }},
       {"formulation_used", "", "formulation", [](const Run& r) { return to_string(r.used); }},
@@ -72,7 +78,7 @@ const Fields<WorkPrecisionRun>& measured_run_fields() {
        kUnlessEmpty},
       {"step", "s", "step [s]", [](const Run& r) { return r.adaptive ? NAN : r.setting; }, digits_text<3>,
        kUnlessEmpty},
-      {"error", "error", [](const Run& r) { return r.done() ? std::optional(r.error) : std::nullopt; }, error_fields(),
+      {"error", "error", [](const Run& r) { return r.done() ? std::optional(r.error) : std::nullopt; }, kErrorFields,
        error_text, kUnlessEmpty},
       {"failure", "", "failure", [](const Run& r) { return r.done() ? "" : r.failure; }, kUnlessEmpty},
       {"stopped", "", "", &Run::given_up, kUnlessEmpty},  // as too slow
@@ -82,32 +88,27 @@ const Fields<WorkPrecisionRun>& measured_run_fields() {
       {"factors", "", "", &Run::factors},
       {"steps", "", "steps", &Run::steps},
       {"rejected", "", "", &Run::rejected}};
-  return kFields;
-}
+}();
 
-const Fields<CostAtError>& cost_fields() {
-  static const Fields<CostAtError> kFields =
-      Fields<CostAtError>{}
-          .with([](const CostAtError& c) { return *c.run; }, measured_run_fields())
-          .with({{"confirmed", "", "", &CostAtError::confirmed},
-                 {"coarser_tried", "", "", [](const CostAtError& c) { return !c.upper_bound; }}});
-  return kFields;
-}
+/// The same with what is known of its cost.
+inline const Fields<CostAtError> kCostFields =
+    Fields<CostAtError>{}
+        .with([](const CostAtError& c) { return *c.run; }, kRunFields)
+        .with({{"confirmed", "", "", &CostAtError::confirmed},
+               {"coarser_tried", "", "", [](const CostAtError& c) { return !c.upper_bound; }}});
 
-const Fields<WorkPrecision>& measurement_fields() {
-  using Unsuited = WorkPrecision::Unsuited;
-  static const Fields<Unsuited> kUnsuited{{"combinations", "", "combinations", &Unsuited::n},
-                                          {"what", "", "such as", &Unsuited::what},
-                                          {"why", "", "why", &Unsuited::why}};
-  static const Fields<WorkPrecision> kFields{
-      {"reference", "", "reference solution", &WorkPrecision::reference},
-      {"second_reference", "", "  compared with", &WorkPrecision::second},
-      {"agreement", "  differs by at most", &WorkPrecision::agreement, error_fields(), error_text},
-      {"summary", "", "runs", runs_words},
-      {"runs", "", &WorkPrecision::runs, measured_run_fields()},
-      {"not_tried", "", "unfinished", &WorkPrecision::left_out, count_text},
-      {"unsuited", "left out", &WorkPrecision::unsuited, kUnsuited}};
-  return kFields;
-}
+inline const Fields<WorkPrecision::Unsuited> kUnsuitedFields{
+    {"combinations", "", "combinations", &WorkPrecision::Unsuited::n},
+    {"what", "", "such as", &WorkPrecision::Unsuited::what},
+    {"why", "", "why", &WorkPrecision::Unsuited::why}};
+/// All runs, the references and how well they agree, what was left out.
+inline const Fields<WorkPrecision> kMeasurementFields{
+    {"reference", "", "reference solution", &WorkPrecision::reference},
+    {"second_reference", "", "  compared with", &WorkPrecision::second},
+    {"agreement", "  differs by at most", &WorkPrecision::agreement, kErrorFields, error_text},
+    {"summary", "", "runs", runs_words},
+    {"runs", "", &WorkPrecision::runs, kRunFields},
+    {"not_tried", "", "unfinished", &WorkPrecision::left_out, count_text},
+    {"unsuited", "left out", &WorkPrecision::unsuited, kUnsuitedFields}};
 
 }  // namespace lockstep
