@@ -127,7 +127,7 @@ const Fields<Advised> kAdviseFields = Fields<Advised>{
      }},
     {"cheapest", "cheapest", &Advised::cheapest, kChoiceFields},
     {"runner_up", "", &Advised::second, kChoiceFields},
-    {"nearest", "best run", &Advised::nearest, kRunFields},
+    {"nearest", "best run", &Advised::nearest, kMeasuredFields},
     {"hint", "", "next", hint_of},
     {"each", "cheapest of each integrator, the recommended one first", &Advised::each,
      kCostFields}}.with([](const Advised& a) -> const WorkPrecision& { return *a.measured; }, kMeasurementFields);

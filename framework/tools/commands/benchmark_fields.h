@@ -65,7 +65,7 @@ inline std::string run_line(const WorkPrecisionRun& r) {
 }
 
 /// Method, setting, errors, cost, or why it failed.
-inline const Fields<WorkPrecisionRun> kRunFields = [] {
+inline const Fields<WorkPrecisionRun> kMeasuredFields = [] {
   using Run = WorkPrecisionRun;
   return Fields<Run>{
       {"integrator", "", "integrator", &Run::integrator},
@@ -93,7 +93,7 @@ inline const Fields<WorkPrecisionRun> kRunFields = [] {
 /// The same with what is known of its cost.
 inline const Fields<CostAtError> kCostFields =
     Fields<CostAtError>{}
-        .with([](const CostAtError& c) { return *c.run; }, kRunFields)
+        .with([](const CostAtError& c) { return *c.run; }, kMeasuredFields)
         .with({{"confirmed", "", "", &CostAtError::confirmed},
                {"coarser_tried", "", "", [](const CostAtError& c) { return !c.upper_bound; }}});
 
@@ -107,7 +107,7 @@ inline const Fields<WorkPrecision> kMeasurementFields{
     {"second_reference", "", "  compared with", &WorkPrecision::second},
     {"agreement", "  differs by at most", &WorkPrecision::agreement, kErrorFields, error_text},
     {"summary", "", "runs", runs_words},
-    {"runs", "", &WorkPrecision::runs, kRunFields},
+    {"runs", "", &WorkPrecision::runs, kMeasuredFields},
     {"not_tried", "", "unfinished", &WorkPrecision::left_out, count_text},
     {"unsuited", "left out", &WorkPrecision::unsuited, kUnsuitedFields}};
 

@@ -33,8 +33,8 @@ std::string Option::words() const {
   return needs.empty() ? all : all + " (with " + std::string(needs) + ")";
 }
 
-const Options& scene_options() {
-  static const Options kOptions = grouped(
+Options scene_options() {
+  return grouped(
       "Scene",
       {Option{"scene", "SCENE", "scene file (JSON); -: standard input"}.needed(),
        Option{"--set", "NAME=VALUE",
@@ -52,11 +52,10 @@ const Options& scene_options() {
            "nearly dependent constraints: held keeps them, free drops them, report only reports them, auto (default) "
            "drops them unless joints would open"}
            .among("auto,report,free,held")});
-  return kOptions;
 }
 
-const Options& settings_options() {
-  static const Options kOptions = join(
+Options settings_options() {
+  return join(
       {scene_options(),
        grouped(
            "Method (defaults if the scene has none)",
@@ -73,7 +72,6 @@ const Options& settings_options() {
             {"--solver", "NAME", "default schur; see `lockstep list solvers`"},
             Option{"--stabilization", "NAME", "of the constraints: project (default), baumgarte or none"}.among(
                 kStabilizations)})});
-  return kOptions;
 }
 
 Options run_outputs() {
@@ -95,8 +93,8 @@ Options run_outputs() {
        {"--at-jumps", "", "also write rows just before and after events, impacts and jumps of laws"}});
 }
 
-const Options& run_options() {
-  static const Options kOptions = join(
+Options run_options() {
+  return join(
       {settings_options(),
        grouped("Results", {{"--report", "FILE.html", "one HTML file with the moving mechanism and its plots"}}),
        grouped("Verified digits",
@@ -112,7 +110,6 @@ const Options& run_options() {
                    "write checkpoints to this file, for `lockstep resume`; it is removed when the run is done"}
                 .without("--certify,--report"),
             Option{"--every", "TIME", "wall-clock time between checkpoints; default 60 s"}.along("--checkpoint")})});
-  return kOptions;
 }
 
 Json results_of(std::span<const Command> commands) {

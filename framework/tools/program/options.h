@@ -115,9 +115,9 @@ inline constexpr Option kPicture =
         .repeated();
 inline constexpr Option kNoPicture{"--no-picture", "", "draw no picture"};
 inline constexpr Option kJobs{"--jobs", "N", "threads, 1 to 1024; default: the available processors"};
-const Options& scene_options();     ///< the scene, and what changes it
-const Options& settings_options();  ///< the scene, and how it is run
-const Options& run_options();       ///< all that `run` takes
-Options run_outputs();              ///< of those, what a run writes except its report
+Options scene_options();     ///< the scene, and what changes it
+Options settings_options();  ///< the scene, and how it is run
+Options run_options();       ///< all that `run` takes
+Options run_outputs();       ///< of those, what a run writes except its report
 
 }  // namespace lockstep

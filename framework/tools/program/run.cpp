@@ -176,7 +176,7 @@ class ProgramRun {
   }
 
   Result result() const {
-    Result out(loaded_, run_fields(), end_);
+    Result out(loaded_, kRunFields, end_);
     out.brief = run_text(end_, args_.has("--summary") ? ColumnText::all : ColumnText::some, args_.has("--verbose"));
     return out;
   }
@@ -382,7 +382,7 @@ Result run_scene(const Arguments& args) {
 }
 Result run_and_certify(const Arguments& args, Certify certify) { return ProgramRun(args, nullptr, certify).go(); }
 
-std::vector<const Schema*> run_results() { return {&run_fields().schema(), &kFailedFields.schema()}; }
+std::vector<const Schema*> run_results() { return {&kRunFields.schema(), &kFailedFields.schema()}; }
 
 Command run_command() {
   return {"run", run_options(), run_scene,

@@ -196,6 +196,21 @@ std::string summary_of(const EndedRun& run) {
   return text_of(kTable.schema(), kTable(columns));
 }
 
+std::string status_of(const EndedRun& r) {
+  const bool wrong = std::ranges::any_of(r.findings, [](const Finding& f) { return f.severity() == Severity::wrong; });
+  return r.interrupted ? "interrupted" : wrong ? "wrong" : "ok";
+}
+std::string method_text(const Json& m) {
+  return m["integrator"].get<std::string>() + ", formulation " + m["formulation_used"].get<std::string>();
+}
+const Fields<PassedPosition> kPassedFields{{"t", "s", "", &PassedPosition::t},
+                                           {"indicator", "", "", &PassedPosition::indicator},
+                                           {"links", "", "", &PassedPosition::links}};
+const Fields<EndedRun> kDriftFields{
+    {"violation", "m", "", [](const EndedRun& r) { return r.audit.violation; }},
+    {"limit", "m", "", [](const EndedRun& r) { return r.audit.limits.violation; }},
+    {"drifted", "", "", [](const EndedRun& r) { return r.audit.drifted; }}};
+
 }  // namespace
 
 void drop_rounding(std::vector<ColumnEnds>& columns, double tolerance) {
@@ -242,57 +257,39 @@ Finding finding_of(const MissedEvent& e) {
   return f;
 }
 
-const Fields<EndedRun>& run_fields() {
-  using Run = EndedRun;
-  static const Fields<PassedPosition> kPassed{{"t", "s", "", &PassedPosition::t},
-                                              {"indicator", "", "", &PassedPosition::indicator},
-                                              {"links", "", "", &PassedPosition::links}};
-  static const Fields<Run> kDrift{{"violation", "m", "", [](const Run& r) { return r.audit.violation; }},
-                                  {"limit", "m", "", [](const Run& r) { return r.audit.limits.violation; }},
-                                  {"drifted", "", "", [](const Run& r) { return r.audit.drifted; }}};
-  constexpr auto status = [](const Run& r) {
-    const bool wrong =
-        std::ranges::any_of(r.findings, [](const Finding& f) { return f.severity() == Severity::wrong; });
-    return r.interrupted ? "interrupted" : wrong ? "wrong" : "ok";
-  };
-  constexpr auto method = +[](const Json& m) {
-    return m["integrator"].get<std::string>() + ", formulation " + m["formulation_used"].get<std::string>();
-  };
-  static const Fields<Run> kFields{
-      {"status", "", "", status},
-      {"assembled", "", "", &Run::assembled},
-      {"resumed_at", "s", "", &Run::resumed_at},
-      {"t", "s", "", [](const Run& r) { return r.sim.state().t; }},
-      {"until", "s", "", [](const Run& r) { return r.settings.until; }},
-      {"seconds", "s", "", &Run::seconds},
-      {"method", "method", std::identity(), kMethodFields, method},
-      {"steps", "", "", [](const Run& r) { return r.sim.report().steps; }},
-      {"rejected", "", "rejected steps", [](const Run& r) { return r.sim.report().rejected; }, unless_zero},
-      {"manifold_steps", "", "steps with projected stages", [](const Run& r) { return r.sim.report().manifold_steps; },
-       unless_zero},
-      {"evaluations", "", "", [](const Run& r) { return r.sim.dynamics().work().evaluations; }},
-      {"factors", "", "", [](const Run& r) { return r.sim.dynamics().work().factors; }},
-      {"impacts", "", "", [](const Run& r) { return r.sim.report().impacts; }},
-      {"in_contact", "", "in contact", in_contact},
-      {"stopped_by", "", "", [](const Run& r) { return r.interrupted ? "" : r.sim.report().stopped_by; }},
-      {"missed_events", "", &Run::missed, kMissedFields},
-      {"energy", "energy", std::identity(), kEnergyFields},
-      {"drift", "", std::identity(), kDrift},
-      {"warnings", "", "", [](const Run& r) { return texts_of(r.sim.report().findings); }},
-      {"doubts", "", "",
-       [](const Run& r) {
-         return texts_of_those(r.findings, [](const Finding& f) { return f.severity() == Severity::doubt; });
-       }},
-      {"singular_positions", "", [](const Run& r) { return r.passed; }, kPassed},
-      {"rows", "", "rows", [](const Run& r) { return r.rows.n_rows(); }},
-      {"columns", "", columns_of, kColumnFields},
-      {"frames_taken", "", "places assumed", &Run::frames_taken, first_places},
-      {"notes", "", "", &Run::notes},
-      {"certificate", "", "", &Run::certificate, kUnlessEmpty},
-      {"not_unique", "", "", &Run::not_unique},
-      {"nearly_redundant", "", &Run::near, kNearFields}};
-  return kFields;
-}
+const Fields<EndedRun> kRunFields{
+    {"status", "", "", status_of},
+    {"assembled", "", "", &EndedRun::assembled},
+    {"resumed_at", "s", "", &EndedRun::resumed_at},
+    {"t", "s", "", [](const EndedRun& r) { return r.sim.state().t; }},
+    {"until", "s", "", [](const EndedRun& r) { return r.settings.until; }},
+    {"seconds", "s", "", &EndedRun::seconds},
+    {"method", "method", std::identity(), kMethodFields, method_text},
+    {"steps", "", "", [](const EndedRun& r) { return r.sim.report().steps; }},
+    {"rejected", "", "rejected steps", [](const EndedRun& r) { return r.sim.report().rejected; }, unless_zero},
+    {"manifold_steps", "", "steps with projected stages", [](const EndedRun& r) { return r.sim.report().manifold_steps; },
+     unless_zero},
+    {"evaluations", "", "", [](const EndedRun& r) { return r.sim.dynamics().work().evaluations; }},
+    {"factors", "", "", [](const EndedRun& r) { return r.sim.dynamics().work().factors; }},
+    {"impacts", "", "", [](const EndedRun& r) { return r.sim.report().impacts; }},
+    {"in_contact", "", "in contact", in_contact},
+    {"stopped_by", "", "", [](const EndedRun& r) { return r.interrupted ? "" : r.sim.report().stopped_by; }},
+    {"missed_events", "", &EndedRun::missed, kMissedFields},
+    {"energy", "energy", std::identity(), kEnergyFields},
+    {"drift", "", std::identity(), kDriftFields},
+    {"warnings", "", "", [](const EndedRun& r) { return texts_of(r.sim.report().findings); }},
+    {"doubts", "", "",
+     [](const EndedRun& r) {
+       return texts_of_those(r.findings, [](const Finding& f) { return f.severity() == Severity::doubt; });
+     }},
+    {"singular_positions", "", [](const EndedRun& r) { return r.passed; }, kPassedFields},
+    {"rows", "", "rows", [](const EndedRun& r) { return r.rows.n_rows(); }},
+    {"columns", "", columns_of, kColumnFields},
+    {"frames_taken", "", "places assumed", &EndedRun::frames_taken, first_places},
+    {"notes", "", "", &EndedRun::notes},
+    {"certificate", "", "", &EndedRun::certificate, kUnlessEmpty},
+    {"not_unique", "", "", &EndedRun::not_unique},
+    {"nearly_redundant", "", &EndedRun::near, kNearFields}};
 
 std::string run_text(const EndedRun& run, ColumnText columns, bool verbose) {
   std::string text;
@@ -303,7 +300,7 @@ std::string run_text(const EndedRun& run, ColumnText columns, bool verbose) {
   if (columns == ColumnText::some) text += results_text(rounded_columns(run), "--summary");
   for (const std::string& note : run.notes) text += line_of("note", note);
   for (const std::string& line : lines_of(run.certificate)) text += line_of("", line);
-  return verbose ? text + text_of(run_fields().schema(), run_fields()(run)) : text;
+  return verbose ? text + text_of(kRunFields.schema(), kRunFields(run)) : text;
 }
 
 }  // namespace lockstep

@@ -68,7 +68,7 @@ Finding finding_of(const MissedEvent&);
 std::vector<Finding> suspects_of(const EndedRun&, System&, long n_passed);
 
 /// As a result: status, method, counts, energy, violation, and each recorded column's last, least and largest value.
-const Fields<EndedRun>& run_fields();
+extern const Fields<EndedRun> kRunFields;
 
 /// Columns of which a text gives the extremes: none, those that fit in three lines, or all in a table with their times.
 enum class ColumnText { none, some, all };
