@@ -43,15 +43,9 @@ void RunQueue::finish(std::vector<FinishedRun> group) {
   changed_.notify_all();
 }
 
-void RunQueue::stop() {
+void RunQueue::stop(const std::exception_ptr& error) {
   const std::lock_guard lock(mutex_);
-  stopped_ = true;
-  changed_.notify_all();
-}
-
-void RunQueue::fail(std::exception_ptr error) {
-  const std::lock_guard lock(mutex_);
-  if (!error_) error_ = std::move(error);
+  if (!error_) error_ = error;
   stopped_ = true;
   changed_.notify_all();
 }

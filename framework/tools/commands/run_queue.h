@@ -47,10 +47,9 @@ class RunQueue {
   /// Hands the runs of a group out again, one by one, for the reason `why`.
   void split(RunGroup, const std::string& why);
   void finish(std::vector<FinishedRun> group);
-  void stop();
+  /// For an `error`, rethrow() throws it.
+  void stop(const std::exception_ptr& error = nullptr);
   bool stopped() const { return stopped_; }
-  /// Stops; rethrow() throws `error`.
-  void fail(std::exception_ptr error);
 
   // For the thread that takes results.
 

@@ -165,7 +165,7 @@ class Sweep {
         share = 0;
       }
     } catch (...) {
-      queue_.fail(std::current_exception());
+      queue_.stop(std::current_exception());
     }
   }
 
