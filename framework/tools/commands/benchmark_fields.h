@@ -67,27 +67,26 @@ inline std::string run_line(const WorkPrecisionRun& r) {
 /// Method, setting, errors, cost, or why it failed.
 inline const Fields<WorkPrecisionRun> kMeasuredFields = [] {
   using Run = WorkPrecisionRun;
-  return Fields<Run>{
-      {"integrator", "", "integrator", &Run::integrator},
-      {"formulation", "", "", [](const Run& r) { return to_string(r.formulation); }},
-      {"formulation_used", "", "formulation", [](const Run& r) { return to_string(r.used); }},
-      {"stabilization", "", "stabilisation", [](const Run& r) { return to_string(r.stabilization); }},
-      {"solver", "", "solver", [](const Run& r) { return needs_no_solver(r.used) ? "-" : r.solver; },
-       [](const Json& solver) { return solver == "-" ? "not used" : solver.get<std::string>(); }},
-      {"tolerance", "", "tolerance", [](const Run& r) { return r.adaptive ? r.setting : NAN; }, digits_text<3>,
-       kUnlessEmpty},
-      {"step", "s", "step [s]", [](const Run& r) { return r.adaptive ? NAN : r.setting; }, digits_text<3>,
-       kUnlessEmpty},
-      {"error", "error", [](const Run& r) { return r.done() ? std::optional(r.error) : std::nullopt; }, kErrorFields,
-       error_text, kUnlessEmpty},
-      {"failure", "", "failure", [](const Run& r) { return r.done() ? "" : r.failure; }, kUnlessEmpty},
-      {"stopped", "", "", &Run::given_up, kUnlessEmpty},  // as too slow
-      {"wrong", "", "", &Run::wrong, kUnlessEmpty},
-      {"cpu", "s", "CPU [s]", &Run::cpu, digits_text<2>},
-      {"evaluations", "", "evaluations", &Run::evaluations},
-      {"factors", "", "", &Run::factors},
-      {"steps", "", "steps", &Run::steps},
-      {"rejected", "", "", &Run::rejected}};
+  return Fields<Run>{{"integrator", "", "integrator", &Run::integrator},
+                     {"formulation", "", "", [](const Run& r) { return to_string(r.formulation); }},
+                     {"formulation_used", "", "formulation", [](const Run& r) { return to_string(r.used); }},
+                     {"stabilization", "", "stabilisation", [](const Run& r) { return to_string(r.stabilization); }},
+                     {"solver", "", "solver", [](const Run& r) { return needs_no_solver(r.used) ? "-" : r.solver; },
+                      [](const Json& solver) { return solver == "-" ? "not used" : solver.get<std::string>(); }},
+                     {"tolerance", "", "tolerance", [](const Run& r) { return r.adaptive ? r.setting : NAN; },
+                      digits_text<3>, kUnlessEmpty},
+                     {"step", "s", "step [s]", [](const Run& r) { return r.adaptive ? NAN : r.setting; },
+                      digits_text<3>, kUnlessEmpty},
+                     {"error", "error", [](const Run& r) { return r.done() ? std::optional(r.error) : std::nullopt; },
+                      kErrorFields, error_text, kUnlessEmpty},
+                     {"failure", "", "failure", [](const Run& r) { return r.done() ? "" : r.failure; }, kUnlessEmpty},
+                     {"stopped", "", "", &Run::given_up, kUnlessEmpty},  // as too slow
+                     {"wrong", "", "", &Run::wrong, kUnlessEmpty},
+                     {"cpu", "s", "CPU [s]", &Run::cpu, digits_text<2>},
+                     {"evaluations", "", "evaluations", &Run::evaluations},
+                     {"factors", "", "", &Run::factors},
+                     {"steps", "", "steps", &Run::steps},
+                     {"rejected", "", "", &Run::rejected}};
 }();
 
 /// The same with what is known of its cost.

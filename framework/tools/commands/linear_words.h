@@ -36,7 +36,7 @@ inline const Fields<Unrest> kUnrestFields{
     {"moves", "", "  of", &Unrest::moves, json_only}};
 inline const Fields<StateFound> kMotionFields =
     Fields<StateFound>{{"spin", "rad/s", "spin of the axes", &StateFound::spin}}.with(&StateFound::unrest,
-                                                                                       kUnrestFields);
+                                                                                      kUnrestFields);
 /// t, and "state": spin, residual motion.
 inline const Fields<StateFound> kStateFields{{"t", "s", "t", &StateFound::t},
                                              {"state", "state", std::identity(), kMotionFields}};

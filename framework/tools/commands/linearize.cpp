@@ -2,7 +2,6 @@
 // The command linearize: A, B, C, D with named inputs and outputs.
 #include <spdlog/fmt/fmt.h>
 
-
 #include <lockstep/linearization.h>
 #include <lockstep/text.h>
 #include "framework/tools/commands/linear_words.h"

@@ -87,7 +87,8 @@ Loaded read_with_plugins(const Arguments& args) {
   Scene scene = scene_from(piped ? read_json(standard_input(), file) : read_json_file(file), file, rule);
   if (!args.has("--allow-files")) check_files(scene);
   Registry registry = make_registry(args.all("--plugin"), scene.plugins);
-  const std::vector<std::string>& values = args.all("--set");  // all together: one alone may not fit the others' old ones
+  const std::vector<std::string>& values =
+      args.all("--set");  // all together: one alone may not fit the others' old ones
   if (!values.empty()) scene = as_usage("--set", [&] { return set_in_scene(scene, values, registry); });
   put_shortcuts(scene, args);
   return {std::move(registry), std::move(scene)};

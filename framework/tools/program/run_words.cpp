@@ -206,10 +206,9 @@ std::string method_text(const Json& m) {
 const Fields<PassedPosition> kPassedFields{{"t", "s", "", &PassedPosition::t},
                                            {"indicator", "", "", &PassedPosition::indicator},
                                            {"links", "", "", &PassedPosition::links}};
-const Fields<EndedRun> kDriftFields{
-    {"violation", "m", "", [](const EndedRun& r) { return r.audit.violation; }},
-    {"limit", "m", "", [](const EndedRun& r) { return r.audit.limits.violation; }},
-    {"drifted", "", "", [](const EndedRun& r) { return r.audit.drifted; }}};
+const Fields<EndedRun> kDriftFields{{"violation", "m", "", [](const EndedRun& r) { return r.audit.violation; }},
+                                    {"limit", "m", "", [](const EndedRun& r) { return r.audit.limits.violation; }},
+                                    {"drifted", "", "", [](const EndedRun& r) { return r.audit.drifted; }}};
 
 }  // namespace
 
@@ -267,8 +266,8 @@ const Fields<EndedRun> kRunFields{
     {"method", "method", std::identity(), kMethodFields, method_text},
     {"steps", "", "", [](const EndedRun& r) { return r.sim.report().steps; }},
     {"rejected", "", "rejected steps", [](const EndedRun& r) { return r.sim.report().rejected; }, unless_zero},
-    {"manifold_steps", "", "steps with projected stages", [](const EndedRun& r) { return r.sim.report().manifold_steps; },
-     unless_zero},
+    {"manifold_steps", "", "steps with projected stages",
+     [](const EndedRun& r) { return r.sim.report().manifold_steps; }, unless_zero},
     {"evaluations", "", "", [](const EndedRun& r) { return r.sim.dynamics().work().evaluations; }},
     {"factors", "", "", [](const EndedRun& r) { return r.sim.dynamics().work().factors; }},
     {"impacts", "", "", [](const EndedRun& r) { return r.sim.report().impacts; }},
