@@ -82,7 +82,7 @@ void LaneRun::estimate(Numbers8& error, Flags8& failed) {
     }
   };
   each(error_w_, error);
-  if (!scheme_.second) return;
+  if (!task_.scheme.second) return;
   each(second_w_, e3);
   for (int l = 0; l < kLanes; ++l) error[l] = combined_error(error[l], e3[l]);
 }

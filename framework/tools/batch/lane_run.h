@@ -49,12 +49,11 @@ class LaneRun {
         task_(task),
         reports_(reports),
         fixed_(task.scheme.error == nullptr),
-        scheme_(task.scheme),
         tableau_(task.scheme.tableau) {
     for (int i = 0; i < tableau_.n_stages; ++i) a_.emplace_back(tableau_.a + i * tableau_.stride, i);
     b_ = Weights(tableau_.b, tableau_.n_stages);
-    if (scheme_.error) error_w_ = Weights(scheme_.error, tableau_.n_stages);
-    if (scheme_.second) second_w_ = Weights(scheme_.second, tableau_.n_stages);
+    if (task.scheme.error) error_w_ = Weights(task.scheme.error, tableau_.n_stages);
+    if (task.scheme.second) second_w_ = Weights(task.scheme.second, tableau_.n_stages);
     for (Aligned<double>* v : {&y_, &stage_, &end_, &error_}) v->assign(batch.n_numbers(), 0.0);
     k_.resize(tableau_.n_stages);
     for (Aligned<double>& k : k_) k.assign(batch.n_numbers(), 0.0);
@@ -105,7 +104,6 @@ class LaneRun {
   const RunTask& task_;
   std::span<CopyReport> reports_;
   bool fixed_;
-  const EmbeddedScheme& scheme_;
   Tableau tableau_;
   std::vector<Weights> a_;
   Weights b_, error_w_, second_w_;

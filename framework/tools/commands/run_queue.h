@@ -53,10 +53,8 @@ class RunQueue {
 
   // For the thread that takes results.
 
-  /// The run after the one that was taken last, waited for no longer than `time`.
+  /// The run after the one that was taken last, waited for no longer than `time`; once stopped, the next that is finished.
   std::optional<FinishedRun> take(std::chrono::milliseconds time);
-  /// After the others have stopped: what is finished beyond a run that is not.
-  std::optional<FinishedRun> take_rest();
   bool all_taken() const;
   long n_finished() const;
   void rethrow() const;

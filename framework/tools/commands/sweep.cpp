@@ -94,7 +94,7 @@ class Sweep {
       }
     }
     progress_.finish();
-    while (const std::optional<FinishedRun> run = queue_.take_rest()) take(*run);
+    while (const std::optional<FinishedRun> run = queue_.take({})) take(*run);
     queue_.rethrow();
     if (tally_.in_lanes > 0)
       tally_.alone.clear();
