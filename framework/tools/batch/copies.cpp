@@ -125,6 +125,18 @@ std::string unsuited(std::span<System* const> systems, Formulation formulation) 
   return why;
 }
 
+template <class R, class... Of>
+std::function<R(Of...)> by_caller(const std::function<R(Of...)>& act) {
+  if (!act) return {};
+  return [&act](Of... of) {
+    try {
+      return act(of...);
+    } catch (...) {
+      throw lanes::CallerThrew{std::current_exception()};
+    }
+  };
+}
+
 }  // namespace
 
 struct Copies::Work {
@@ -209,7 +221,9 @@ std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<con
                              .tolerance = w.options.tolerance,
                              .output_times = {times.begin(), times.end()},
                              .max_steps = w.options.max_steps};
-  const lanes::RunTask task{w.options, *w.method, scheme, loop, watches, w.make_integrator, times, output, step, go_on};
+  const lanes::RunTask task{w.options,       *w.method,         scheme, loop,
+                            watches,         w.make_integrator, times,  by_caller(output),
+                            by_caller(step), by_caller(go_on)};
   const auto run_batch = [&](lanes::Batch& batch) {
     const auto n = static_cast<std::size_t>(batch.size());
     const auto states = starts.subspan(batch.first(), n);

@@ -22,15 +22,6 @@ void pass_jump(Dynamics& dynamics, State& state, double t) {
 
 namespace {
 
-template <class Act>
-void by_caller(Act&& act) {
-  try {
-    act();
-  } catch (...) {
-    throw CallerThrew{std::current_exception()};
-  }
-}
-
 /// Counts the steps of a copy that runs alone, and hands them on. What is thrown there leaves the run as it is.
 class Follower final : public Observer {
  public:
@@ -58,7 +49,7 @@ class Follower final : public Observer {
 
  private:
   void tell(const State& state, bool jumped) {
-    if (task_.step) guarded([&] { task_.tell_step(copy_, dynamics_.in_slots(state), jumped); });
+    if (task_.step) guarded([&] { task_.step(copy_, dynamics_.in_slots(state), jumped); });
   }
   template <class Act>
   void guarded(Act&& act) try {
@@ -81,18 +72,8 @@ Dynamics RunTask::dynamics_of(System& system) const {
   return Dynamics(system, std::make_unique<SchurSolver>(), {Formulation::joint, options.stabilization});
 }
 
-void RunTask::tell(int copy, std::size_t time, const State& state) const {
-  by_caller([&] { output(copy, time, state); });
-}
-
-void RunTask::tell_step(int copy, const State& state, bool jumped) const {
-  by_caller([&] { step(copy, state, jumped); });
-}
-
 void RunTask::go_on_from(double t) const {
-  bool on = true;
-  by_caller([&] { on = !go_on || go_on(t); });
-  if (!on) throw StepError("stopped by the caller", t);
+  if (go_on && !go_on(t)) throw StepError("stopped by the caller", t);
 }
 
 void run_alone(System& system, int copy, State state, std::size_t next, double start_limit, const RunTask& task,
@@ -114,7 +95,7 @@ void run_alone(System& system, int copy, State state, std::size_t next, double s
       throw;
     }
     follower.rethrow();
-    task.tell(copy, next, dynamics.in_slots(loop.state()));
+    task.output(copy, next, dynamics.in_slots(loop.state()));
   }
 } catch (const Error& error) {
   report.finished = false;

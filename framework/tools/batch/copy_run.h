@@ -12,6 +12,7 @@
 
 namespace lockstep::lanes {
 
+/// What the caller's own functions throw leaves the run as this, which is no failure of a copy.
 struct CallerThrew {
   std::exception_ptr what;
 };
@@ -21,18 +22,15 @@ struct RunTask {
   const Integrator& method;
   const EmbeddedScheme& scheme;  ///< its coefficients, for the lanes
   const StepLoopOptions& loop;   ///< steps and times
-  bool watches;  ///< a copy near a singular position leaves the lanes
+  bool watches;                  ///< a copy near a singular position leaves the lanes
   const std::function<std::unique_ptr<Integrator>()>& make_integrator;
   std::span<const double> times;
-  const Copies::Output& output;
-  const Copies::Step& step;
-  const Copies::GoOn& go_on;
+  Copies::Output output;  ///< these throw CallerThrew
+  Copies::Step step;
+  Copies::GoOn go_on;
 
   /// Of a copy by itself, in joint coordinates.
   Dynamics dynamics_of(System&) const;
-  /// What the caller's own functions throw leaves the run as CallerThrew, which is no failure of a copy.
-  void tell(int copy, std::size_t time, const State&) const;
-  void tell_step(int copy, const State&, bool jumped) const;
   /// Throws StepError if the run is to be broken off.
   void go_on_from(double t) const;
 };

@@ -103,7 +103,7 @@ void LaneRun::arrive(int lane) {
   the.clock.set_anchor(t_[lane]);
   for (; the.going && the.next < task_.times.size() && task_.times[the.next] <= t_[lane]; ++the.next) {
     if (!survives(lane, [&] { see(lane); })) return;
-    task_.tell(batch_.first() + lane, the.next, told_);
+    task_.output(batch_.first() + lane, the.next, told_);
     the.clock.pass_output();
   }
   the.going = the.going && the.next < task_.times.size();
@@ -111,7 +111,7 @@ void LaneRun::arrive(int lane) {
 
 // To callers that follow every step.
 void LaneRun::tell_step(int lane, bool jumped) {
-  if (task_.step && survives(lane, [&] { see(lane); })) task_.tell_step(batch_.first() + lane, told_, jumped);
+  if (task_.step && survives(lane, [&] { see(lane); })) task_.step(batch_.first() + lane, told_, jumped);
 }
 
 // Takes a copy from t, on the near side of the jump of a law, to its instant.
