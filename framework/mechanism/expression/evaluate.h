@@ -90,19 +90,19 @@ template <class T>
 T applied(Function f, const T& x, const T& y) {
   using std::acos, std::asin, std::atan, std::atan2, std::cos, std::cosh, std::exp, std::log, std::sin, std::sinh,
       std::sqrt, std::tan, std::tanh;
-  if (f == Function::sin) return sin(x);
-  if (f == Function::cos) return cos(x);
-  if (f == Function::tan) return tan(x);
-  if (f == Function::asin) return asin(x);
-  if (f == Function::acos) return acos(x);
-  if (f == Function::atan) return atan(x);
-  if (f == Function::atan2) return atan2(x, y);
-  if (f == Function::sinh) return sinh(x);
-  if (f == Function::cosh) return cosh(x);
-  if (f == Function::tanh) return tanh(x);
-  if (f == Function::sqrt) return sqrt(x);
-  if (f == Function::exp) return exp(x);
-  if (f == Function::log) return log(x);
+  if (f == Function("sin")) return sin(x);
+  if (f == Function("cos")) return cos(x);
+  if (f == Function("tan")) return tan(x);
+  if (f == Function("asin")) return asin(x);
+  if (f == Function("acos")) return acos(x);
+  if (f == Function("atan")) return atan(x);
+  if (f == Function("atan2")) return atan2(x, y);
+  if (f == Function("sinh")) return sinh(x);
+  if (f == Function("cosh")) return cosh(x);
+  if (f == Function("tanh")) return tanh(x);
+  if (f == Function("sqrt")) return sqrt(x);
+  if (f == Function("exp")) return exp(x);
+  if (f == Function("log")) return log(x);
   if constexpr (std::is_same_v<T, double>) return std::hypot(x, y);
   return sqrt(square(x) + square(y));  // hypot
 }
@@ -195,19 +195,19 @@ class TermEvaluation {
     using std::abs;
     const Term& t = term(i);
     const T x = of(t.parts[0]);
-    if (t.function == Function::floor) return T(values_.floor(x, i));
-    if (t.function == Function::ceil) return T(-values_.floor(-x, i));
-    if (t.function == Function::round) return T(values_.round(x, i));
+    if (t.function == Function("floor")) return T(values_.floor(x, i));
+    if (t.function == Function("ceil")) return T(-values_.floor(-x, i));
+    if (t.function == Function("round")) return T(values_.round(x, i));
     if (t.n_parts == 1) {
       const Sign s = values_.sign(x, i);
-      if (t.function == Function::sign) return s ? T(double(*s)) : values_.either(T(-1.0), T(1.0));
+      if (t.function == Function("sign")) return s ? T(double(*s)) : values_.either(T(-1.0), T(1.0));
       if (s && *s >= 0) values_.stands(i, t.parts[0]);
       if constexpr (std::is_same_v<T, double>) return abs(x);
       return !s ? T(abs(x)) : *s < 0 ? T(-x) : x;
     }
     const T y = of(t.parts[1]);
-    if (t.function == Function::mod) return values_.mod(x, y, i);
-    const bool least = t.function == Function::min;
+    if (t.function == Function("mod")) return values_.mod(x, y, i);
+    const bool least = t.function == Function("min");
     const Sign s = values_.compared(t.parts[0], x, t.parts[1], y, i);
     if (!s) return least ? values_.least(x, y) : T(-values_.least(-x, -y));
     const bool first = *s == 0 || (*s < 0) == least;

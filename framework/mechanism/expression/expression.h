@@ -2,6 +2,8 @@
 // Formulas as text to trees: "=A + crank*[cos(phi), sin(phi), 0]".
 #pragma once
 
+#include <algorithm>
+#include <compare>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -40,50 +42,12 @@ enum class Operation {
   component  ///< a.x, number 0, 1 or 2 in `index`
 };
 
-/// The functions of formulas.
-enum class Function {
-  sin,
-  cos,
-  tan,
-  asin,
-  acos,
-  atan,
-  atan2,
-  sinh,
-  cosh,
-  tanh,
-  sqrt,
-  exp,
-  log,
-  abs,
-  sign,
-  floor,
-  ceil,
-  round,
-  mod,
-  min,
-  max,
-  hypot,
-  norm,
-  dot,
-  cross,
-  table,
-  meet,
-  // of the motion so far, in columns
-  mean,
-  rms,
-  integral,
-  at,
-  last,
-  rate
-};
-
 /// What a function takes: numbers of any dimension, or of one; vectors; points and radii.
 enum class Takes { any, pure, angle, alike, vectors, places };
 /// The dimension of what it gives: any, that of its arguments, their root or product, ...
 enum class Gives { number, any, sign, angle, alike, root, product, times_time, by_time };
 
-/// A function of formulas.
+/// Name, arguments and dimensions of a function.
 struct Signature {
   std::string_view name;
   std::size_t least, most;  ///< arguments
@@ -91,7 +55,52 @@ struct Signature {
   Gives gives = Gives::number;
   bool decides = false;  ///< by the sign of a number
 };
-LOCKSTEP_API const Signature& signature_of(Function);
+inline constexpr std::size_t kMostArguments = 16;
+/// All of them. From "mean" on they are of the motion so far, in columns.
+inline constexpr Signature kFunctions[] = {{"sin", 1, 1, Takes::angle},
+                                           {"cos", 1, 1, Takes::angle},
+                                           {"tan", 1, 1, Takes::angle},
+                                           {"asin", 1, 1, Takes::pure, Gives::angle},
+                                           {"acos", 1, 1, Takes::pure, Gives::angle},
+                                           {"atan", 1, 1, Takes::pure, Gives::angle},
+                                           {"atan2", 2, 2, Takes::alike, Gives::angle},
+                                           {"sinh", 1, 1},
+                                           {"cosh", 1, 1},
+                                           {"tanh", 1, 1},
+                                           {"sqrt", 1, 1, Takes::any, Gives::root},
+                                           {"exp", 1, 1},
+                                           {"log", 1, 1},
+                                           {"abs", 1, 1, Takes::alike, Gives::alike, true},
+                                           {"sign", 1, 1, Takes::any, Gives::sign, true},
+                                           {"floor", 1, 1, Takes::pure, Gives::number, true},
+                                           {"ceil", 1, 1, Takes::pure, Gives::number, true},
+                                           {"round", 1, 1, Takes::pure, Gives::number, true},
+                                           {"mod", 2, 2, Takes::alike, Gives::alike, true},
+                                           {"min", 2, kMostArguments, Takes::alike, Gives::alike, true},
+                                           {"max", 2, kMostArguments, Takes::alike, Gives::alike, true},
+                                           {"hypot", 2, kMostArguments, Takes::alike, Gives::alike},
+                                           {"norm", 1, 1, Takes::vectors, Gives::alike},
+                                           {"dot", 2, 2, Takes::vectors, Gives::product},
+                                           {"cross", 2, 2, Takes::vectors, Gives::product},
+                                           {"table", 2, 2, Takes::any, Gives::any},
+                                           {"meet", 4, 6, Takes::places, Gives::alike},
+                                           {"mean", 1, 1, Takes::any, Gives::alike},
+                                           {"rms", 1, 1, Takes::any, Gives::alike},
+                                           {"integral", 1, 1, Takes::any, Gives::times_time},
+                                           {"at", 2, 2, Takes::any, Gives::alike},
+                                           {"last", 2, 2, Takes::any, Gives::alike},
+                                           {"rate", 1, 1, Takes::any, Gives::by_time}};
+
+/// A function of formulas: Function("sin") is that line of the table; of an unknown name it does not compile.
+struct Function {
+  int line = 0;
+  constexpr Function() = default;
+  constexpr explicit Function(const Signature& of) : line(static_cast<int>(&of - kFunctions)) {}
+  consteval explicit Function(std::string_view name)
+      : Function(*std::ranges::find(kFunctions, name, &Signature::name)) {}
+  constexpr auto operator<=>(const Function&) const = default;
+  constexpr const Signature& signature() const { return kFunctions[static_cast<std::size_t>(line)]; }
+};
 
 /// A node of a formula; `children` are numbers of nodes before it.
 struct Node {

@@ -22,8 +22,8 @@ struct Edges {
 
   void decided(int /*what*/, int by, double number) const {
     const Function f = terms[by].function;
-    const bool whole = f == Function::floor || f == Function::ceil || f == Function::mod;
-    out.push_back(whole ? std::sin(kPi * number) : f == Function::round ? std::cos(kPi * number) : number);
+    const bool whole = f == Function("floor") || f == Function("ceil") || f == Function("mod");
+    out.push_back(whole ? std::sin(kPi * number) : f == Function("round") ? std::cos(kPi * number) : number);
   }
   void computed(const Term& t, double x, double y) const {
     const Operation o = t.operation;
@@ -31,11 +31,11 @@ struct Edges {
     if (o == Operation::divide && terms[t.parts[1]].operation != Operation::number) out.push_back(y);
     if (o == Operation::power && !(t.value == std::round(t.value) && t.value > 0)) out.push_back(x);
     if (o != Operation::call) return;
-    if (f == Function::log || f == Function::sqrt) out.push_back(x);
-    if (f == Function::asin || f == Function::acos) out.push_back(1 - std::abs(x));
-    if (f == Function::tan) out.push_back(std::cos(x));
-    if (f == Function::atan2) out.push_back(y < 0 ? x : 1);
-    if (f == Function::hypot)
+    if (f == Function("log") || f == Function("sqrt")) out.push_back(x);
+    if (f == Function("asin") || f == Function("acos")) out.push_back(1 - std::abs(x));
+    if (f == Function("tan")) out.push_back(std::cos(x));
+    if (f == Function("atan2")) out.push_back(y < 0 ? x : 1);
+    if (f == Function("hypot"))
       out.push_back(x + y / std::numbers::phi);  // zero where both are, if they pass zero on a line
   }
 };

@@ -13,46 +13,10 @@
 namespace lockstep::expression {
 namespace {
 
-constexpr std::size_t kAny = 16;
-// In the order of Function.
-constexpr std::array<Signature, 33> kFunctions{{{"sin", 1, 1, Takes::angle},
-                                                {"cos", 1, 1, Takes::angle},
-                                                {"tan", 1, 1, Takes::angle},
-                                                {"asin", 1, 1, Takes::pure, Gives::angle},
-                                                {"acos", 1, 1, Takes::pure, Gives::angle},
-                                                {"atan", 1, 1, Takes::pure, Gives::angle},
-                                                {"atan2", 2, 2, Takes::alike, Gives::angle},
-                                                {"sinh", 1, 1},
-                                                {"cosh", 1, 1},
-                                                {"tanh", 1, 1},
-                                                {"sqrt", 1, 1, Takes::any, Gives::root},
-                                                {"exp", 1, 1},
-                                                {"log", 1, 1},
-                                                {"abs", 1, 1, Takes::alike, Gives::alike, true},
-                                                {"sign", 1, 1, Takes::any, Gives::sign, true},
-                                                {"floor", 1, 1, Takes::pure, Gives::number, true},
-                                                {"ceil", 1, 1, Takes::pure, Gives::number, true},
-                                                {"round", 1, 1, Takes::pure, Gives::number, true},
-                                                {"mod", 2, 2, Takes::alike, Gives::alike, true},
-                                                {"min", 2, kAny, Takes::alike, Gives::alike, true},
-                                                {"max", 2, kAny, Takes::alike, Gives::alike, true},
-                                                {"hypot", 2, kAny, Takes::alike, Gives::alike},
-                                                {"norm", 1, 1, Takes::vectors, Gives::alike},
-                                                {"dot", 2, 2, Takes::vectors, Gives::product},
-                                                {"cross", 2, 2, Takes::vectors, Gives::product},
-                                                {"table", 2, 2, Takes::any, Gives::any},
-                                                {"meet", 4, 6, Takes::places, Gives::alike},
-                                                {"mean", 1, 1, Takes::any, Gives::alike},
-                                                {"rms", 1, 1, Takes::any, Gives::alike},
-                                                {"integral", 1, 1, Takes::any, Gives::times_time},
-                                                {"at", 2, 2, Takes::any, Gives::alike},
-                                                {"last", 2, 2, Takes::any, Gives::alike},
-                                                {"rate", 1, 1, Takes::any, Gives::by_time}}};
-
 // Those that may be called: of columns, of the motion too.
 std::span<const Signature> functions_of(Naming naming) {
-  const auto of_instant = static_cast<std::size_t>(Function::mean);
-  return std::span(kFunctions).first(naming == Naming::channels ? kFunctions.size() : of_instant);
+  return std::span<const Signature>(kFunctions)
+      .first(naming == Naming::channels ? std::size(kFunctions) : Function("mean").line);
 }
 
 const Signature* signature(std::string_view name, Naming naming) {
@@ -337,13 +301,13 @@ class ExpressionParser {
       fail(at, "unknown function \"" + called + "\"" + text::suggestion(called, names_of_functions(naming_)));
     const std::size_t open = at_++;
     std::vector<int> arguments = list(")", open, "bracket");
-    const auto f = static_cast<Function>(s - kFunctions.data());
-    const bool of_motion = naming_ == Naming::channels && (f == Function::min || f == Function::max);
+    const Function f(*s);
+    const bool of_motion = naming_ == Naming::channels && (f == Function("min") || f == Function("max"));
     if (arguments.size() < (of_motion ? 1 : s->least) || arguments.size() > s->most)
       fail(at, called + " takes " + std::to_string(s->least) + (s->most > s->least ? " or more" : "") +
                    (s->most == 1 ? " argument" : " arguments") + ", and " + std::to_string(arguments.size()) +
                    (arguments.size() == 1 ? " is given" : " are given"));
-    if (f == Function::meet && arguments.size() > 4) name_side(e_.nodes_[arguments[4]]);
+    if (f == Function("meet") && arguments.size() > 4) name_side(e_.nodes_[arguments[4]]);
     put(Operation::call, at, std::move(arguments));
     last().function = f;
     return e_.root();
@@ -476,10 +440,9 @@ std::string name_fault(std::string_view word) {
 }
 
 bool is_of_motion(const Node& n) {
-  const bool least_or_most = n.function == Function::min || n.function == Function::max;
-  return n.operation == Operation::call && (n.function >= Function::mean || (least_or_most && n.children.size() == 1));
+  const bool least_or_most = n.function == Function("min") || n.function == Function("max");
+  return n.operation == Operation::call &&
+         (n.function >= Function("mean") || (least_or_most && n.children.size() == 1));
 }
-
-const Signature& signature_of(Function f) { return kFunctions[static_cast<std::size_t>(f)]; }
 
 }  // namespace lockstep::expression

@@ -272,7 +272,7 @@ class FormulaReader {
 
   // -- functions
   [[noreturn]] void refuse_argument(const Node& n, const Amount& q, const char* expected) const {
-    refuse(n, std::string(signature_of(n.function).name) + " of " + called(q) + "; " + expected + " is expected");
+    refuse(n, std::string(n.function.signature().name) + " of " + called(q) + "; " + expected + " is expected");
   }
   // Of dimensions alone; a plain number is in SI.
   void expect(const Node& n, const Amount& x, const Exponents& wanted, const std::string& what) const {
@@ -285,26 +285,26 @@ class FormulaReader {
     const double x = a[0].v[0];
     const Function f = n.function;
     const char* range = nullptr;
-    if ((f == Function::asin || f == Function::acos) && !(std::abs(x) <= 1)) range = "from -1 to 1";
-    if (f == Function::sqrt && !(x >= 0)) range = "0 or more";
-    if (f == Function::log && !(x > 0)) range = "more than 0";
+    if ((f == Function("asin") || f == Function("acos")) && !(std::abs(x) <= 1)) range = "from -1 to 1";
+    if (f == Function("sqrt") && !(x >= 0)) range = "0 or more";
+    if (f == Function("log") && !(x > 0)) range = "more than 0";
     if (range != nullptr) {
-      std::string words = f == Function::sqrt || f == Function::log ? words_of(a[0]) : text::number(x),
+      std::string words = f == Function("sqrt") || f == Function("log") ? words_of(a[0]) : text::number(x),
                   with = ", with ";
       for (const std::string& name : names_in(e_))
         if (const Meaning* const m = names_({.name = name}))
           words += with + name + " = " + words_of(m->amount), with = ", ";
       words += std::string("; it must be ") + range;
-      if (f == Function::acos || f == Function::sqrt)
+      if (f == Function("acos") || f == Function("sqrt"))
         words += "; of a triangle, check that its sides can form one, and their units";
-      refuse(n, std::string(signature_of(f).name) + " of " + words);
+      refuse(n, std::string(f.signature().name) + " of " + words);
     }
-    if (f == Function::mod && a[1].v[0] == 0) refuse(n, "mod by zero");
+    if (f == Function("mod") && a[1].v[0] == 0) refuse(n, "mod by zero");
   }
 
   Part call(const Node& n) {
-    const Signature& f = signature_of(n.function);
-    if (n.function == Function::table) return of_table(n);
+    const Signature& f = n.function.signature();
+    if (n.function == Function("table")) return of_table(n);
     if (is_of_motion(n) && what_ == Read::terms) {
       const int place = of_motion_ ? of_motion_(n) : -1;
       if (place < 0)
@@ -328,7 +328,7 @@ class FormulaReader {
     for (std::size_t k = 1; k < a.size() && f.takes == Takes::alike; ++k)
       unite(n, a[0], a[k], "arguments of one function");
     if (of_values()) check_range(n, a);
-    if (n.function == Function::at || n.function == Function::last)
+    if (n.function == Function("at") || n.function == Function("last"))
       expect(n, a[1], {0, 0, 1, 0}, "the second argument of " + std::string(f.name));
     q.any = a[0].any && (f.takes == Takes::alike || f.gives == Gives::alike || f.gives == Gives::root);
     if (f.gives == Gives::alike) q.dimension = a[0].dimension;
@@ -361,7 +361,7 @@ class FormulaReader {
     const Part x = child(n, 1);
     if (x.is_vector) refuse_argument(n, x, "a number");
     if (m->argument) expect(n, x, *m->argument, "the argument of table \"" + name.name + "\"");
-    Term t{Operation::call, Function::table};
+    Term t{Operation::call, Function("table")};
     t.parts = {x[0]}, t.n_parts = 1, t.table = m->table;
     Part q = pure(m->table ? put(t) : variable(0));
     q.measured = true, q.any = !m->amount.measured;
@@ -398,11 +398,11 @@ class FormulaReader {
 
   Part of_vectors(Function f, const std::vector<Part>& v, Part q) {
     const auto product = [&](std::size_t i, std::size_t k) { return put(Operation::multiply, {v[0][i], v[1][k]}); };
-    const auto hypot = [&](int x, int y) { return put(Operation::call, {x, y}, Function::hypot); };
-    if (f == Function::norm) q.term = {hypot(hypot(v[0][0], v[0][1]), v[0][2])};
-    if (f == Function::dot)
+    const auto hypot = [&](int x, int y) { return put(Operation::call, {x, y}, Function("hypot")); };
+    if (f == Function("norm")) q.term = {hypot(hypot(v[0][0], v[0][1]), v[0][2])};
+    if (f == Function("dot"))
       q.term = {put(Operation::add, {put(Operation::add, {product(0, 0), product(1, 1)}), product(2, 2)})};
-    q.is_vector = f == Function::cross;
+    q.is_vector = f == Function("cross");
     for (std::size_t k = 0; k < 3 && q.is_vector; ++k) {
       const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
       q.term[k] = put(Operation::subtract, {product(i, j), product(j, i)});
@@ -447,7 +447,7 @@ class FormulaReader {
     Term t{o, f};
     std::copy(parts.begin(), parts.end(), t.parts.begin());
     t.n_parts = static_cast<int>(parts.size());
-    t.decides = is_condition(o) || o == Operation::choose || (o == Operation::call && signature_of(f).decides);
+    t.decides = is_condition(o) || o == Operation::choose || (o == Operation::call && f.signature().decides);
     return put(t);
   }
   // Appends a term, or, in place of one of constants only, its value.

@@ -72,7 +72,7 @@ class OfMotion {
       if (p.t0 <= instant_ && instant_ <= p.t1) at_ = p.at(instant_);
       if (p.off > 0) ++n_off_;
       if (is_sum()) off_ += p.off * (p.t1 - p.t0);
-      if (!is_sum() && sign() * p.whole + p.off > (f_ == Function::max ? most_ : -least_)) off_ = std::max(off_, p.off);
+      if (!is_sum() && sign() * p.whole + p.off > (sign() > 0 ? most_ : -least_)) off_ = std::max(off_, p.off);
       pieces_.push_back(p);
     }
     while (pieces_.front().t1 < step.front().t0 - window_) pieces_.pop_front();  // windows begin inside the step too
@@ -83,14 +83,14 @@ class OfMotion {
     return off_ <= kPromised * (most_ - least_) * length || !(least_ < most_);
   }
   double value(double t, double present) const {
-    if (f_ == Function::at) return t < instant_ ? present : at_;
+    if (f_ == Function("at")) return t < instant_ ? present : at_;
     const double from = std::max(begin_, t - window_), length = t - from;
     double total = window_ == kWhole ? total_ : is_sum() ? 0 : present;
     for (const Seen& p : pieces_) total = with(p, from, t, total);
     if (!is_sum()) return more(total, present);
-    if (f_ == Function::integral) return total;
-    if (!(length > 0)) return f_ == Function::rms ? std::abs(present) : present;
-    return f_ == Function::mean ? total / length : std::sqrt(total / length);
+    if (f_ == Function("integral")) return total;
+    if (!(length > 0)) return f_ == Function("rms") ? std::abs(present) : present;
+    return f_ == Function("mean") ? total / length : std::sqrt(total / length);
   }
 
   void save(Snapshot& out) const {
@@ -115,8 +115,8 @@ class OfMotion {
   static constexpr double kWhole = HUGE_VAL;
 
  private:
-  bool is_sum() const { return f_ != Function::min && f_ != Function::max; }
-  double sign() const { return f_ == Function::min ? -1 : 1; }
+  bool is_sum() const { return f_ != Function("min") && f_ != Function("max"); }
+  double sign() const { return f_ == Function("min") ? -1 : 1; }
   // What is NaN is left out.
   double more(double a, double b) const { return sign() * std::fmax(sign() * a, sign() * b); }
   // The integral or the extreme, with that of a piece between two times.
@@ -129,7 +129,7 @@ class OfMotion {
   template <class V>
   double part(const Piece& p, double a, double b, const V& at) const {
     if (!is_sum()) return p.most(a, b, sign(), at);
-    return p.integral(a, b, [&](double v) { return f_ == Function::rms ? v * v : v; });
+    return p.integral(a, b, [&](double v) { return f_ == Function("rms") ? v * v : v; });
   }
 
   Function f_;
@@ -306,18 +306,18 @@ class Computed final : public FormulaMemory {
   // -- functions of the motion
   int of_motion(const Node& n) {
     const int place = new_place();
-    if (n.function == Function::rate) {
+    if (n.function == Function("rate")) {
       rates_.emplace_back(place, scope_.compiled(e_, n.children[0]));
       return place;
     }
-    if (n.function == Function::last)
+    if (n.function == Function("last"))
       e_.refuse(n, "last(x, T) is an argument of min, max, mean, rms or integral, as in mean(last(x, 2 s))");
     int of = n.children[0];
     double window = OfMotion::kWhole, instant = HUGE_VAL;
-    if (const Node& inner = e_.node(of); inner.operation == Operation::call && inner.function == Function::last)
+    if (const Node& inner = e_.node(of); inner.operation == Operation::call && inner.function == Function("last"))
       window = time_of(inner), of = inner.children[0];
-    if (n.function == Function::at) instant = time_of(n);
-    const auto rate_of = [this](const Node& inner) { return inner.function == Function::rate ? of_motion(inner) : -1; };
+    if (n.function == Function("at")) instant = time_of(n);
+    const auto rate_of = [this](const Node& part) { return part.function == Function("rate") ? of_motion(part) : -1; };
     motions_.emplace_back(place,
                           std::make_shared<OfMotion>(n.function, scope_.compiled(e_, of, rate_of), window, instant));
     return place;
