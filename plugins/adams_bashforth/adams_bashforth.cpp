@@ -8,14 +8,13 @@
 // those of the projected states, which are off the smooth curve by as much, so the order is preserved. Where the
 // history does not fit - at the beginning, after an event, when the state was moved, when the step changes much - a
 // step of Runge and Kutta's method of order 4 is made instead.
-#include <spdlog/fmt/fmt.h>
-
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include <lockstep/author/plugin.h>
+#include <lockstep/author/stepping.h>
 #include <lockstep/dynamics.h>
 
 namespace {
@@ -57,11 +56,11 @@ class AdamsBashforth final : public Integrator {
     else
       runge_kutta(dynamics, h);
     end_.t = state.t + h, end_.z = state.z, end_.modes = state.modes, end_.watched = state.watched;
-    StepReport report;
-    report.h = h;
-    land(dynamics, report);
+    const ProjectReport landed = project_end_or_throw(dynamics, end_, "adams_bashforth", state.t, h);
     keep(state.t);
     state = end_;
+    StepReport report;
+    report.h = h, report.violation = landed.before, report.violation_after = landed.after;
     return report;
   }
 
@@ -132,23 +131,6 @@ class AdamsBashforth final : public Integrator {
   }
 
   static void move(State& y, double h, const StateRate& f) { y.q += h * f.q, y.v += h * f.v, y.s += h * f.s; }
-
-  /// Normalises the quaternions, then projects onto the constraints if the dynamics does so.
-  void land(Dynamics& dynamics, StepReport& report) {
-    if (dynamics.options().stabilization.kind != Stabilization::Kind::project) {
-      dynamics.normalize(end_);
-      report.violation = report.violation_after = dynamics.violation(end_);
-      return;
-    }
-    const ProjectReport landed = dynamics.project(end_);
-    report.violation = landed.before, report.violation_after = landed.after;
-    if (landed.converged) return;
-    n_kept_ = 0;
-    throw StepError(fmt::format("adams_bashforth: the projection after the step of {:.3g} s from t = {:.9g} s did not "
-                                "converge; use a smaller step (--step) or dopri5 (--integrator)",
-                                report.h, start_.t),
-                    start_.t);
-  }
 
   /// The rate at the beginning of the last step becomes the newest of the history.
   void keep(double t) {
