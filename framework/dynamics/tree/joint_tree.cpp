@@ -188,16 +188,17 @@ class Graph {
   struct Edge {
     int link, other;  // number of the link, the slot at its other end
   };
-  Graph(const System& system, const std::vector<int>& links)
-      : edges_(static_cast<std::size_t>(system.n_slots() + 1), links, [&](int link, auto&& add) {
-          const auto [a, b] = slots_of(*system.links()[link]);
-          add(at(a), {link, b}), add(at(b), {link, a});
-        }) {}
-  std::span<const Edge> of(int slot) const { return edges_[at(slot)]; }
+  Graph(const System& system, const std::vector<int>& links) : edges_(static_cast<std::size_t>(system.n_slots() + 1)) {
+    for (const int link : links) {
+      const auto [a, b] = slots_of(*system.links()[link]);
+      edges_[at(a)].push_back({link, b}), edges_[at(b)].push_back({link, a});
+    }
+  }
+  const auto& of(int slot) const { return edges_[at(slot)]; }
 
  private:
   static std::size_t at(int slot) { return slot + 1; }  // the ground first
-  Buckets<Edge> edges_;
+  std::vector<boost::container::small_vector<Edge, 4>> edges_;
 };
 
 }  // namespace

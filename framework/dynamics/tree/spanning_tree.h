@@ -3,9 +3,9 @@
 #pragma once
 
 #include <algorithm>
+#include <boost/container/small_vector.hpp>
 #include <cstddef>
 #include <set>
-#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -19,43 +19,20 @@ struct GraphLink {
   int rows = 0;        ///< unknowns that it takes away as a joint of a tree; 0: it is no joint of a tree
 };
 
-/// A list for each of n places, in the order in which things were added.
-template <class Thing>
-class Buckets {
- public:
-  /// put(item, add) calls add(place, thing) for what an item adds; it is asked twice, and must do the same.
-  template <class Items, class Put>
-  Buckets(std::size_t n, const Items& items, Put&& put) : first_(n + 2, 0) {
-    for (const auto& item : items) put(item, [&](std::size_t place, const Thing&) { ++first_[place + 2]; });
-    for (std::size_t k = 2; k < first_.size(); ++k) first_[k] += first_[k - 1];
-    things_.resize(first_.back());
-    for (const auto& item : items)
-      put(item, [&](std::size_t place, const Thing& t) { things_[first_[place + 1]++] = t; });
-  }
-  std::span<const Thing> operator[](std::size_t place) const {
-    return {things_.data() + first_[place], first_[place + 1] - first_[place]};
-  }
-
- private:
-  std::vector<std::size_t> first_;  // of each place; while things are added, of the next one
-  std::vector<Thing> things_;
-};
-
 /// The growing tree. Slots are numbered from the ground, 0.
 class Growth {
  public:
   Growth(const std::vector<GraphLink>& links, int n_slots, bool from_last)
       : links_(links),
         from_last_(from_last),
-        at_(static_cast<std::size_t>(n_slots + 1), links,
-            [&](const GraphLink& link, auto&& add) {
-              const auto number = static_cast<std::size_t>(&link - links.data());
-              add(node(link.a), number), add(node(link.b), number);
-            }),
+        at_(static_cast<std::size_t>(n_slots + 1)),
         reached_(static_cast<std::size_t>(n_slots + 1), -1),
         seen_(static_cast<std::size_t>(n_slots + 1), -1),
         parent_(static_cast<std::size_t>(n_slots + 1), 0),
-        taken_(links.size(), false) {}
+        taken_(links.size(), false) {
+    for (std::size_t link = 0; link < links.size(); ++link)
+      for (const int slot : {links[link].a, links[link].b}) at_[node(slot)].push_back(link);
+  }
 
   const std::vector<bool>& tree() {
     for (std::size_t start = 0; start < reached_.size(); ++start) {
@@ -127,7 +104,7 @@ class Growth {
 
   const std::vector<GraphLink>& links_;
   bool from_last_;
-  Buckets<std::size_t> at_;          // links of each slot
+  std::vector<boost::container::small_vector<std::size_t, 4>> at_;  // links of each slot
   std::vector<int> reached_;         // of each slot: as which; -1: not yet
   std::vector<int> seen_;            // of each slot: by which look around
   std::vector<std::size_t> parent_;  // of each slot
