@@ -57,8 +57,6 @@ struct SplineSettings {
   SplineOutside outside = SplineOutside::refuse;  ///< value before the first and after the last point
 };
 
-// Translation law 'path'.
-
 /// Times, s, and positions, m.
 using PathPoints = std::vector<std::pair<double, Vec3>>;
 
@@ -69,15 +67,6 @@ struct PathEndValues {
   Vec3 start_acceleration = Vec3::Zero(),  ///< m/s^2
       end_acceleration = Vec3::Zero();     ///< m/s^2
 };
-
-namespace laws {
-/// A spline x(t), m, through the points (t_i, x_i), times in s, in the axes of the frame in which it is imposed. Ends,
-/// breakpoints and exceptions as those of spline().
-LOCKSTEP_API LawPtr<TranslationLaw> path(const PathPoints& points, const SplineSettings& k = {},
-                                         const PathEndValues& ends = {});
-}  // namespace laws
-
-// Law 'spline'.
 
 /// Times, s, and values.
 using SplinePoints = std::vector<std::pair<double, double>>;
@@ -90,7 +79,19 @@ struct SplineEndValues {
       end_acceleration = 0;    ///< unit of y per s^2
 };
 
+/// Times, s, and orientations of any length but zero: frame's axes -> axes of the frame in which it is imposed.
+using RotationPoints = std::vector<std::pair<double, Quat>>;
+
 namespace laws {
+// Translation law 'path'.
+
+/// A spline x(t), m, through the points (t_i, x_i), times in s, in the axes of the frame in which it is imposed. Ends,
+/// breakpoints and exceptions as those of spline().
+LOCKSTEP_API LawPtr<TranslationLaw> path(const PathPoints& points, const SplineSettings& k = {},
+                                         const PathEndValues& ends = {});
+
+// Law 'spline'.
+
 /// A spline y(t) through the points (t_i, y_i): cubic with continuous ydd, or quintic with continuous yddd and ydddd.
 /// Outside of the points: a ModelError, held, or repeated (periodic ends). Breakpoints: the ends of the range,
 /// if the value is held there and the curve does not come to rest. t in s, y in the unit of the coordinate. Throws
@@ -98,14 +99,9 @@ namespace laws {
 /// meet, `repeat` without periodic ends.
 LOCKSTEP_API LawPtr<MotionLaw> spline(const SplinePoints& points, const SplineSettings& k = {},
                                       const SplineEndValues& ends = {});
-}  // namespace laws
 
 // Rotation law 'spline_rotation'.
 
-/// Times, s, and orientations of any length but zero: frame's axes -> axes of the frame in which it is imposed.
-using RotationPoints = std::vector<std::pair<double, Quat>>;
-
-namespace laws {
 /// The rotation q(t) = r(t)/|r(t)| through the orientations (t_i, q_i), r(t) a cubic or quintic spline of the four
 /// components.
 ///

@@ -94,6 +94,26 @@ inline Jet<N, T, D> chain(const Jet<N, T, D>& a, const T& f0, const T& f1, const
   r.g = f1 * a.g;
   return r;
 }
+
+double value_of(Number auto a) { return double(a); }
+template <int N, class T, class D>
+const T& value_of(const Jet<N, T, D>& a) {
+  return a.v;
+}
+template <class A, class B>
+inline constexpr bool is_pair = false;
+template <int N, class T, class D>
+inline constexpr bool is_pair<Jet<N, T, D>, Jet<N, T, D>> = true;
+template <int N, class T, class D, Number B>
+inline constexpr bool is_pair<Jet<N, T, D>, B> = true;
+template <Number A, int N, class T, class D>
+inline constexpr bool is_pair<A, Jet<N, T, D>> = true;
+/// Two jets, or a jet and a number.
+template <class A, class B>
+concept Pair = is_pair<A, B>;
+/// The type of a jet of both.
+template <class A, class B>
+using JetOf = std::conditional_t<is_pair<A, A>, A, B>;
 }  // namespace jet_detail
 
 /// a + b
@@ -200,28 +220,6 @@ inline Jet<N, T, D>& operator/=(Jet<N, T, D>& a, const B& b) {
   return a = a / b;
 }
 
-namespace jet_detail {
-double value_of(Number auto a) { return double(a); }
-template <int N, class T, class D>
-const T& value_of(const Jet<N, T, D>& a) {
-  return a.v;
-}
-template <class A, class B>
-inline constexpr bool is_pair = false;
-template <int N, class T, class D>
-inline constexpr bool is_pair<Jet<N, T, D>, Jet<N, T, D>> = true;
-template <int N, class T, class D, Number B>
-inline constexpr bool is_pair<Jet<N, T, D>, B> = true;
-template <Number A, int N, class T, class D>
-inline constexpr bool is_pair<A, Jet<N, T, D>> = true;
-/// Two jets, or a jet and a number.
-template <class A, class B>
-concept Pair = is_pair<A, B>;
-/// The type of a jet of both.
-template <class A, class B>
-using JetOf = std::conditional_t<is_pair<A, A>, A, B>;
-}  // namespace jet_detail
-
 /// Compares the values only, as all comparisons of jets do: with jets and with numbers.
 template <class A, class B>
 requires jet_detail::Pair<A, B>
@@ -301,21 +299,11 @@ template <int N, class T, class D>
 inline Jet<N, T, D> abs(const Jet<N, T, D>& a) {
   return a.v < 0 ? -a : a;
 }
-/// The greater of two jets, with its derivatives; a if both are equal.
-template <int N, class T, class D>
-inline Jet<N, T, D> max(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
-  return a < b ? b : a;
-}
-/// The same of a jet and a number.
+/// The greater of two jets, or of a jet and a number, with its derivatives; a if both are equal.
 template <class A, class B>
 requires jet_detail::Pair<A, B>
 inline jet_detail::JetOf<A, B> max(const A& a, const B& b) { return a < b ? b : a; }
-/// The smaller of two jets, with its derivatives; a if both are equal.
-template <int N, class T, class D>
-inline Jet<N, T, D> min(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
-  return b < a ? b : a;
-}
-/// The same of a jet and a number.
+/// The smaller of two jets, or of a jet and a number, with its derivatives; a if both are equal.
 template <class A, class B>
 requires jet_detail::Pair<A, B>
 inline jet_detail::JetOf<A, B> min(const A& a, const B& b) { return b < a ? b : a; }
@@ -399,21 +387,9 @@ namespace lockstep {
 
 /// The type of a pack of N numbers: N is 2, 4 or 8.
 template <int N>
-struct PackOf;
-/// A pack of two numbers.
-template <>
-struct PackOf<2> {
-  typedef double type __attribute__((vector_size(16), may_alias));  ///< 16 bytes
-};
-/// A pack of four numbers.
-template <>
-struct PackOf<4> {
-  typedef double type __attribute__((vector_size(32), may_alias));  ///< 32 bytes
-};
-/// A pack of eight numbers.
-template <>
-struct PackOf<8> {
-  typedef double type __attribute__((vector_size(64), may_alias));  ///< 64 bytes
+struct PackOf {
+  static_assert(N == 2 || N == 4 || N == 8, "a pack has 2, 4 or 8 numbers");
+  typedef double type __attribute__((vector_size(8 * N), may_alias));  ///< 8 N bytes
 };
 /// N doubles in vector registers, N = 2, 4 or 8; arithmetic is element by element.
 template <int N>
