@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "motionlaws/register.h"
+#include "framework/description/registry/builtins.h"
 
 #include <lockstep/author/registry.h>
 #include "motionlaws/law_types.h"

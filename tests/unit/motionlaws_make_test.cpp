@@ -9,7 +9,7 @@
 #include <lockstep/laws.h>
 #include <lockstep/math.h>
 #include <lockstep/splines.h>
-#include "motionlaws/register.h"
+#include "framework/description/registry/builtins.h"
 #include "tests/support/law_checks.h"
 
 namespace motionlaws_make_test {

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Registers everything built in; the only file that knows every room's register function.
-#include <lockstep/author/registry.h>
+#include "framework/description/registry/builtins.h"
 
 #include <algorithm>
 #include <array>
 
+#include <lockstep/author/registry.h>
 #include "framework/description/registry/shelves.h"
 #include "framework/description/registry/survey.h"
-#include "framework/dynamics/solvers/register.h"
-#include "framework/mechanism/forces/register.h"
-#include "framework/mechanism/links/register.h"
-#if LOCKSTEP_BUILTINS
-#include "integrators/register.h"
-#include "motionlaws/register.h"
-#else
+#if !LOCKSTEP_BUILTINS
 #include <lockstep/author/loader.h>
 #include <lockstep/error.h>
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/mechanism/forces/register.h"
+#include "framework/description/registry/builtins.h"
 
 #include <lockstep/author/registry.h>
 #include <lockstep/forces.h>
