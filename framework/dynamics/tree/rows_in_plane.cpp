@@ -8,8 +8,8 @@
 #include <vector>
 
 #include <lockstep/error.h>
-#include "framework/dynamics/tree/absent_rows.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/mechanism/system/lay_out.h"
 #include "framework/mechanism/system/rows_at_start.h"
 
 namespace lockstep {
@@ -33,28 +33,32 @@ bool leave_out_normal_rows(const JointTree& tree, const System& system, RowTable
   const auto link_of = [&](const RowEntry& e) -> const Lock& { return *system.links()[e.link]; };
   if (std::ranges::any_of(table.entries, [&](const RowEntry& e) { return !link_of(e).stays_in_plane(plane); }))
     return false;
-  std::vector<unsigned> absent(table.entries.size(), 0U);
+  std::vector<bool> shown(system.links().size(), false);
+  std::vector<unsigned> absent(system.links().size(), 0U);
   try {
     State start;
     tree.read_off(system.start(), nullptr, start);
     start.coordinates = std::shared_ptr<const Coordinates>(std::shared_ptr<void>(), &tree);
     RowsAtStart at_start(system, plane, std::move(start));
-    for (std::size_t l = 0; l < absent.size(); ++l) {
-      const RowEntry& e = table.entries[l];
+    for (const RowEntry& e : table.entries) {
       const std::span<const RowAtStart> rows = at_start.of(link_of(e));
+      shown[e.link] = true;
+      unsigned& gone = absent[e.link] = (1U << link_of(e).row_count()) - 1;
       for (int k = 0; k < e.m; ++k) {
         const RowAtStart& r = rows[e.own[k]];
         if (r.lies_in() && r.is_tilted()) return false;
-        if (r.lies_in()) continue;
+        if (r.lies_in()) {
+          gone &= ~(1U << e.own[k]);
+          continue;
+        }
         const bool is_met = r.demand <= kNegligible * std::max(1.0, system.length());
         if (!is_met || (r.along == 0 && r.about == 0) || may_have_laws(link_of(e))) return false;
-        absent[l] |= 1U << k;
       }
     }
   } catch (const Error&) {  // a function that is not everywhere
     return false;
   }
-  take_out(absent, table);
+  lay_out_without(absent, system, shown, table);
   return true;
 }
 

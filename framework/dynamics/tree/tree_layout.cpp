@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/tree/tree_layout.h"
 
-#include <algorithm>
 #include <utility>
 
-#include <lockstep/author/passes.h>
-#include "framework/dynamics/tree/absent_rows.h"
 #include "framework/dynamics/tree/joint_cost.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/dynamics/tree/slender_bodies.h"
+#include "framework/mechanism/system/lay_out.h"
 
 namespace lockstep {
 
@@ -25,22 +23,12 @@ std::string obstacle_of_rows(const System& system, const RowTable& rows) {
 // The rows of the links that close loops, and those that joints of the tree do not hold.
 RowTable rows_beside(const JointTree& tree, const System& system, std::size_t n_links) {
   std::vector<bool> shown(n_links, false);
-  std::vector<unsigned> left(n_links, 0U);
+  std::vector<unsigned> absent(n_links, 0U);
   for (const int link : tree.closures()) shown[link] = true;
   for (const TreeNode& n : tree.nodes())
-    if (n.left != 0) shown[n.link] = true, left[n.link] = n.left;
+    if (n.left != 0) shown[n.link] = true, absent[n.link] = ~n.left & ((1U << n.lock->row_count()) - 1);
   RowTable table;
-  passes::lay_out(system, shown, table);
-  if (std::ranges::all_of(left, [](unsigned own) { return own == 0; })) return table;
-  std::vector<unsigned> absent;
-  for (const RowEntry& e : table.entries) {
-    const unsigned own = left[e.link];
-    unsigned gone = 0;  // by place in the entry
-    for (int k = 0; own != 0 && k < e.m; ++k)
-      if ((own >> e.own[k] & 1U) == 0) gone |= 1U << k;
-    absent.push_back(gone);
-  }
-  take_out(absent, table);
+  lay_out_without(absent, system, shown, table);
   return table;
 }
 

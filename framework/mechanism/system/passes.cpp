@@ -11,6 +11,7 @@
 #include "framework/foundation/math/limits.h"
 #include "framework/mechanism/model/read_motion.h"
 #include "framework/mechanism/system/diagnose.h"
+#include "framework/mechanism/system/lay_out.h"
 
 namespace lockstep::passes {
 namespace {
@@ -108,9 +109,9 @@ void check_plane(const System& system, const Inputs& in, const VecX& f) {
   }
 }
 
-}  // namespace
-
-void lay_out(const System& system, const std::vector<bool>& modes, RowTable& table, bool all) {
+// absent(link): which of its rows are left out, a bit for each.
+template <class Absent>
+void lay_out_rows(const System& system, const std::vector<bool>& modes, RowTable& table, const Absent& absent_of) {
   const std::size_t n_links = system.links().size();
   check_count("lay_out, one per link", static_cast<Eigen::Index>(modes.size()), static_cast<Eigen::Index>(n_links));
   const System::Found& found = system.found();
@@ -135,7 +136,7 @@ void lay_out(const System& system, const std::vector<bool>& modes, RowTable& tab
       held = found.planar_rows[link.number()].held, in_plane = found.planar_rows[link.number()].by_link;
       e.layout = in_plane ? link.planar()->planar_layout() : RowLayout::planar;
     }
-    const unsigned absent = all ? 0U : system.left_out(link);
+    const unsigned absent = absent_of(link);
     if (absent != 0) {  // what is left is stored row by row
       held &= ~absent, in_plane = false;
       e.layout = e.plane ? RowLayout::planar : RowLayout::dense;
@@ -154,6 +155,12 @@ void lay_out(const System& system, const std::vector<bool>& modes, RowTable& tab
   }
   table.held = system.held_down_to();
   table.lay_out();
+}
+
+}  // namespace
+
+void lay_out(const System& system, const std::vector<bool>& modes, RowTable& table, bool all) {
+  lay_out_rows(system, modes, table, [&](const Lock& link) { return all ? 0U : system.left_out(link); });
 }
 
 void motions(const System& system, const State& state, std::vector<Motion>& out) {
@@ -292,3 +299,9 @@ std::string row_name(const System& system, const RowTable& table, int row) {
 }
 
 }  // namespace lockstep::passes
+
+void lockstep::lay_out_without(std::span<const unsigned> absent, const System& system, const std::vector<bool>& modes,
+                               RowTable& table) {
+  passes::lay_out_rows(system, modes, table,
+                       [&](const Lock& link) { return absent[static_cast<std::size_t>(link.number())]; });
+}
