@@ -8,7 +8,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <vector>
 
 #include <lockstep/author/lock.h>
@@ -159,22 +158,11 @@ class LOCKSTEP_API Force {
   std::vector<int> slots_;
 };
 
-/// Whether F overrides the accessor of each facet from which it derives; a facet without it would never be found.
-template <class F>
-constexpr bool force_facets_are_found() {
-  const auto found = []<class Facet>(auto accessor, std::type_identity<Facet>) {
-    return !std::derived_from<F, Facet> || !std::same_as<decltype(accessor), const Facet* (Force::*)() const>;
-  };
-  return found(&F::observable, std::type_identity<Observable>{}) &&
-         found(&F::remembering, std::type_identity<Remembering>{}) &&
-         found(&F::reacting, std::type_identity<Reacting>{});
-}
-
-/// Fails to compile unless force_facets_are_found<F>().
+/// Does not compile for a force whose facets would not be found.
 template <class F>
 void check_force_facets() {
   if constexpr (std::derived_from<F, Force>)
-    static_assert(force_facets_are_found<F>(),
+    static_assert(facets_are_found<F, Force>(&F::observable, &F::remembering, &F::reacting),
                   "a force that derives from a facet (Observable, Remembering, Reacting) overrides its accessor to "
                   "return this");
 }

@@ -8,7 +8,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -177,26 +176,14 @@ LOCKSTEP_API void add_tangent(const Lock&, const Inputs&, std::span<const double
 /// the distance between its bodies, rotations of 6e-6 rad.
 LOCKSTEP_API void difference_tangent(const Lock&, const Inputs&, std::span<const double> lambda, TangentSum& out);
 
-/// Whether L overrides the accessor of each of these five facets that it derives from: without it the facet would never
-/// be found.
-template <class L>
-constexpr bool facets_are_found() {
-  const auto found = []<class Facet>(auto accessor, std::type_identity<Facet>) {
-    return !std::derived_from<L, Facet> || !std::same_as<decltype(accessor), const Facet* (Lock::*)() const>;
-  };
-  return found(&L::driven, std::type_identity<Driven>{}) && found(&L::stateful, std::type_identity<Stateful>{}) &&
-         found(&L::remembering, std::type_identity<Remembering>{}) &&
-         found(&L::tangent_formula, std::type_identity<TangentFormula>{}) &&
-         found(&L::observable, std::type_identity<Observable>{});
-}
-
 /// Does not compile for a joint whose facets would not be found.
 template <class L>
 void check_facets() {
   if constexpr (std::derived_from<L, Lock>)
-    static_assert(facets_are_found<L>(),
-                  "a joint that derives from a facet (Driven, Stateful, Remembering, "
-                  "TangentFormula, Observable) overrides its accessor to return this");
+    static_assert(
+        facets_are_found<L, Lock>(&L::driven, &L::stateful, &L::remembering, &L::tangent_formula, &L::observable),
+        "a joint that derives from a facet (Driven, Stateful, Remembering, "
+        "TangentFormula, Observable) overrides its accessor to return this");
 }
 
 // MarkerLock: the paper's lock, the one constraint from which the joints are made.

@@ -8,7 +8,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <vector>
 
 #include <lockstep/detail/export.h>
@@ -84,15 +83,8 @@ class LOCKSTEP_API SnapshotReader {
   /// Reads a vector that put_all wrote; resizes v. Throws as get().
   template <class V>
   void get_all(V& v) {
-    using Number = std::remove_cvref_t<decltype(v[0])>;
-    const std::size_t n = get_size();
-    v.resize(static_cast<decltype(v.size())>(n));
-    for (decltype(v.size()) i = 0; i < v.size(); ++i) {
-      if constexpr (std::is_arithmetic_v<Number> && !std::is_same_v<Number, bool>)
-        v[i] = static_cast<Number>(get());
-      else
-        v[i] = get() != 0;
-    }
+    v.resize(static_cast<decltype(v.size())>(get_size()));
+    for (decltype(v.size()) i = 0; i < v.size(); ++i) v[i] = static_cast<typename V::value_type>(get());
   }
   std::string get_text();                        ///< reads what put_text wrote; throws as get()
   SnapshotReader get_part();                     ///< a reader of what put_part wrote; throws as get()

@@ -2,6 +2,7 @@
 // Facets of joints: optional interfaces in addition to the rows.
 #pragma once
 
+#include <concepts>
 #include <span>
 #include <string>
 #include <vector>
@@ -166,5 +167,15 @@ class LOCKSTEP_API Observable {
  protected:
   ~Observable() = default;
 };
+
+/// A function of an object that returns its facet.
+template <class Facet, class Owner>
+using Accessor = const Facet* (Owner::*)() const;
+/// Whether T overrides the accessor of each of these facets that it derives from: without it the facet would never be
+/// found. Root: the class that declares the accessors.
+template <class T, class Root, class... Facet, class... Owner>
+constexpr bool facets_are_found(Accessor<Facet, Owner>...) {
+  return !((std::derived_from<T, Facet> && std::same_as<Owner, Root>) || ...);
+}
 
 }  // namespace lockstep
