@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <lockstep/author/stepping.h>
+#include "framework/dynamics/solvers/scales.h"
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -112,20 +113,22 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after) {
   }
 }
 
+VecX row_sizes(const Evaluation& at, const VecX& c) {
+  VecX sizes = VecX::Zero(c.size());
+  const double L = at.system().length();
+  for (const RowEntry& e : at.rows().entries)
+    for (int k = 0; k < e.m; ++k) sizes[e.first_row + k] = length_per_unit(e.kind[k], L) * std::abs(c[e.first_row + k]);
+  return sizes;
+}
+
 std::string most_violated(Dynamics& dynamics, const State& state) {
   const Evaluation& e = dynamics.gather(state);
   VecX C, Cd;
   e.residuals(C, Cd);
-  VecX one = VecX::Zero(C.size());
-  int worst = -1;
-  double most = -1;
-  for (int row = 0; row < C.size(); ++row) {
-    one[row] = C[row];
-    const double size = e.norm(one);
-    one[row] = 0;
-    if (size > most) most = size, worst = row;
-  }
-  return worst < 0 ? "" : fmt::format("{} by {:.2g} m", passes::row_name(e.system(), e.rows(), worst), most);
+  if (C.size() == 0) return "";
+  Eigen::Index worst = 0;
+  const double most = row_sizes(e, C).maxCoeff(&worst);
+  return fmt::format("{} by {:.2g} m", passes::row_name(e.system(), e.rows(), static_cast<int>(worst)), most);
 }
 
 StepError end_not_projected(Dynamics& dynamics, const State& end, const ProjectReport& report,

@@ -14,6 +14,9 @@ namespace lockstep {
 /// of an evaluation is rethrown; of another error the text.
 LOCKSTEP_API std::string who_varies(Dynamics&, const State&, double after);
 
+/// Each row's number as Evaluation::norm counts it, m, or of rates m/s.
+VecX row_sizes(const Evaluation&, const VecX&);
+
 /// The constraint that is violated most at this state, "constraint z of joint 'H' by 1e-05 m"; "" if there is none.
 LOCKSTEP_API std::string most_violated(Dynamics&, const State&);
 

@@ -12,7 +12,7 @@
 #include <lockstep/author/relative.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/dynamics/solvers/scales.h"
+#include "framework/dynamics/integrate/culprit.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -59,14 +59,6 @@ bool could_hold(const Lock& link) {
 }
 
 }  // namespace
-
-VecX row_sizes(const Evaluation& at, const VecX& c) {
-  VecX sizes = VecX::Zero(c.size());
-  const double L = at.system().length();
-  for (const RowEntry& e : at.rows().entries)
-    for (int k = 0; k < e.m; ++k) sizes[e.first_row + k] = length_per_unit(e.kind[k], L) * std::abs(c[e.first_row + k]);
-  return sizes;
-}
 
 std::string worst_rows(const Evaluation& e, const VecX& sizes) {
   std::vector<int> order(sizes.size());

@@ -17,8 +17,6 @@ struct Residuals {
   bool operator==(const Residuals&) const = default;
   VecX C, Cd;
 };
-/// Each row's number as Evaluation::norm counts it, m, or of rates m/s.
-VecX row_sizes(const Evaluation&, const VecX&);
 /// Names of the three rows with the largest sizes, with these.
 std::string worst_rows(const Evaluation&, const VecX& sizes);
 /// Throws AssemblyError for a row whose gradient vanishes here, as that of a distance to the centre of a curve: the

@@ -11,6 +11,7 @@
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/evaluate/speed_of.h"
+#include "framework/dynamics/integrate/culprit.h"
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/line_search.h"
 #include "framework/dynamics/simulate/start_rows.h"

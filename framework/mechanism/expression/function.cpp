@@ -40,26 +40,6 @@ struct Edges {
   }
 };
 
-}  // namespace
-
-void FormulaFunction::edges(std::span<const double> variables, std::vector<double>& out) const {
-  value_of_term(terms_, terms_.size() - 1, variables, Edges{terms_, out});
-}
-
-bool FormulaFunction::is_constant() const { return terms_.size() == 1 && terms_[0].operation == Operation::number; }
-
-bool FormulaFunction::reads(int variable) const {
-  return std::ranges::any_of(terms_,
-                             [&](const Term& t) { return t.operation == Operation::name && t.variable == variable; });
-}
-
-template double FormulaFunction::operator()(std::span<const double>) const;
-template Time FormulaFunction::operator()(std::span<const Time>) const;
-template Jet<4> FormulaFunction::operator()(std::span<const Jet<4>>) const;
-template Jet<8> FormulaFunction::operator()(std::span<const Jet<8>>) const;
-
-namespace {
-
 // The SI unit of the arguments (axis 0) or values (1) of a table, by its points or the header of its file; "": none.
 std::string unit_of_axis(const Value& table, std::size_t axis, const std::string& place) {
   const Value *points = table.find("points"), *file = table.find("file");
@@ -88,6 +68,22 @@ std::string unit_of_axis(const Value& table, std::size_t axis, const std::string
 }
 
 }  // namespace
+
+void FormulaFunction::edges(std::span<const double> variables, std::vector<double>& out) const {
+  value_of_term(terms_, terms_.size() - 1, variables, Edges{terms_, out});
+}
+
+bool FormulaFunction::is_constant() const { return terms_.size() == 1 && terms_[0].operation == Operation::number; }
+
+bool FormulaFunction::reads(int variable) const {
+  return std::ranges::any_of(terms_,
+                             [&](const Term& t) { return t.operation == Operation::name && t.variable == variable; });
+}
+
+template double FormulaFunction::operator()(std::span<const double>) const;
+template Time FormulaFunction::operator()(std::span<const Time>) const;
+template Jet<4> FormulaFunction::operator()(std::span<const Jet<4>>) const;
+template Jet<8> FormulaFunction::operator()(std::span<const Jet<8>>) const;
 
 Key constants_key() {
   return {"parameters", Form::any, Unit::none, kOptional,

@@ -284,39 +284,6 @@ std::string to_plane(Dynamics& dynamics, const State& state) {
   return {};
 }
 
-}  // namespace
-
-std::string odd_axis(Dynamics& dynamics, const State& state) {
-  const auto axes = axes_of(dynamics, state, Mask::e1 | Mask::e2, Mask::e123);
-  const Inputs& in = dynamics.inputs(state);
-  for (std::size_t i = 0; i < axes.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k) {
-      const auto [p, s] = axes[i].first->pairs().front();
-      const auto [p2, s2] = axes[k].first->pairs().front();
-      if (std::minmax(p->body->slot, s->body->slot) != std::minmax(p2->body->slot, s2->body->slot)) continue;
-      if (angle_between(axes[i].second, axes[k].second) > kNearlyDependent) continue;
-      const Vec3 way = in_world(MarkerFrame(*s2), in).x - in_world(MarkerFrame(*s), in).x;
-      if (const double apart = cross(way, axes[i].second).norm(); apart > kNegligible * way.norm())
-        return fmt::format(
-            "correct the place of joint {} or {}: both connect the same bodies, but their axes are {:.3g} m apart",
-            axes[k].first->name(), axes[i].first->name(), apart);
-    }
-  if (axes.size() < 3) return {};
-  for (const auto& [of, shared] : axes) {
-    std::vector<std::pair<const Lock*, double>> odd;
-    for (const auto& [link, axis] : axes) {
-      const double angle = angle_between(shared, axis);
-      if (angle > kNegligible) odd.emplace_back(link, angle);
-    }
-    if (odd.size() == 1)
-      return fmt::format("correct the axis of joint {}: it is {:.3g} deg off the axes of all other joints",
-                         odd.front().first->name(), degrees(odd.front().second));
-  }
-  return {};
-}
-
-namespace {
-
 Cause locked(Dynamics& dynamics, const State& state) {
   const MobilityReport mobile = mobility(dynamics, state);
   if (mobile.locked.empty()) return {};
@@ -431,6 +398,35 @@ Cause first_found(std::initializer_list<std::function<Cause()>> finders) {
 }
 
 }  // namespace
+
+std::string odd_axis(Dynamics& dynamics, const State& state) {
+  const auto axes = axes_of(dynamics, state, Mask::e1 | Mask::e2, Mask::e123);
+  const Inputs& in = dynamics.inputs(state);
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      const auto [p, s] = axes[i].first->pairs().front();
+      const auto [p2, s2] = axes[k].first->pairs().front();
+      if (std::minmax(p->body->slot, s->body->slot) != std::minmax(p2->body->slot, s2->body->slot)) continue;
+      if (angle_between(axes[i].second, axes[k].second) > kNearlyDependent) continue;
+      const Vec3 way = in_world(MarkerFrame(*s2), in).x - in_world(MarkerFrame(*s), in).x;
+      if (const double apart = cross(way, axes[i].second).norm(); apart > kNegligible * way.norm())
+        return fmt::format(
+            "correct the place of joint {} or {}: both connect the same bodies, but their axes are {:.3g} m apart",
+            axes[k].first->name(), axes[i].first->name(), apart);
+    }
+  if (axes.size() < 3) return {};
+  for (const auto& [of, shared] : axes) {
+    std::vector<std::pair<const Lock*, double>> odd;
+    for (const auto& [link, axis] : axes) {
+      const double angle = angle_between(shared, axis);
+      if (angle > kNegligible) odd.emplace_back(link, angle);
+    }
+    if (odd.size() == 1)
+      return fmt::format("correct the axis of joint {}: it is {:.3g} deg off the axes of all other joints",
+                         odd.front().first->name(), degrees(odd.front().second));
+  }
+  return {};
+}
 
 // Rates that drives prescribe are compared at the assembled pose, if there is one.
 Cause cause_of_start(Dynamics& dynamics, const State& given) {
