@@ -79,14 +79,21 @@ inline constexpr std::size_t kAlign<Column> = kColumn;
 /// A force and its moment, about a point. L: a vector; A: an axial one.
 template <class L, class A = L>
 struct alignas(kAlign<L>) Wrench {
+  using Linear = L;
   L f{};
   A t{};
 };
 /// An acceleration of a point, or its velocity, and an angular one.
 template <class L, class A = L>
 struct alignas(kAlign<L>) Twist {
+  using Linear = L;
   L a{};
   A al{};
+};
+/// Either of them.
+template <class S>
+concept Screw = requires {
+  typename S::Linear;
 };
 
 /// Whether numbers of this type cannot be compared, since they are those of many states: pivots are taken as they are.
@@ -121,33 +128,24 @@ LOCKSTEP_INLINE FlatOf<T> cross(const T& a, const FlatOf<T>& b) {
 }
 LOCKSTEP_INLINE Column cross(const Column& a, const Column& b) { return Skew(a) * b; }
 
-template <class L, class A>
-LOCKSTEP_INLINE Wrench<L, A>& operator+=(Wrench<L, A>& a, const Wrench<L, A>& b) {
-  a.f = a.f + b.f, a.t = a.t + b.t;
+template <Screw S>
+LOCKSTEP_INLINE S& operator+=(S& a, const S& b) {
+  auto& [x, y] = a;
+  const auto& [u, v] = b;
+  x = x + u, y = y + v;
   return a;
 }
-template <class L, class A>
-LOCKSTEP_INLINE Wrench<L, A>& operator-=(Wrench<L, A>& a, const Wrench<L, A>& b) {
-  a.f = a.f - b.f, a.t = a.t - b.t;
+template <Screw S>
+LOCKSTEP_INLINE S& operator-=(S& a, const S& b) {
+  auto& [x, y] = a;
+  const auto& [u, v] = b;
+  x = x - u, y = y - v;
   return a;
 }
-template <class N, class L, class A>
-LOCKSTEP_INLINE Wrench<L, A> operator*(const N& x, const Wrench<L, A>& a) {
-  return {x * a.f, x * a.t};
-}
-template <class L, class A>
-LOCKSTEP_INLINE Twist<L, A>& operator+=(Twist<L, A>& a, const Twist<L, A>& b) {
-  a.a = a.a + b.a, a.al = a.al + b.al;
-  return a;
-}
-template <class L, class A>
-LOCKSTEP_INLINE Twist<L, A>& operator-=(Twist<L, A>& a, const Twist<L, A>& b) {
-  a.a = a.a - b.a, a.al = a.al - b.al;
-  return a;
-}
-template <class N, class L, class A>
-LOCKSTEP_INLINE Twist<L, A> operator*(const N& x, const Twist<L, A>& a) {
-  return {x * a.a, x * a.al};
+template <class N, Screw S>
+LOCKSTEP_INLINE S operator*(const N& x, const S& a) {
+  const auto& [u, v] = a;
+  return {x * u, x * v};
 }
 /// a . b of axial vectors: in the plane their product. L: the vectors of their space.
 template <class L, class A>
@@ -162,13 +160,10 @@ LOCKSTEP_INLINE auto dot(const Wrench<L, A>& a, const Twist<L, A>& b) {
   return dot(a.f, b.a) + axial_dot<L>(a.t, b.al);
 }
 /// Squares of both parts.
-template <class L, class A>
-LOCKSTEP_INLINE auto squares(const Wrench<L, A>& a) {
-  return std::pair(dot(a.f, a.f), axial_dot<L>(a.t, a.t));
-}
-template <class L, class A>
-LOCKSTEP_INLINE auto squares(const Twist<L, A>& a) {
-  return std::pair(dot(a.a, a.a), axial_dot<L>(a.al, a.al));
+template <Screw S>
+LOCKSTEP_INLINE auto squares(const S& a) {
+  const auto& [u, v] = a;
+  return std::pair(dot(u, u), axial_dot<typename S::Linear>(v, v));
 }
 /// Of the point at r from this one in a rigid body, beyond what its velocity makes: a + al x r.
 template <class L, class A>
