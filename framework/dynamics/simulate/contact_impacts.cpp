@@ -100,7 +100,7 @@ std::size_t ContactManager::find_kick(const State& state) {
   const Inputs& in = dynamics_.inputs(trial_);
   double speed = 0;
   for (const Touch& touch : touching_) speed = std::max(speed, std::abs(touch.gap.cd));
-  const double least = rows.n_rows > 0 ? -kNoise * impulse_.lpNorm<Eigen::Infinity>() : 0.0;
+  const double least = -kNoise * impulse_.lpNorm<Eigen::Infinity>();
   return first_misfit([&](const Touch& touch) {
     const int row = touch.active ? contacts_.row(touch.of, rows) : -1;
     return row >= 0 ? -contacts_[touch.of].sign * impulse_[row] >= least
@@ -144,10 +144,8 @@ std::string ContactManager::rest(State& state, bool here) {
   if (touching_.empty()) return names;
   pivot(state, "forces", [&] {
     const Solution& v = dynamics_.evaluate(state);
-    const double force = std::max(v.lambda.size() > 0 ? v.lambda.lpNorm<Eigen::Infinity>() : 0.0,
-                                  v.evaluation.force().lpNorm<Eigen::Infinity>());
-    const double a = v.a.size() > 0 ? v.a.lpNorm<Eigen::Infinity>() : 0.0;
-    const double least = -kNoise * std::max(a, dynamics_.system().gravity().norm());
+    const double force = std::max(v.lambda.lpNorm<Eigen::Infinity>(), v.evaluation.force().lpNorm<Eigen::Infinity>());
+    const double least = -kNoise * std::max(v.a.lpNorm<Eigen::Infinity>(), dynamics_.system().gravity().norm());
     return first_misfit([&](const Touch& touch) {
       const int row = touch.active ? contacts_.row(touch.of, v.rows) : -1;
       return row >= 0 ? -contacts_[touch.of].sign * v.lambda[row] >= -kNoise * force

@@ -147,8 +147,8 @@ void ContactManager::add_pulls(const State& end) {
   for (std::size_t i = 0; i < contacts_.size(); ++i) any_in_force = any_in_force || contacts_.in_force(i, end);
   if (!any_in_force) return;
   const Solution& v = evaluate_pushes(end);
-  const double limit = kNegligible * std::max(v.lambda.size() > 0 ? v.lambda.lpNorm<Eigen::Infinity>() : 0.0,
-                                              v.evaluation.force().lpNorm<Eigen::Infinity>());
+  const double limit =
+      kNegligible * std::max(v.lambda.lpNorm<Eigen::Infinity>(), v.evaluation.force().lpNorm<Eigen::Infinity>());
   const double t0 = interval_.from().t, least = t0 + kNegligible * (end.t - t0);
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& c = contacts_[i];

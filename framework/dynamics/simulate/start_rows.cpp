@@ -207,7 +207,7 @@ double TargetRows::look(const State& state) {
   E_ = E_ * scale_.asDiagonal(), S_ = S_ * scale_.asDiagonal();
   for (Eigen::Index k = 0; k < E_.rows(); ++k)
     if (const double size = E_.row(k).norm(); size > 0) E_.row(k) /= size, c_[k] /= size;
-  return std::max(off_, c_.size() > 0 ? c_.lpNorm<Eigen::Infinity>() : 0.0);
+  return std::max(off_, c_.lpNorm<Eigen::Infinity>());
 }
 
 VecX TargetRows::step() {
