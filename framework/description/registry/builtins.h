@@ -15,4 +15,10 @@ LOCKSTEP_API void register_solvers(Registry&);
 LOCKSTEP_API void register_motion_laws(Registry&);  ///< scalar laws, of translations and of rotations
 LOCKSTEP_API void register_integrators(Registry&);
 
+/// Adds these classes to a shelf, in this order.
+template <class... Types>
+void add_types(auto& shelf) {
+  (shelf.template add<Types>(), ...);
+}
+
 }  // namespace lockstep

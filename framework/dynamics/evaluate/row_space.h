@@ -5,7 +5,6 @@
 #include <limits>
 #include <vector>
 
-#include <lockstep/body.h>
 #include "framework/foundation/math/decompositions.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/math/sparse.h"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <utility>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/speed_of.h"

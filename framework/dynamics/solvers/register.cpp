@@ -7,10 +7,7 @@
 namespace lockstep {
 
 void register_solvers(Registry& registry) {
-  registry.solvers.add<DenseSolver>();
-  registry.solvers.add<SchurSolver>();
-  registry.solvers.add<SparseSolver>();
-  registry.solvers.add<BlockSolver>();
+  add_types<DenseSolver, SchurSolver, SparseSolver, BlockSolver>(registry.solvers);
 }
 
 }  // namespace lockstep

@@ -8,16 +8,8 @@
 namespace lockstep {
 
 void register_forces(Registry& registry) {
-  auto& shelf = registry.forces;
-  shelf.add<AppliedForce>();
-  shelf.add<AppliedTorque>();
-  shelf.add<SpringDamper>();
-  shelf.add<TorsionSpringDamper>();
-  shelf.add<ForceMotor>();
-  shelf.add<TorqueMotor>();
-  shelf.add<Bushing>();
-  shelf.add<JointFriction>();
-  shelf.add<CoordinateForce>();
+  add_types<AppliedForce, AppliedTorque, SpringDamper, TorsionSpringDamper, ForceMotor, TorqueMotor, Bushing,
+            JointFriction, CoordinateForce>(registry.forces);
 }
 
 }  // namespace lockstep

@@ -40,20 +40,8 @@ void register_links(Registry& registry) {
   add_mask_joint<Homokinetic>(
       shelf, "shafts along z rotate at equal rates; degrees of freedom left: translations, two rotations normal to z");
   add_mask_joint<Spherical>(shelf, "ball joint, origins coincide; degrees of freedom left: all rotations");
-  shelf.add<Distance>();
-  shelf.add<Screw>();
-  shelf.add<Universal>();
-  shelf.add<RackAndPinion>();
-  shelf.add<Gear>();
-  shelf.add<Belt>();
-  shelf.add<Differential>();
-  shelf.add<CamRoller>();
-  shelf.add<CamFlat>();
-  shelf.add<PointOnCurve>();
-  shelf.add<PathFollower>();
-  shelf.add<Stop>();
-  shelf.add<GenericLock>();
-  shelf.add<FormulaJoint>();
+  add_types<Distance, Screw, Universal, RackAndPinion, Gear, Belt, Differential, CamRoller, CamFlat, PointOnCurve,
+            PathFollower, Stop, GenericLock, FormulaJoint>(shelf);
 }
 
 }  // namespace lockstep
