@@ -41,23 +41,9 @@ inline void require_finite(const char* law, std::initializer_list<std::pair<cons
 /// The circular frequency, rad/s, from the one of the keys "omega" and "frequency" that is given.
 double omega_of(const Params&);
 
-// Of each file of the room.
-void add_constant(LawTypes&);
-void add_input(LawTypes&);
-void add_ramp(LawTypes&);
-void add_sine(LawTypes&);
-void add_fourier(LawTypes&);
-void add_polynomial(LawTypes&);
-void add_rise(LawTypes&);
-void add_trapezoid(LawTypes&);
-void add_spline(LawTypes&);
-void add_sequence(LawTypes&);
-void add_repeat(LawTypes&);
-void add_combine(LawTypes&);
-void add_formula(LawTypes&);
-void add_translations(LawTypes&);
-void add_path(LawTypes&);
-void add_rotations(LawTypes&);
-void add_spline_rotation(LawTypes&);
+/// Of each file of the room: adds its types.
+using AddTypes = void(LawTypes&);
+AddTypes add_constant, add_input, add_ramp, add_sine, add_fourier, add_polynomial, add_rise, add_trapezoid, add_spline,
+    add_sequence, add_repeat, add_combine, add_formula, add_translations, add_path, add_rotations, add_spline_rotation;
 
 }  // namespace lockstep
