@@ -98,7 +98,7 @@ struct Resting {
   std::vector<Finding> broken() {
     const StepReport none{};
     if (requirements) requirements->start(Sample(at_rest, state, none));
-    return broken_requirements(m, requirements.get());
+    return broken_requirements(m, requirements.get(), true);
   }
   double without_rounding(double x, std::string_view unit) const {
     const double force = kNegligible * report.largest_force, length = m.system.length();

@@ -46,7 +46,7 @@ std::unique_ptr<Requirements> make_requirements(Mechanism& m) {
   return m.run.require.empty() ? nullptr : std::make_unique<Requirements>(m);
 }
 
-std::vector<Finding> broken_requirements(const Mechanism& m, const Requirements* margins) {
+std::vector<Finding> broken_requirements(const Mechanism& m, const Requirements* margins, bool at_rest) {
   std::vector<Finding> broken;
   const std::span<const ColumnRange> ranges = margins != nullptr ? margins->ranges() : std::span<const ColumnRange>();
   for (std::size_t k = 0; k < ranges.size(); ++k) {
@@ -55,16 +55,19 @@ std::vector<Finding> broken_requirements(const Mechanism& m, const Requirements*
     const std::string unit = margins->table().columns()[k + 1].unit;
     const double first = margins->failed(k), worst = -ranges[k].least;
     std::string words = std::isnan(worst) ? "is no number" : "does not hold";
-    words += fmt::format(", first at t = {:.6g} s", first);
     const expression::Expression e(r.channel, std::vector<std::string>{"t"}, expression::Naming::channels);
     const expression::Operation o = e.node(e.root()).operation;
-    if (o >= expression::Operation::less && o <= expression::Operation::greater_equal && !std::isnan(worst))
-      words += (ranges[k].t_least > first ? fmt::format(", and worst at t = {:.6g} s", ranges[k].t_least) : ",") +
-               fmt::format(" by {:.4g}{}", worst, unit.empty() ? "" : " " + unit);
+    const bool compares =
+        o >= expression::Operation::less && o <= expression::Operation::greater_equal && !std::isnan(worst);
+    if (!at_rest) words += fmt::format(", first at t = {:.6g} s", first);
+    if (!at_rest && compares)
+      words += ranges[k].t_least > first ? fmt::format(", and worst at t = {:.6g} s", ranges[k].t_least) : ",";
+    if (compares) words += fmt::format(" by {:.4g}{}", worst, unit.empty() ? "" : " " + unit);
     Finding f{&finding::requirement_broken, "requirement '" + r.column() + "'",
               fmt::format("requirement \"{}\"{} {}", r.column(), r.name.empty() ? "" : " (" + r.channel.substr(1) + ")",
                           words),
-              "look at that time in `lockstep report`, and change the mechanism or the condition"};
+              std::string(at_rest ? "" : "look at that time in `lockstep report`, and ") +
+                  "change the mechanism or the condition"};
     f.value = worst, f.limit = 0, f.unit = unit, f.t = first;
     broken.push_back(std::move(f));
   }

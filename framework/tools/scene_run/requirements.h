@@ -33,7 +33,7 @@ class LOCKSTEP_API Requirements final : public Recorder {
 /// place in the file of an invalid one.
 LOCKSTEP_API std::unique_ptr<Requirements> make_requirements(Mechanism&);
 
-/// Those that did not hold in a run, with the first and the worst instant.
-LOCKSTEP_API std::vector<Finding> broken_requirements(const Mechanism&, const Requirements*);
+/// Those that did not hold in a run, with the first and the worst instant; or at rest, without.
+LOCKSTEP_API std::vector<Finding> broken_requirements(const Mechanism&, const Requirements*, bool at_rest = false);
 
 }  // namespace lockstep
