@@ -9,7 +9,7 @@ all=-fmax-errors=0
 words=("$@" "$all" -std=c++20 -fsyntax-only -fno-diagnostics-color "$here/jets.cpp")
 failed=0
 "${words[@]}" || { echo "what is right does not compile"; failed=1; }
-mapfile -t known < <(sed -nE 's/^inline Jet<N, T, D> ([a-z0-9]+)\(.*/\1/p' "$here/../../framework/include/lockstep/author/jet.h" |
+mapfile -t known < <(sed -nE 's/^inline (Jet<N, T, D>|jet_detail::JetOf<A, B>) ([a-z0-9]+)\(.*/\2/p' "$here/../../framework/include/lockstep/author/jet.h" |
   grep -vwE "inverse|chain" | sort -u)
 [ "${#known[@]}" -ge 16 ] || { echo "jet.h is read wrongly: ${known[*]}"; failed=1; }
 for place in 1 2 3; do

@@ -37,7 +37,8 @@ void append(Value& scene, const std::string& key, Value more, const std::string&
   const bool points = key == "points";
   if (points ? more.object() == nullptr : more.list() == nullptr)
     refuse(where, context,
-           std::string("expected ") + (points ? "an object of points by name" : "a list") + ", got " + shown(more));
+           std::string("expected ") + (points ? "an object of points by name" : "a list of objects") + ", got " +
+               shown(more));
   Value* all = member(scene, key);
   if (all == nullptr)
     scene.object()->push_back({key, std::move(more), where});

@@ -2,9 +2,11 @@
 #include "framework/tools/sweep/sweep_lanes.h"
 
 #include <tuple>
+#include <utility>
 
 #include <lockstep/batch.h>
 #include <lockstep/error.h>
+#include <lockstep/integrators.h>
 #include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/mechanism/expression/expression.h"
 #include "framework/tools/analysis/driven_scene.h"
@@ -18,32 +20,53 @@ namespace {
 
 const StepReport kNoReport{};  // a vectorised batch reports no steps
 
-/// A step of a lane, which has no states inside it.
-class LaneStep final : public InsideStep {
- public:
-  LaneStep(double begin, const Sample& end) : begin_(begin), end_(end) {}
-  double begin() const override { return begin_; }
-  const Sample& end() const override { return end_; }
-  bool has_states() const override { return false; }
-  Sample at(double) const override { return end_; }
-  bool along_laws() const override { return false; }
-
- private:
-  double begin_;
-  const Sample& end_;
-};
-
 /// One run, at a fixed address.
 struct Lane {
   Mechanism mechanism;
   std::unique_ptr<Recorder> recorder{};
   std::unique_ptr<EnergyAudit> audit{};  // none if laws do work, which lanes do not integrate
   std::unique_ptr<Doubts> doubts{};
-  double t = 0;  // of the last step, s
   std::unique_ptr<Dynamics> dynamics{};
-  State start{};
+  State start{}, before{}, now{},
+      inside{};            // before: of the last step, in slots; now, inside: as the dynamics take them
+  QuinticOutput motion{};  // in the step, once a state inside it is asked for
   double violation = 0;  // largest |C| at an output, m
   std::vector<Finding> found{};
+};
+
+/// A step of a lane, whose states inside it are on the quintic through both ends.
+class LaneStep final : public InsideStep {
+ public:
+  /// `last`: its end in slots, which `end` has as the dynamics take it.
+  LaneStep(Lane& lane, const State& last, const Sample& end) : lane_(lane), last_(last), end_(end) {}
+  double begin() const override { return lane_.before.t; }
+  const Sample& end() const override { return end_; }
+  bool has_states() const override { return true; }
+  Sample at(double t) const override {
+    if (!std::exchange(is_set_, true)) {
+      const VecX a = accelerations(lane_.before), b = accelerations(last_);
+      const VecX sd = (last_.s - lane_.before.s) / (last_.t - begin());
+      lane_.motion.begin(lane_.before);
+      lane_.motion.set(lane_.before, a, sd, last_, b, sd);
+    }
+    lane_.motion.at(t, lane_.inside);
+    lane_.dynamics->to_formulation(lane_.inside);
+    end_.forget();
+    return {*lane_.dynamics, lane_.inside, kNoReport};
+  }
+  bool along_laws() const override { return false; }  // the error of joint coordinates limits it
+
+ private:
+  VecX accelerations(const State& in_slots) const {
+    lane_.inside = in_slots;
+    lane_.dynamics->to_formulation(lane_.inside);
+    return Sample(*lane_.dynamics, lane_.inside, kNoReport).accelerations();
+  }
+
+  Lane& lane_;
+  const State& last_;
+  const Sample& end_;
+  mutable bool is_set_ = false;
 };
 
 bool has_keys(const MethodSpec& typed) { return typed.keys.object() != nullptr && !typed.keys.object()->empty(); }
@@ -93,6 +116,8 @@ void prepare(Lane& lane, const Registry& registry) {
   lane.dynamics = std::make_unique<Dynamics>(system_of(m), make_solver(m.run, registry),
                                              DynamicsOptions{m.run.formulation, m.run.stabilization});
   lane.start = assembled_start(*lane.dynamics, m);
+  lane.before = lane.start;
+  lane.dynamics->to_slots(lane.before);
   lane.doubts = std::make_unique<Doubts>(records_reactions(m.run), m.run.tolerance.relative);
   const Sample first(*lane.dynamics, lane.start, kNoReport);
   lane.doubts->start(first);
@@ -118,7 +143,9 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
   const auto output = [&](int copy, std::size_t, const State& state) {
     Lane& lane = *lanes[copy];
     const FindingScope scope;
-    const Sample sample(*lane.dynamics, state, kNoReport);
+    lane.now = state;
+    lane.dynamics->to_formulation(lane.now);
+    const Sample sample(*lane.dynamics, lane.now, kNoReport);
     lane.recorder->output(sample);
     lane.doubts->output(sample);
     if (lane.audit) lane.audit->output(sample);
@@ -127,16 +154,18 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
   };
   const auto step = [&](int copy, const State& state, bool jumped) {
     Lane& lane = *lanes[copy];
-    Sample sample(*lane.dynamics, state, kNoReport);
+    lane.now = state;
+    lane.dynamics->to_formulation(lane.now);
+    Sample sample(*lane.dynamics, lane.now, kNoReport);
     const FindingScope scope;
     if (jumped) {
       sample.cause = "the jump of a law";
       lane.recorder->jumped(sample);
     } else {
-      lane.recorder->inside(LaneStep(lane.t, sample)), lane.recorder->step(sample);
+      lane.recorder->inside(LaneStep(lane, state, sample)), lane.recorder->step(sample);
     }
     if (lane.audit) jumped ? lane.audit->jumped(sample) : lane.audit->step(sample);
-    lane.t = state.t;
+    lane.before = state;
     lane.found.insert(lane.found.end(), scope.found.begin(), scope.found.end());
   };
   return copies.run(starts, times, output, step, go_on);
