@@ -70,12 +70,31 @@ TEST_CASE("vectorised runs record the same as single runs, from start to end", "
       for (std::size_t i = 0; i < history.n_rows(); ++i)
         CHECK(std::abs(histories[k][column][i] - history[column][i]) < 1e-6);
     for (std::size_t c = 0; c < alone.columns.size(); ++c) {
-      const double part = 2e-4 * (alone.columns[c].most - alone.columns[c].least);  // lanes have ends of steps alone
+      const double part = 2e-4 * (alone.columns[c].most - alone.columns[c].least);
       CHECK(std::abs(lanes[k].columns[c].least - alone.columns[c].least) < part);
       CHECK(std::abs(lanes[k].columns[c].most - alone.columns[c].most) < part);
     }
   }
   CHECK(std::abs(lanes[0].columns[0].last - lanes[7].columns[0].last) > 1e-3);  // the runs do differ
+}
+
+TEST_CASE("extremes of vectorised runs are those inside their steps", "[unit][scene]") {
+  Runs group(scene_text(R"~("until": 2, "output": 1, "integrator": "dop853", "tolerance": 1e-7,
+      "record": ["bob.y", {"F": "=norm(A.force_on_p_world)"}, "bob.vx"])~"),
+             "bodies.bob.sphere.mass=0.5:4:8");
+  const std::vector<SweepRun> lanes = group.lanes();
+  REQUIRE(lanes.size() == 8);
+  for (std::size_t k = 0; k < 8; ++k) {
+    Scene finely = group.scenes[k];
+    finely.run.integrator.type = "rk4", finely.run.step = 2e-4, finely.run.output = 2e-4;
+    const SweepRun rows = sweep_run(finely, group.registry, group.columns);
+    for (std::size_t c = 0; c < rows.columns.size(); ++c) {
+      INFO("copy " << k << ", column " << c << ", " << lanes[k].steps << " steps");
+      const double part = 1e-4 * (rows.columns[c].most - rows.columns[c].least);
+      CHECK(lanes[k].columns[c].least == Approx(rows.columns[c].least).margin(part));
+      CHECK(lanes[k].columns[c].most == Approx(rows.columns[c].most).margin(part));
+    }
+  }
 }
 
 TEST_CASE("types that cannot be vectorised are reported, errors of one run are left to it", "[unit][scene]") {
