@@ -80,7 +80,7 @@ TEST_CASE("the file of a run grows every second", "[faults]") {
 TEST_CASE("pictures and reports of a run that is interrupted replace no older ones", "[faults]") {
   const std::string scene = endless_scene("pages"), base = kFolder + "/pages";
   const std::vector<std::string> old = {base + ".csv", base + ".svg", base + ".png", base + ".html"};
-  const std::string sweep = "sweep --jobs 1 --lanes off --vary gravity.2=-9.81:-1:10000 --until 100";
+  const std::string sweep = "sweep --jobs 1 --vary gravity.2=-9.81:-1:10000 --until 100";
   for (const std::string& verb : {std::string("run"), sweep}) {
     for (const std::string& file : old) std::ofstream(file) << kOld;
     for (const char* left : {".csv.partial", ".partial.html"}) fs::remove(base + left);

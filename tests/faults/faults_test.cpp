@@ -281,8 +281,7 @@ TEST_CASE("a resumed sweep ends with 9 for the wrong runs of its first part", "[
       "off",
       R"("until": 400, "output": 1, "integrator": "rk4", "step": 0.1, "formulation": "omega", "stabilization": "none", "violation_limit": "1 um", "record": ["arm.x"])");
   const std::string file = kFolder + "/off.csv", partial = file + ".partial";
-  const std::string words =
-      "sweep '" + scene + "' --jobs 1 --lanes off --vary gravity.2=-1:-0.5:300 --record '" + file + "'";
+  const std::string words = "sweep '" + scene + "' --jobs 1 --vary gravity.2=-1:-0.5:300 --record '" + file + "'";
   for (const std::string& name : {file, partial, file + ".sweep"}) fs::remove(name);
   shell("lockstep " + words + " --quiet & for k in $(seq 1000); do sleep 0.02; [ \"$(wc -l < '" + partial +
         "')\" -gt 3 ] && break; done 2>/dev/null; kill -KILL $!; wait $!");

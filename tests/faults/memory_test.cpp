@@ -86,14 +86,4 @@ TEST_CASE("a report ends by exit code 10 where memory runs out", "[faults]") {
   check_requests({"run '" + scene + "' --record '" + old + "' --report '" + page + "'", {old, page}, false});
 }
 
-// States change their sizes between the lanes and those who are told of steps.
-TEST_CASE("a vectorised sweep ends by exit code 10 when memory is exhausted", "[faults]") {
-  const std::string scene = arm_scene("memory_lanes", R"("until": 0.05, "output": 0.01, "record": ["arm.x"])");
-  const std::string old = kFolder + "/memory_lanes.csv";
-  const std::string words = "sweep '" + scene + "' --jobs 1 --vary gravity.1=-1:-9:16 --record '" + old + "'";
-  REQUIRE(contains(call(words).text, "vectorised"));
-  check_requests({words, {old}, false}, 120);
-  check_requests({words + " --json", {old}, false});
-}
-
 }  // namespace memory_faults_test

@@ -226,36 +226,6 @@ TEST_CASE("the lowest stiffness of an unstable equilibrium is that of the growin
   CHECK(result["lowest_eigenvalue"].get<double>() == Approx(stiffness));
 }
 
-// Those that come beside their flat position made 100 to 200 at this tolerance, and a thousand at 1e-10.
-TEST_CASE("instances in a vectorised batch pass singular configurations in as many steps as alone", "[runner]") {
-  const std::string sweep =
-      "sweep " + quoted(std::string(paths::kSource) + "/tests/verification/scenes/parallelogram.json") +
-      " --vary bodies.bar.rod.mass=0.666:0.668:16 --tolerance 1e-7 --jobs 1 --until 0.71 --set run.max_steps=1000 ";
-  const Called lanes = call(sweep + "--record lanes.csv"), alone = call(sweep + "--lanes off --record alone.csv");
-  INFO(lanes.text << alone.text);
-  REQUIRE((lanes.exit == 0 && alone.exit == 0));
-  CHECK(contains(lanes.text, "16 runs, all succeeded (vectorised)"));
-  const auto most = [](const std::string& csv) {
-    std::ifstream file(kRunnerFolder + "/" + csv);
-    std::string header, row;
-    std::getline(file, header);
-    const auto column = std::count(header.begin(), header.begin() + static_cast<long>(header.find(",steps,")), ',') + 1;
-    long steps = 0;
-    int rows = 0;
-    for (; std::getline(file, row); ++rows) {
-      std::size_t at = 0;
-      for (long k = 0; k < column; ++k) at = row.find(',', at) + 1;
-      steps = std::max(steps, std::stol(row.substr(at)));
-    }
-    CHECK(rows == 16);
-    return steps;
-  };
-  const long in_lanes = most("lanes.csv"), single = most("alone.csv");
-  CAPTURE(in_lanes, single);
-  CHECK(single < 60);
-  CHECK(in_lanes <= 2 * single);
-}
-
 // To 0.71 s, beyond the first flat position, about 20 steps are enough; a run that ends 1.5e-4 rad behind it crept.
 TEST_CASE("a run that ends near a singular configuration takes no more steps than one that passes it", "[runner]") {
   const std::string scene = quoted(std::string(paths::kSource) + "/tests/verification/scenes/parallelogram.json");

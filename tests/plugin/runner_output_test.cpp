@@ -429,7 +429,7 @@ TEST_CASE("a message common to many runs is not printed for each", "[runner]") {
   CHECK_FALSE(contains(r.text, "warning"));
   const Called s = call("sweep '" + kPendulum +
                         "' --vary gravity.1=-9:-10:12 --integrator semi_implicit_euler --step 0.2 "
-                        "--lanes off --record many.csv");
+                        "--record many.csv");
   const std::size_t first = s.text.find("warning");
   REQUIRE(first != std::string::npos);
   CHECK(s.text.find("warning", first + 1) == std::string::npos);

@@ -65,7 +65,6 @@ std::vector<std::vector<std::string>> results_of(const std::string& name) {
 const std::string kGrid =
     "sweep '" + kRod + "' --until 0.2 --vary bodies.rod.rod.mass=1:3:3 --vary gravity.1=-9.81,-1.62 ";
 
-// Suited for lanes.
 std::string arm_scene() {
   return scene_file("arm", R"("gravity": [0,-9.81,0],
     "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],
@@ -78,7 +77,7 @@ std::string arm_scene() {
 
 TEST_CASE("histories have outputs at jumps if the scene requests them, and the table of the sweep is the same",
           "[runner]") {
-  // the hinge turns at 3 rad/s from t = m on, and the run is not in lanes
+  // the hinge turns at 3 rad/s from t = m on
   const auto scene = [](const std::string& more) {
     return scene_file("jumping",
                       kArm + R"("parameters": {"m": 0.55}, "links": [{)" + kHinge +
@@ -94,7 +93,6 @@ TEST_CASE("histories have outputs at jumps if the scene requests them, and the t
   const Called swept = call("sweep '" + asks + "'" + vary + "asked.csv");
   CAPTURE(swept.text);
   CHECK(swept.exit == 0);
-  CHECK(value_of(swept.text, "one by one") == "the histories have rows at jumps (at_jumps)");
   REQUIRE(call("run '" + asks + "' --no-picture --record jumped.csv").exit == 0);
   const Table history = read_csv(kRunnerFolder + "/jumping/1.csv"), run = read_csv(kRunnerFolder + "/jumped.csv");
   REQUIRE(run.n_rows() == 13);  // 11 outputs, and both sides of t = 0.55
@@ -110,8 +108,6 @@ TEST_CASE("histories have outputs at jumps if the scene requests them, and the t
     return all;
   };
   CHECK(cells("asked.csv") == cells("plain.csv"));
-  // without histories nothing keeps the runs from their lanes
-  CHECK_FALSE(contains(call("sweep '" + asks + "' --vary m=0.55,0.5 --record lanes.csv").text, "at_jumps"));
 }
 
 TEST_CASE("two shards together are the whole sweep", "[runner][sweep]") {
@@ -159,37 +155,6 @@ TEST_CASE("a sweep writes a file with a separate name next to other files", "[ru
   CHECK(call(kGrid + "--quiet --shard 7/9").exit == 0);
   CHECK(lines_of("rod_pendulum_sweep.csv").size() == 7);
   CHECK(lines_of("rod_pendulum_sweep_7of9.csv").size() == 1);  // more shares than runs: the header alone
-}
-
-TEST_CASE("vectorised batches give the same table as single runs", "[runner][sweep]") {
-  const std::string arm = arm_scene();
-  const std::string words = "sweep '" + arm + "' --vary bodies.arm.rod.to.0=0.5:1.5:11 ";
-  const Called many = call(words + "--record lanes.csv"), single = call(words + "--record single.csv --lanes off");
-  INFO(many.text << single.text);
-  CHECK(many.exit == 0);
-  CHECK(contains(many.text, "  11 runs, all succeeded (vectorised)"));
-  CHECK(value_of(single.text, "one by one") == "as requested");
-  const auto a = results_of("lanes.csv"), b = results_of("single.csv");
-  REQUIRE(a.size() == 12);
-  REQUIRE(b.size() == 12);
-  CHECK(a[0] == b[0]);
-  const auto judged = static_cast<std::size_t>(std::ranges::find(a[0], "energy") - a[0].begin());
-  REQUIRE(judged + 5 == a[0].size());  // energy, imbalance, violation, steps, status
-  for (std::size_t i = 1; i < a.size(); ++i) {
-    for (std::size_t k = 0; k < judged; ++k) {
-      // lanes see the ends of steps alone: their extremes are of parabolas
-      const bool least = contains(b[0][k], " min"), most = contains(b[0][k], " max");
-      const double range = least  ? std::stod(b[i][k + 1]) - std::stod(b[i][k])
-                           : most ? std::stod(b[i][k]) - std::stod(b[i][k - 1])
-                                  : 0;
-      CHECK(std::stod(a[i][k]) == Approx(std::stod(b[i][k])).margin(1e-6 + 1e-4 * range));
-    }
-    for (const auto* row : {&a[i], &b[i]}) {
-      CHECK((*row)[judged] == "conserved");
-      CHECK(std::stod((*row)[judged + 1]) < 1e-6);
-      CHECK(std::stod((*row)[judged + 2]) < 1e-9);
-    }
-  }
 }
 
 TEST_CASE("each run of a sweep has a verdict on its energy and its drift, and an exit code", "[runner][sweep]") {
@@ -293,12 +258,9 @@ TEST_CASE("a sweep on several threads makes the table of one thread", "[runner][
     int exit;
   };
   const std::vector<Case> cases = {
-      {"--vary bodies.arm.rod.mass=1:3:20", "20 runs, all succeeded (vectorised)", 20, 0},
-      {"--vary bodies.arm.rod.mass=1:3:20 --lanes off", "one by one   as requested", 20, 0},
-      // a run that cannot be built sends its group back, to be run one by one
-      {"--vary bodies.arm.rod.mass=1,2,3,4,-5,6,7,8,9,10,11,12", "12 runs, 1 failed (vectorised: 4 of 12)", 12, 1},
-      // the second half is not for lanes
-      {"--vary run.integrator=dop853,radau5 --vary bodies.arm.rod.mass=1:3:8", "(vectorised: 8 of 16)", 16, 0}};
+      {"--vary bodies.arm.rod.mass=1:3:20", "20 runs, all succeeded", 20, 0},
+      {"--vary bodies.arm.rod.mass=1,2,3,4,-5,6,7,8,9,10,11,12", "12 runs, 1 failed", 12, 1},
+      {"--vary run.integrator=dop853,radau5 --vary bodies.arm.rod.mass=1:3:8", "16 runs, all succeeded", 16, 0}};
   for (const Case& c : cases) {
     INFO(c.words);
     const Called one = call(arm + c.words + " --jobs 1 --record jobs_1.csv --histories jobs_1"),
@@ -363,13 +325,6 @@ TEST_CASE("the recipe for Slurm makes the table of one sweep", "[runner][sweep]"
     CHECK(task.exit == 0);
   }
   CHECK(shell("cd slurm && cat part_*.csv | grep -c ',ok$'").text == "100\n");
-}
-
-TEST_CASE("a sweep that is not vectorised states the reason", "[runner][sweep]") {
-  const std::string arm = "sweep '" + arm_scene() + "' --vary ";
-  const auto reason = [&](const std::string& values) { return value_of(call(arm + values).text, "one by one"); };
-  CHECK(reason("bodies.arm.rod.mass=-1,2,3") == "a run in the batch failed");
-  CHECK(reason("run.until=0.1,0.2,0.3") == "the runs have different end times");
 }
 
 TEST_CASE("the page of a sweep has the values in the units of --vary", "[runner][sweep]") {

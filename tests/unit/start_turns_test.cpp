@@ -10,7 +10,6 @@
 #include <lockstep/dynamics.h>
 #include <lockstep/lockstep.h>
 #include "framework/description/scene/system_of.h"
-#include "framework/tools/sweep/sweep_lanes.h"
 #include "tests/support/catch.h"
 #include "tests/support/four_bar_scene.h"
 #include "tests/support/messages.h"
@@ -334,25 +333,6 @@ TEST_CASE("a crank of a loop begins in its revolution, with the rest of the loop
   CHECK(on.first("energy.potential") == Approx(380 * kDegree * 380 * kDegree));
   CHECK(on.first("rocker.center_x") == Approx(near.first("rocker.center_x")));
   CHECK(on.first("coupler.center_y") == Approx(near.first("coupler.center_y")));
-}
-
-TEST_CASE("vectorised runs begin in the requested revolution", "[unit][scene]") {
-  const Registry registry = builtin_registry();
-  const Scene scene = scene_from_text(
-      scene_of(bar(R"("start": {"position": {"rz": "540 deg"}})") + kSpring, R"("A.rz", "T.angle")", "joint"),
-      "start.json");
-  const std::vector<Variable> variables = read_variables({"forces.T.stiffness=1:4:8"}, scene, registry);
-  std::vector<Scene> scenes;
-  for (std::size_t k = 0; k < 8; ++k) scenes.push_back(vary_scene(scene, variables, {k}, registry));
-  REQUIRE(unsuited_for_lanes(scenes.front(), registry).empty());
-  std::vector<Table> histories(8);
-  REQUIRE(sweep_lanes(scenes, registry, recorded_columns(scene, registry), {}, &histories).size() == 8);
-  for (std::size_t k = 0; k < 8; ++k) {
-    const double stiffness = 1 + 3 * static_cast<double>(k) / 7;
-    CHECK(histories[k].first("A.rz") == Approx(3 * kPi));
-    CHECK(histories[k].first("T.angle") == Approx(3 * kPi));
-    CHECK(histories[k].last("A.rz") == Approx(3 * kPi * std::cos(std::sqrt(stiffness))).margin(1e-8));
-  }
 }
 
 // At 180 degrees from the poses given the residual of a drive has no gradient.

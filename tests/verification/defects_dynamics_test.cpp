@@ -9,13 +9,15 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/batch.h>
 #include <lockstep/equilibrium.h>
 #include <lockstep/integrators.h>
 #include <lockstep/lockstep.h>
 #include <lockstep/modes.h>
 #include <lockstep/sweep.h>
+#include "framework/description/scene/builder.h"
+#include "framework/description/scene/system_of.h"
 #include "framework/tools/scene_run/scene_run.h"
-#include "framework/tools/sweep/sweep_lanes.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
@@ -287,16 +289,10 @@ const std::string kSlide = R"("gravity": [0, 0, -9.81],
 }  // namespace
 
 TEST_CASE("quaternion_sign: the sign is that of the pose given", "[verification][defects]") {
-  const Scene scene = read_scene(scene_file("quaternion_sign", kSlide));
   const Quat given = axis_angle(Vec3::UnitZ(), 2 * std::numbers::pi / 3);
   const SceneRun run = run_scene(scene_file("quaternion_sign", kSlide));
   CHECK(run.report.steps < 20);
   CHECK(least_product(run.table, "a", given) == Approx(1).epsilon(1e-12));
-  const Registry& registry = builtin_registry();
-  const std::vector<Scene> scenes(8, scene);
-  std::vector<Table> histories(8);
-  REQUIRE(sweep_lanes(scenes, registry, recorded_columns(scene, registry), {}, &histories).size() == 8);
-  for (const Table& history : histories) CHECK(least_product(history, "a", given) == Approx(1).epsilon(1e-12));
 }
 
 // Chains of all joints that a tree has, at markers turned by any angle, their poses with either sign.
@@ -400,27 +396,25 @@ TEST_CASE("a sweep reports the same doubts as a single run", "[verification][def
   REQUIRE(run.findings.size() == 1);
   CHECK(run.outcome() == "ok; doubtful: " + run.findings[0].text());
   CHECK(run.findings[0].text().starts_with("the reactions at t = 0 s are uncertain"));
-  const std::vector<Scene> scenes(8, scene);
-  const std::vector<SweepRun> lanes = sweep_lanes(scenes, registry, columns, {}, nullptr);
-  REQUIRE(lanes.size() == 8);
-  for (const SweepRun& lane : lanes) CHECK(texts_of(lane.findings) == texts_of(run.findings));
   scene.run.times.erase(scene.run.times.begin());
   CHECK(sweep_run(scene, registry, columns).outcome() == "ok");
 }
 
-// At this tolerance rounding leaves more beside the flat position, by itself and in lanes, which the copies leave there.
+// At this tolerance rounding leaves more beside the flat position, alone and in lanes, which the copies leave there.
 TEST_CASE("instances that left the batch report the tolerance that they did not reach", "[verification][defects]") {
   Scene scene = read_scene(paths::kSource + std::string("/tests/verification/scenes/parallelogram.json"));
   scene.run.tolerance.relative = 3e-16, scene.run.tolerance.atol_x = 1e-18, scene.run.until = 2.7;
   const Registry& registry = builtin_registry();
-  const Table columns = recorded_columns(scene, registry);
-  const std::vector<SweepRun> lanes = sweep_lanes(std::vector<Scene>(3, scene), registry, columns, {}, nullptr);
-  REQUIRE(lanes.size() == 3);
-  REQUIRE(sweep_run(scene, registry, columns).findings.size() == 1);
-  for (const SweepRun& lane : lanes) {
-    REQUIRE(lane.findings.size() == 1);
-    CHECK(contains(lane.findings[0].text(), "the tolerance of 3e-16 was not reached in "));
-  }
+  const SweepRun run = sweep_run(scene, registry, recorded_columns(scene, registry));
+  REQUIRE(run.findings.size() == 1);
+  CHECK(contains(run.findings[0].text(), "the tolerance of 3e-16 was not reached in "));
+  Mechanism m[] = {build_mechanism(in_space(scene), registry), build_mechanism(in_space(scene), registry)};
+  for (Mechanism& each : m) system_of(each).setup();
+  const std::vector<State> starts(2, m[0].system.start());
+  CopiesOptions options;
+  options.registry = &registry, options.integrator = scene.run.integrator.type, options.tolerance = scene.run.tolerance;
+  Copies copies({&system_of(m[0]), &system_of(m[1])}, options);
+  for (const CopyReport& report : copies.run(starts, std::vector<double>{2.7}, {})) CHECK(report.unmet.steps > 0);
 }
 
 // A rod that turns about one end at 1.5 rad/s is caught by the other: its angular momentum about that end stays,

@@ -23,12 +23,12 @@ struct SweepRun {
   bool failed = false;               ///< `status` is then the reason, and `columns` do not count
   bool broken_off = false;           ///< `go_on` of sweep_run() ended it
   std::string status;                ///< "ok", or "stopped by 'landed'" if an event ended the run
-  std::string energy;    ///< "conserved", "not conserved", "not judged"; "" in a vectorised batch if a law may do work
+  std::string energy;                ///< "conserved", "not conserved", "not judged"
   double imbalance = 0;  ///< of the energy, relative to the energy exchanged (Audit::imbalance_share)
   bool drifted = false;  ///< the constraint violation exceeded its limit
-  double violation = 0;  ///< largest |C| after a step, m; in a vectorised batch at the outputs
+  double violation = 0;  ///< largest |C| after a step, m
   bool wrong = false;    ///< Audit::is_wrong()
-  long passed = 0;       ///< singular configurations passed with unprojected stages; 0 in a vectorised batch
+  long passed = 0;       ///< singular configurations passed with unprojected stages
   double first_passed = 0;  ///< time of the first of them, s
   /// Findings about its scene, its start and the run, as of a single run.
   std::vector<Finding> findings;

@@ -10,36 +10,15 @@
 
 namespace lockstep {
 
-std::optional<RunGroup> RunQueue::next() {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return stopped_ || !alone_.empty() || next_ < n_runs_ || groups_out_ == 0; });
-  if (stopped_) return {};
-  if (!alone_.empty()) {
-    const long k = alone_.front();
-    alone_.pop_front();
-    return RunGroup{k, 1};
-  }
-  if (next_ == n_runs_) return {};
-  const long left = std::min(lanes_, n_runs_ - next_);
-  const RunGroup group{next_, left < fewest_ ? 1 : left};
-  next_ += group.n;
-  if (group.n > 1) ++groups_out_;
-  return group;
+std::optional<long> RunQueue::next() {
+  const std::lock_guard lock(mutex_);
+  if (stopped_ || next_ == n_runs_) return {};
+  return next_++;
 }
 
-void RunQueue::split(RunGroup group, const std::string& why) {
+void RunQueue::finish(FinishedRun run) {
   const std::lock_guard lock(mutex_);
-  why_split_.emplace(group.first, why);
-  for (long k = group.first; k < group.first + group.n; ++k) alone_.push_back(k);
-  --groups_out_;
-  changed_.notify_all();
-}
-
-void RunQueue::finish(std::vector<FinishedRun> group) {
-  const std::lock_guard lock(mutex_);
-  if (group.size() > 1) --groups_out_;
-  for (FinishedRun& run : group)
-    if (!run.run.broken_off) waiting_.emplace(run.k, std::move(run));
+  if (!run.run.broken_off) waiting_.emplace(run.k, std::move(run));
   changed_.notify_all();
 }
 
@@ -72,11 +51,6 @@ long RunQueue::n_finished() const {
 void RunQueue::rethrow() const {
   const std::lock_guard lock(mutex_);
   if (error_) std::rethrow_exception(error_);
-}
-
-std::string RunQueue::why_split() const {
-  const std::lock_guard lock(mutex_);
-  return why_split_.empty() ? "" : why_split_.begin()->second;
 }
 
 int available_processors() {

@@ -31,15 +31,12 @@
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/program/terminal.h"
-#include "framework/tools/sweep/sweep_lanes.h"
 #include "framework/tools/sweep/watched_run.h"
 
 namespace lockstep {
 namespace {
 
 constexpr std::size_t kMostReasons = 5;  // of failures, that are printed
-constexpr long kLanes = 8;               // runs per vectorised batch
-constexpr long kFewestLanes = 3;         // fewer runs are faster one by one
 
 /// A run as a result.
 struct SweepRow {
@@ -51,8 +48,8 @@ struct SweepRow {
 
 struct Tally {
   std::vector<SweepRow> runs{};  // with --json
-  long asked = 0, done = 0, failed = 0, wrong = 0, kept = 0, histories = 0, in_lanes = 0, unchecked = 0;
-  std::string share{}, alone{};      // "2/8"; why runs are not vectorised
+  long asked = 0, done = 0, failed = 0, wrong = 0, kept = 0, histories = 0;
+  std::string share{};               // "2/8"
   std::vector<std::string> notes{};  // on the report
   // By code: the first warning, and how many runs have one.
   std::map<std::string_view, std::pair<Finding, long>> found{};
@@ -63,8 +60,7 @@ struct Tally {
 // Whoever shares out runs has a process for each processor.
 int jobs_of(const Arguments& args) { return jobs_of(args, args.has("--shard") ? 1 : available_processors()); }
 
-/// The runs of one shard: computed on several threads, eight at a time on each if the mechanism is suited; their rows
-/// are written in order.
+/// The runs of one shard: computed on several threads; their rows are written in order.
 class Sweep {
  public:
   Sweep(const SweepPlan& plan, GrowingFile& rows, const Interrupt& interrupt)
@@ -76,9 +72,8 @@ class Sweep {
         kept_(begin_rows()),
         interrupt_(interrupt),
         progress_(static_cast<double>(n_runs_), plan.arguments.has("--quiet"), Counts::runs),
-        tally_{
-            .done = kept_.n, .failed = kept_.failed, .wrong = kept_.wrong, .kept = kept_.n, .alone = why_alone(plan)},
-        queue_(n_runs_, tally_.alone.empty() ? kLanes : 1, kFewestLanes, kept_.n),
+        tally_{.done = kept_.n, .failed = kept_.failed, .wrong = kept_.wrong, .kept = kept_.n},
+        queue_(n_runs_, kept_.n),
         under_way_(static_cast<std::size_t>(std::min<long>(jobs_of(plan.arguments), n_runs_))) {
     if (keeps_motion(plan.arguments)) motions_.emplace(plan.grid.n_runs());
   }
@@ -96,10 +91,6 @@ class Sweep {
     progress_.finish();
     while (const std::optional<FinishedRun> run = queue_.take({})) take(*run);
     queue_.rethrow();
-    if (tally_.in_lanes > 0)
-      tally_.alone.clear();
-    else if (tally_.alone.empty())
-      tally_.alone = queue_.why_split();
     return tally_;
   }
   /// All rows are complete and have their name.
@@ -152,16 +143,13 @@ class Sweep {
     return std::min(n, static_cast<double>(n_runs_) - 0.001);
   }
 
-  // What a thread does. `share`: of its runs, for the progress.
+  // What a thread does. `share`: of its run, for the progress.
   void work(std::atomic<double>& share) {
     try {
       while (go_on()) {
-        const std::optional<RunGroup> group = queue_.next();
-        if (!group) return;
-        if (group->n > 1)
-          run_lanes(*group, share);
-        else
-          run_one(group->first, share);
+        const std::optional<long> k = queue_.next();
+        if (!k) return;
+        run_one(*k, share);
         share = 0;
       }
     } catch (...) {
@@ -169,35 +157,11 @@ class Sweep {
     }
   }
 
-  // A group as a vectorised batch; if that is not possible, its runs go back to be computed one by one.
-  void run_lanes(RunGroup group, std::atomic<double>& share) {
-    std::vector<Scene> scenes;
-    try {
-      const FindingScope unheard;
-      for (long k = 0; k < group.n; ++k) scenes.push_back(plan_.scene(number(group.first + k)));
-    } catch (const std::exception&) {
-      return queue_.split(group, "a run in the batch failed");
-    }
-    std::string why;
-    std::vector<Table> histories(scenes.size());
-    std::vector<SweepRun> runs = sweep_lanes(scenes, plan_.loaded.registry, plan_.columns,
-                                             watch_time(share, scenes.front().run.until, static_cast<double>(group.n)),
-                                             keeps_histories() ? &histories : nullptr, &why);
-    if (runs.empty()) return queue_.split(group, why);
-    std::vector<FinishedRun> done;
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      const long k = group.first + static_cast<long>(i);
-      const bool kept = keep(runs[i], k, histories[i]);
-      done.push_back({k, std::move(runs[i]), true, kept});
-    }
-    queue_.finish(std::move(done));
-  }
-
   void run_one(long k, std::atomic<double>& share) {
     Table history;
     SweepRun run = compute(number(k), share, history);
     const bool kept = keep(run, k, history);
-    queue_.finish({{k, std::move(run), false, kept}});
+    queue_.finish({k, std::move(run), kept});
   }
 
   SweepRun compute(long number, std::atomic<double>& share, Table& history) {
@@ -210,7 +174,10 @@ class Sweep {
       failed.failed = true, failed.status = fact_of(error);
       return failed;
     }
-    const auto go_on = [watch = watch_time(share, scene.run.until, 1)](const State& s) { return watch(s.t); };
+    const auto go_on = [this, &share, until = scene.run.until](const State& s) {
+      share = until > 0 ? std::min(s.t / until, 1.0) : 0.0;
+      return this->go_on();
+    };
     if (!motions_ || !motions_->keeps(number))
       return sweep_run(scene, plan_.loaded.registry, plan_.columns, go_on, keeps_histories() ? &history : nullptr);
     const std::unique_ptr<report::Frames> seen = motions_->watcher();
@@ -226,8 +193,6 @@ class Sweep {
     rows_.write();
     results_.add(n, done.run);
     if (plan_.arguments.has("--json")) tally_.runs.push_back(row(n, done.run));
-    if (done.in_lanes) ++tally_.in_lanes;
-    if (!done.run.failed && !done.run.columns.empty() && done.run.energy.empty()) ++tally_.unchecked;
     if (done.kept) ++tally_.histories;
     ++tally_.done;
     if (done.run.failed) add_failure(n, done.run.status);
@@ -248,12 +213,6 @@ class Sweep {
     return row;
   }
   long number(long k) const { return Grid::run(plan_.shard, k); }
-  std::function<bool(double)> watch_time(std::atomic<double>& share, double until, double n) {
-    return [this, &share, until, n](double t) {
-      share = until > 0 ? n * std::min(t / until, 1.0) : 0.0;
-      return go_on();
-    };
-  }
 
   bool keeps_histories() const { return !plan_.arguments["--histories"].empty(); }
 
@@ -284,7 +243,7 @@ class Sweep {
   Tally tally_;
   RunQueue queue_;
   std::optional<report::Histories> motions_;
-  std::vector<std::atomic<double>> under_way_;  // of each thread: runs that it has begun, as far as they have come
+  std::vector<std::atomic<double>> under_way_;  // of each thread: the run that it has begun, as far as it has come
 };
 
 const Fields<ColumnRange> kEndsFields{
@@ -311,22 +270,17 @@ const Fields<Tally> kSweepFields{{"asked", "", "", &Tally::asked},
                                  {"failed", "", "", &Tally::failed},
                                  {"wrong", "", "", &Tally::wrong},
                                  {"kept", "", "done before", &Tally::kept, unless_zero},
-                                 {"in_lanes", "", "", &Tally::in_lanes},
-                                 {"one_by_one", "", "one by one", &Tally::alone},
                                  {"histories", "", "tables kept", &Tally::histories, unless_zero},
                                  {"notes", "", "report", &Tally::notes},
                                  {"runs", "", &Tally::runs, kSweepRowFields}};
 
-// "9 runs, all succeeded (vectorised: 8 of 9)".
+// "9 runs, all succeeded".
 std::string summary(const Tally& t) {
   std::string text = fmt::format("  {} run{}", t.asked, t.asked == 1 ? "" : "s");
   if (t.done < t.asked) text += fmt::format(", {} done", t.done);
   if (t.failed > 0) text += fmt::format(", {} failed", t.failed);
   if (t.wrong > 0) text += fmt::format(", {} wrong (energy, constraints or requirements)", t.wrong);
   if (t.done == t.asked && t.failed + t.wrong == 0) text += ", all succeeded";
-  if (t.in_lanes > 0)
-    text += t.in_lanes < t.done ? fmt::format(" (vectorised: {} of {})", t.in_lanes, t.done) : " (vectorised)";
-  if (t.unchecked > 0) text += fmt::format("; energy of {} not checked (--lanes off checks it)", t.unchecked);
   return text + "\n";
 }
 
@@ -434,8 +388,6 @@ Command sweep_command() {
             {"--report", "FILE.html",
              "one HTML file with a scatter plot of all runs; with --histories, a click on a point shows its curves and "
              "motion"},
-            Option{"--lanes", "MODE", "auto (default): eight runs per vectorised batch, if possible; off: one by one"}
-                .among("auto,off"),
             {"--jobs", "N",
              "threads, 1 to 1024; default: the available processors. Plugins that share data among runs need --jobs 1"},
             {"--histories", "DIR", "folder for the table of each run: 01.csv, 02.csv, ..."},
@@ -452,8 +404,7 @@ Each run is one line of the table: number, values, final, min and max of each re
 imbalance, largest violation, steps, CPU seconds, status.
 If a run fails, its status is the reason, and the exit code is 1. The exit code is 9 if no run failed, but the energy
 error or the constraint violation of one is beyond its limit.
-In vectorised batches the energy is not checked if a law may move a joint (--lanes off). Ctrl-C keeps the lines so far.
-The page sweep.md shows shards on several machines.
+Ctrl-C keeps the lines so far. The page sweep.md shows shards on several machines.
 
 Example:
   lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --vary gravity.1=-9.81,-1.62 --record moon.csv)",

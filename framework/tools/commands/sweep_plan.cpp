@@ -16,7 +16,6 @@
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/rank/doubts.h"
-#include "framework/tools/sweep/sweep_lanes.h"
 
 namespace lockstep {
 namespace {
@@ -164,19 +163,5 @@ SweepPlan make_sweep_plan(const Arguments& args) {
 }
 
 bool keeps_motion(const Arguments& args) { return !args["--histories"].empty() && !args["--report"].empty(); }
-
-std::string why_alone(const SweepPlan& plan) {
-  if (plan.arguments["--lanes"] == "off") return "as requested";
-  if (keeps_motion(plan.arguments)) return "the report keeps the motion of each run";
-  if (!plan.arguments["--histories"].empty() && plan.loaded.scene.run.at_jumps)
-    return "the histories have rows at jumps (at_jumps)";
-  if (plan.grid.n_runs(plan.shard) == 0) return {};
-  const FindingScope unheard;
-  try {
-    return unsuited_for_lanes(plan.scene(Grid::run(plan.shard, 0)), plan.loaded.registry);
-  } catch (const std::exception&) {
-    return {};  // this run cannot be built; others may
-  }
-}
 
 }  // namespace lockstep

@@ -43,7 +43,5 @@ SweepPlan make_sweep_plan(const Arguments&);
 
 /// Whether the report shows each run by itself.
 bool keeps_motion(const Arguments&);
-/// Why runs are made one by one, by the first run of the grid; "" if they are vectorised.
-std::string why_alone(const SweepPlan&);
 
 }  // namespace lockstep

@@ -28,8 +28,6 @@ class LOCKSTEP_API Doubts final : public Observer {
 
   /// Of a run of so many steps to the time t, s.
   std::vector<Finding> findings(long steps, double t) const;
-  /// Takes the steps of a run whose steps it was not shown.
-  void take(const UnmetTolerance& unmet) { unmet_ = unmet; }
 
  private:
   bool reactions_, loops_ = false;

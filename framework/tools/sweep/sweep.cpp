@@ -23,6 +23,13 @@
 namespace lockstep {
 namespace {
 
+// The results of an audit.
+void judge(const Audit& audit, SweepRun& run) {
+  run.energy = audit.verdict(), run.imbalance = audit.imbalance_share();
+  run.drifted = audit.drifted, run.violation = audit.violation;
+  run.wrong = audit.is_wrong();
+}
+
 void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
               const std::function<bool(const State&)>& go_on, Observer* at_jumps, const RunWatch& watch) {
   std::vector<Event> events = make_events(m, recorder);
@@ -93,21 +100,6 @@ bool wrong_by(std::string_view outcome) {
   return outcome == "wrong" || outcome.starts_with("wrong: ") || outcome.starts_with("wrong; ");
 }
 
-void judge(const Audit& audit, SweepRun& run) {
-  run.energy = audit.verdict(), run.imbalance = audit.imbalance_share();
-  run.drifted = audit.drifted, run.violation = audit.violation;
-  run.wrong = audit.is_wrong();
-}
-
-SweepRun recorded_run(const Recorder& recorder) {
-  SweepRun run;
-  run.status = "ok";
-  if (recorder.table().n_rows() == 0) return run;
-  run.columns.assign(recorder.ranges().begin(), recorder.ranges().end());
-  run.t = recorder.last_instant();
-  return run;
-}
-
 Table recorded_columns(const Scene& scene, const Registry& registry) {
   Mechanism m = build_mechanism(scene, registry);
   record_places(m);
@@ -147,8 +139,10 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
       end();
       throw;
     }
-    SweepRun recorded = recorded_run(*recorder);
-    result.columns = std::move(recorded.columns), result.t = recorded.t;
+    if (recorder->table().n_rows() > 0) {
+      result.columns.assign(recorder->ranges().begin(), recorder->ranges().end());
+      result.t = recorder->last_instant();
+    }
     end();
   } catch (const std::exception& error) {
     const auto* ours = dynamic_cast<const Error*>(&error);

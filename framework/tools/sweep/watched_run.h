@@ -20,12 +20,6 @@ struct RunWatch {
   StepSequence* steps = nullptr;  ///< that an adaptive method writes or repeats (SameSteps), if it saves all its data
 };
 
-/// Writes the results of an audit to the result of a run.
-void judge(const Audit&, SweepRun&);
-
-/// Results of a finished run, without steps and cpu: its end, and the extremes of the motion.
-SweepRun recorded_run(const Recorder&);
-
 /// As sweep_run.
 LOCKSTEP_API SweepRun watched_run(const Scene&, const Registry&, const Table& like,
                                   const std::function<bool(const State&)>& go_on, Table* history, const RunWatch&);
