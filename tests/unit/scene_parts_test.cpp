@@ -325,7 +325,7 @@ TEST_CASE("contents of an included scene are not lost with keys of another form"
   folder.write("ball.json", R"("bodies": [{"name": "b", "particle": 1}], "points": {"P": [1, 0, 0]})");
   folder.write("odd.json", R"("bodies": {"name": "b", "particle": 1})");
   const std::string ball = R"("include": [{"scene": "ball.json", "prefix": "a_"}], )";
-  check_words(folder.refusal(ball + R"("bodies": null)"), {"bodies", "expected a list, got null"});
+  check_words(folder.refusal(ball + R"("bodies": null)"), {"bodies", "expected a list of objects, got null"});
   check_words(folder.refusal(ball + R"("bodies": {})"), {"bodies", "expected a list"});
   check_words(folder.refusal(ball + R"("points": [])"), {"points", "expected an object of points"});
   check_words(folder.refusal(R"("include": [{"scene": "odd.json"}])"), {"odd.json:", "bodies", "expected a list"});

@@ -3,11 +3,16 @@
 #include <cmath>
 #include <utility>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/forces.h>
 #include <lockstep/frame_laws.h>
 #include <lockstep/integrators.h>
 #include <lockstep/laws.h>
+#include <lockstep/recorder.h>
+#include <lockstep/scene.h>
+#include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"
 #include "tests/support/messages.h"
@@ -74,6 +79,45 @@ std::unique_ptr<System> two_pendulums(int k, double from, bool throws) {
 }
 
 }  // namespace
+
+// Energy is conserved: what the damper takes is missing in the end.
+TEST_CASE("works are integrated in vectorised instances", "[unit][copies]") {
+  std::vector<Mechanism> all;
+  std::vector<System*> systems;
+  std::vector<State> starts, ends(3);
+  std::vector<Channel> lost, total;
+  for (const char* const speed : {"4", "6", "8"}) {
+    all.push_back(build_mechanism(
+        scene_from_text(R"({"lockstep": 1, "planar": "off", "gravity": [0, 0, 0], "parameters": {"w": )" +
+                            std::string(speed) + R"(},
+          "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]},
+                      "velocity": [0, "=w/2", 0], "omega_world": [0, 0, "=w"]}],
+          "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0]}],
+          "forces": [{"name": "brake", "type": "torsion_spring_damper", "p": "arm", "s": "ground", "at": [0, 0, 0],
+                      "stiffness": 3, "damping": 0.5}]})",
+                        "arm.json"),
+        builtin_registry()));
+  }
+  for (Mechanism& m : all) {
+    System& system = system_of(m);
+    lost.push_back(make_channel(system, "energy.dissipated")), total.push_back(make_channel(system, "energy.total"));
+    system.setup();
+    systems.push_back(&system), starts.push_back(system.start());
+  }
+  CopiesOptions options;
+  options.tolerance = {1e-10, 1e-12};
+  Copies(systems, options).run(starts, std::vector<double>{2.0}, [&](int copy, std::size_t, const State& end) {
+    ends[copy] = end;
+  });
+  for (std::size_t k = 0; k < 3; ++k) {
+    Dynamics dynamics(*systems[k], std::make_unique<SchurSolver>());
+    const StepReport none{};
+    const double first = total[k].value(Sample(dynamics, starts[k], none));
+    const Sample last(dynamics, ends[k], none);
+    CHECK(lost[k].value(last) > 0.1 * first);
+    CHECK(lost[k].value(last) + total[k].value(last) == Approx(first).epsilon(1e-8));
+  }
+}
 
 TEST_CASE("vectorised instances cross a jump of velocity as a single run does", "[unit][copies]") {
   const auto method = GENERATE(as<std::string>{}, "dop853", "dopri5", "rk4");
