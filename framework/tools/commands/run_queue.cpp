@@ -31,10 +31,16 @@ void RunQueue::stop(const std::exception_ptr& error) {
 
 std::optional<FinishedRun> RunQueue::take(std::chrono::milliseconds time) {
   std::unique_lock lock(mutex_);
-  const auto ready = [&] { return !waiting_.empty() && (stopped_ || waiting_.begin()->first == taken_); };
+  const auto ready = [&] { return !waiting_.empty() && waiting_.begin()->first == taken_; };
   changed_.wait_for(lock, time, [&] { return ready() || stopped_; });
   if (!ready()) return {};
   ++taken_;
+  return std::move(waiting_.extract(waiting_.begin()).mapped());
+}
+
+std::optional<FinishedRun> RunQueue::take_rest() {
+  const std::lock_guard lock(mutex_);
+  if (waiting_.empty()) return {};
   return std::move(waiting_.extract(waiting_.begin()).mapped());
 }
 

@@ -41,8 +41,10 @@ class RunQueue {
 
   // For the thread that takes results.
 
-  /// The run after the one that was taken last, waited for no longer than `time`; once stopped, the next that is finished.
+  /// The run after the one that was taken last, waited for no longer than `time`; none: not yet, or stopped.
   std::optional<FinishedRun> take(std::chrono::milliseconds time);
+  /// The next that is finished, also behind runs that are not. Once no thread computes any more.
+  std::optional<FinishedRun> take_rest();
   bool all_taken() const;
   long n_finished() const;
   void rethrow() const;

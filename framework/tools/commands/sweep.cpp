@@ -89,7 +89,7 @@ class Sweep {
       }
     }
     progress_.finish();
-    while (const std::optional<FinishedRun> run = queue_.take({})) take(*run);
+    while (const std::optional<FinishedRun> run = queue_.take_rest()) take(*run);
     queue_.rethrow();
     return tally_;
   }
