@@ -78,12 +78,12 @@ std::string arm_scene() {
 TEST_CASE("histories have outputs at jumps if the scene requests them, and the table of the sweep is the same",
           "[runner]") {
   // the hinge turns at 3 rad/s from t = m on
-  const auto scene = [](const std::string& more) {
+  const auto scene = [](const std::string& more, const std::string& rows = R"("output": 0.1)") {
     return scene_file("jumping",
                       kArm + R"("parameters": {"m": 0.55}, "links": [{)" + kHinge +
                           R"(, "drive": {"axis": "rz", "law": {"type": "formula", "y": "=t>m ? 3*(t-m) : 0"}}}],
-      "run": {"until": 1, "output": 0.1, "tolerance": 1e-9, "record": ["arm.ay", "arm.vy"])" +
-                          more + "}");
+      "run": {"until": 1, "tolerance": 1e-9, "record": ["arm.ay", "arm.vy"], )" +
+                          rows + more + "}");
   };
   const std::string vary = " --vary m=0.55,0.5 --histories jumping --record ";
   const Called plain = call("sweep '" + scene("") + "'" + vary + "plain.csv");
@@ -108,6 +108,11 @@ TEST_CASE("histories have outputs at jumps if the scene requests them, and the t
     return all;
   };
   CHECK(cells("asked.csv") == cells("plain.csv"));
+  const std::string early = scene(R"(, "at_jumps": true)", R"("times": [0, 0.1, 0.2, 0.3])");
+  REQUIRE(call("sweep '" + early + "'" + vary + "kept.csv").exit == 0);
+  CHECK(read_csv(kRunnerFolder + "/jumping/1.csv")["t"].back() == 0.55);
+  REQUIRE(call("sweep '" + early + "' --vary m=0.55,0.5 --record alone.csv").exit == 0);
+  CHECK(cells("kept.csv") == cells("alone.csv"));
 }
 
 TEST_CASE("two shards together are the whole sweep", "[runner][sweep]") {

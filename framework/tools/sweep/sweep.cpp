@@ -122,9 +122,17 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     record_places(m);
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
     recorder->find_extremes();
+    // Rows at jumps are those of the history alone: results do not depend on whether it is kept.
+    std::vector<double> last;
+    bool jumps = false;
+    recorder->on_row(
+        [&](std::span<const double> row) {
+          if (!jumps) last.assign(row.begin(), row.end());
+        },
+        true);
     std::optional<RowsAtJumps> at_jumps;
     if (history != nullptr && scene.run.at_jumps)
-      at_jumps.emplace([&](const Sample& s) { recorder->output(s); }, *recorder);
+      at_jumps.emplace([&](const Sample& s) { jumps = true, recorder->output(s), jumps = false; }, *recorder);
     const auto end = [&] {
       if (history != nullptr) *history = recorder->table();
       if (watch.ended) watch.ended(m, recorder->table());
@@ -139,9 +147,10 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
       end();
       throw;
     }
-    if (recorder->table().n_rows() > 0) {
+    if (!last.empty()) {
       result.columns.assign(recorder->ranges().begin(), recorder->ranges().end());
-      result.t = recorder->last_instant();
+      result.t = last.front();
+      for (std::size_t k = 0; k < result.columns.size(); ++k) result.columns[k].last = last[k + 1];
     }
     end();
   } catch (const std::exception& error) {
