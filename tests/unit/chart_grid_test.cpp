@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
@@ -82,32 +83,46 @@ TEST_CASE("curves with more data beyond the picture end in rings, which the lege
   fs::remove_all(folder);
 }
 
-// A circle is one where both scales are equal: its curve is as wide as it is high, in pixels.
+// A circle is one where both scales are equal: its curve is as wide as it is high, in pixels. A straight line along an axis
+// takes most of the width.
 TEST_CASE("a path is drawn with equal scales on request", "[unit][chart]") {
   testing::require_gnuplot();
   const fs::path folder = fs::temp_directory_path() / ("lockstep_path_test_" + std::to_string(getpid()));
   fs::create_directory(folder);
-  PathSpec spec{"a circle", "x [m]", "y [m]"};
-  for (int i = 0; i <= 360; ++i)
+  PathSpec spec{"a circle", "x [m]", "y [m]"}, line{"a line", "x [m]", "y [m]"};
+  for (int i = 0; i <= 360; ++i) {
     spec.x.push_back(2 + 0.3 * std::cos(kTwoPi * i / 360)), spec.y.push_back(-1 + 0.3 * std::sin(kTwoPi * i / 360));
-  for (const bool equal : {true, false}) {
-    spec.equal_scales = equal;
-    write_path((folder / "circle").string(), spec);
-    std::ifstream in(folder / "circle.svg");
+    line.x.push_back(1e-3 * i / 360);
+  }
+  const auto drawn_size = [&](const PathSpec& path) {
+    write_path((folder / "path").string(), path);
+    std::ifstream in(folder / "path.svg");
     const std::string text{std::istreambuf_iterator<char>(in), {}};
-    for (const char* word : {"x [m]", "y [m]", "start", "a circle"}) CHECK(text.find(word) != std::string::npos);
-    const std::size_t plot = text.find("gnuplot_plot_1"), path = text.find(" d='M", plot);
-    REQUIRE(path != std::string::npos);
-    std::istringstream points(text.substr(path + 5, text.find('\'', path + 5) - path - 5));
+    for (const std::string& word : {std::string("x [m]"), std::string("y [m]"), std::string("start"), path.title})
+      CHECK(text.find(word) != std::string::npos);
+    const std::size_t plot = text.find("gnuplot_plot_1"), begin = text.find(" d='M", plot);
+    REQUIRE(begin != std::string::npos);
+    std::istringstream points(text.substr(begin + 5, text.find('\'', begin + 5) - begin - 5));
     double left = 1e9, right = -1e9, low = 1e9, high = -1e9, x = 0, y = 0;
     char mark = 0;
     for (int n = 0; points >> x >> mark >> y; ++n) {
       left = std::min(left, x), right = std::max(right, x), low = std::min(low, y), high = std::max(high, y);
       while (std::isspace(points.peek()) != 0 || points.peek() == 'L') points.get();
     }
-    INFO(right - left << " x " << high - low);
-    CHECK(high - low > 100);
-    CHECK((std::abs((right - left) - (high - low)) < 1.5) == equal);
+    return std::array{right - left, high - low};
+  };
+  for (const bool equal : {true, false}) {
+    spec.equal_scales = line.equal_scales = equal;
+    const auto [width, height] = drawn_size(spec);
+    INFO(width << " x " << height);
+    CHECK(height > 100);
+    CHECK((std::abs(width - height) < 1.5) == equal);
+    for (const double y : {0.0, 5.0}) {
+      line.y.assign(line.x.size(), y);
+      const auto [length, rise] = drawn_size(line);
+      CHECK(length > width - 1);
+      CHECK(rise < 1);
+    }
   }
   testing::check_words(testing::message_of<ModelError>([&] {
                          write_path("nothing", PathSpec{"empty", "x", "y"});

@@ -30,13 +30,16 @@ void range(Script& out, char a, const std::optional<Range>& r) {
     out.line(fmt::format("set {}range [*:*]{}", a, a == 'x' ? " noextend" : ""));
 }
 
+double size_of(const Extent& y) { return std::max(std::abs(y.low), std::abs(y.high)); }
+
+bool is_constant(const Extent& y) { return !(y.high - y.low > 1e-5 * size_of(y)); }
+
 // The range of the data and a twentieth of it above and below; around a constant, a twentieth of its size. None if
 // that overflows.
 std::optional<Range> with_margin(const Extent& y) {
-  constexpr double kPart = 0.05, kConstant = 1e-5;
-  const double size = std::max(std::abs(y.low), std::abs(y.high)), span = y.high - y.low;
-  if (size == 0) return Range{-1, 1};
-  const double margin = kPart * (span > kConstant * size ? span : size);
+  constexpr double kPart = 0.05;
+  if (size_of(y) == 0) return Range{-1, 1};
+  const double margin = kPart * (is_constant(y) ? size_of(y) : y.high - y.low);
   const Range r{y.low - margin, y.high + margin};
   return std::isfinite(r.first) && std::isfinite(r.second) ? std::optional(r) : std::nullopt;
 }
@@ -157,8 +160,11 @@ void write_path(const std::string& path, const PathSpec& spec) {
   x.take(spec.x, false), y.take(spec.y, false);
   chart.x_range = with_margin(x), panel.y_range = with_margin(y);
   const Layout at = layout_of(chart);
-  if (spec.equal_scales && chart.x_range && panel.y_range)
+  if (spec.equal_scales && chart.x_range && panel.y_range) {
+    if (is_constant(x) && !is_constant(y)) chart.x_range = {x.low, x.high};  // along a straight line
+    if (is_constant(y) && !is_constant(x)) panel.y_range = {y.low, y.high};
     equalize(*chart.x_range, *panel.y_range, (at.right - at.left) * spec.width, at.plot_height * spec.height);
+  }
   std::size_t first = 0;
   while (first + 1 < spec.x.size() && !(std::isfinite(spec.x[first]) && std::isfinite(spec.y[first]))) ++first;
   panel.notes = {{spec.x[first], spec.y[first], "start"}};
