@@ -246,6 +246,30 @@ TEST_CASE("the formulation of a run is reported, and check reports how stages ar
   CHECK(contains(call("check '" + arm + "'").text, ": 1 unknown velocity, no constraints"));
 }
 
+// Constraints are moved by markers whose laws end, or have the period of a second; an error of assembly moves nothing.
+TEST_CASE("check names constraints that laws move, and only these", "[runner]") {
+  const auto check = [](const std::string& law, const std::string& more, const std::string& until) {
+    const std::string marker = law.empty() ? "" : R"(, "translation": {"type": "components", "x": )" + law + "}";
+    const std::string scene = scene_file(
+        "moved", R"("gravity": [0,0,0], "bodies": [{"name": "b", "sphere": {"mass": 1, "radius": "5 mm"})" + more +
+                     R"(}], "markers": [{"name": "M", "body": "ground")" + marker + R"(}, {"name": "B", "body": "b"}],
+      "links": [{"name": "G", "type": "fixed", "p": "B", "s": "M"}], "events": [{"name": "end", "at": 0.9, "stop": true}],
+      "run": {"assemble": false, "output": 0.5, "until": )" +
+                     until + "}");
+    return call("check '" + scene + "'").text;
+  };
+  const std::string spline = R"({"type": "spline", "points": [[0,0],[0.5,0.1],[1,0]]})",
+                    waves = R"({"type": "fourier", "frequency": "1 Hz", "offset": -0.1, "cosines": [0.1]})",
+                    turned = R"(, "orientation": {"axis": "z", "angle": 2e-5})";
+  for (const std::string& text : {check(spline, "", "2"), check(waves, "", "127"), check(waves, "", "128")}) {
+    INFO(text);
+    CHECK(contains(text, "its motion is fully prescribed"));
+  }
+  const std::string held = check("", turned, "1");
+  INFO(held);
+  CHECK(contains(held, "it cannot move"));
+}
+
 TEST_CASE("impossible joint coordinates are rejected before a file is opened", "[runner]") {
   const std::string table = kRunnerFolder + "/door_joint.csv";
   const Called r = call("run '" + std::string(paths::kSource) +

@@ -55,24 +55,25 @@ std::vector<std::string> holding(const System& system, const State& state) {
 
 }  // namespace
 
-std::optional<std::vector<std::string>> moved_by_laws(Dynamics& dynamics, State at, double until) try {
-  constexpr double kMoves = 1e-9, kOff = 1e-6;  // m/s; m, beyond what assembling leaves
+std::optional<std::vector<std::string>> moved_by_laws(Dynamics& dynamics, State at, double until) {
+  constexpr double kMoves = 1e-9, kOff = 1e-6;  // m/s; m
   constexpr int kInstants = 127;
   std::vector<std::string> names;
   dynamics.to_slots(at);
   at.v.setZero();
-  VecX C, Cd;
-  for (int k = 0; k <= kInstants; ++k) {
-    at.t = until * k / kInstants;
-    const Evaluation& e = dynamics.gather_rows(at);
-    e.residuals(C, Cd);
-    for (int row = 0; row < C.size(); ++row)
-      if (!(std::abs(Cd[row]) <= kMoves && std::abs(C[row]) <= kOff))
-        add_name(NamedRow(dynamics.system(), e.rows(), row).link->name(), names);
-  }
-  return names;
-} catch (const Error&) {
-  return {};
+  VecX C0, C, Cd;
+  const bool ends = succeeds([&] {
+    for (int k = 0; k <= kInstants; ++k) {
+      at.t = until * std::sqrt(static_cast<double>(k) / kInstants);  // of no period
+      const Evaluation& e = dynamics.gather_rows(at);
+      e.residuals(C, Cd);
+      if (k == 0) C0 = C;
+      for (int row = 0; row < C.size(); ++row)
+        if (!(std::abs(Cd[row]) <= kMoves && std::abs(C[row] - C0[row]) <= kOff))
+          add_name(NamedRow(dynamics.system(), e.rows(), row).link->name(), names);
+    }
+  });
+  return ends || !names.empty() ? std::optional(names) : std::nullopt;
 }
 
 std::vector<Finding> settings_to_warn_of(const Scene& scene, const Mechanism& m, const Arguments& args, bool adaptive) {

@@ -21,7 +21,7 @@ void refuse_impossible_formulation(const RunSettings&, const Loaded&);
 /// may stop the run or release a joint before.
 void refuse_short_laws(const Mechanism&, Dynamics&, const State& start);
 /// Joints whose laws move their constraints from t = 0 s to `until`: Ct, or C of bodies at rest, at some times. None: a law
-/// fails there, which the run reports.
+/// fails before it moves any, which the run reports.
 std::optional<std::vector<std::string>> moved_by_laws(Dynamics&, State, double until);
 inline constexpr int kManyVelocities = 3000;  ///< unknown; the degrees of freedom of more are not counted
 /// Warns of a mechanism without a degree of freedom, unless a law moves it, an event releases a joint or a joint is
