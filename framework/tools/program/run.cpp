@@ -268,9 +268,14 @@ class ProgramRun {
   // Files, pictures, report and verified digits of a run that reached its end; of one that was interrupted, its rows.
   std::vector<std::string> conclude(const std::exception_ptr& unwritten) {
     try {
-      const VecX moved = dynamics_.in_slots(sim_.state()).q - m_.system.start().q;
-      const bool is_as_given = moved.lpNorm<Eigen::Infinity>() <= kSlight * m_.system.length();
-      if (judged() && m_.system.n_velocities() > kFewVelocities && is_as_given)
+      const State now = dynamics_.in_slots(sim_.state()), given = m_.system.start();
+      const auto stays = [&](const Body& b) {
+        if (b.fixed) return true;
+        const Pose a = given.slot_pose(b.slot), z = now.slot_pose(b.slot);
+        return (z.x - a.x).norm() <= kSlight * m_.system.length() &&
+               rotation_vector(z.q * conjugate(a.q)).norm() <= kSlight;
+      };
+      if (judged() && m_.system.n_velocities() > kFewVelocities && std::ranges::all_of(m_.system.bodies(), stays))
         warn_of_no_freedom(m_, dynamics_, sim_, kManyVelocities);
     } catch (const std::exception&) {  // results are written even if this warning fails
     }
