@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include <lockstep/error.h>
 #include "framework/mechanism/expression/evaluate.h"
@@ -60,7 +61,6 @@ class OfMotion {
   }
   /// The parts of a step; of one that is seen again, up to where an event ends it, in place of what was seen.
   void add(const std::vector<Seen>& step, bool again) {
-    if (step.empty()) return;
     if (again) {
       pieces_.erase(pieces_.end() - static_cast<std::ptrdiff_t>(n_last_), pieces_.end());
     } else if (window_ == kWhole) {
@@ -223,8 +223,13 @@ class Computed final : public FormulaMemory {
       SmoothParts(motions_.size() + 1, look, fits, take).of_step(last_, end, step.along_laws() ? kAlongLaws : 1);
     else
       add_lines(std::array<const Row*, 2>{&last_, &end}, Row(motions_.size()));
-    for (std::size_t k = 0; k < motions_.size(); ++k)
-      motions_[k].second->add(seen_[k], again);  // once nothing can fail
+    for (std::size_t k = 0; k < motions_.size(); ++k)  // once nothing can fail
+      if (std::vector<OfMotion::Seen>& parts = seen_[k]; !parts.empty()) {
+        double from = last_[0];
+        for (OfMotion::Seen& p : parts) p.t0 = std::exchange(from, p.t1);  // no gap is left at an edge
+        parts.back().t1 = end[0];
+        motions_[k].second->add(parts, again);
+      }
     last_ = end;
   }
   void save(Snapshot& out) const override {
