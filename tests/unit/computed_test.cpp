@@ -352,6 +352,13 @@ TEST_CASE("functions of the motion are cut at kinks, jumps and poles", "[unit][r
   CHECK(rows.last("bend") == Approx(2.5).epsilon(1e-9));
   CHECK(rows.last("lost") == Approx(1).epsilon(1e-9));
   CHECK(run.columns[0].resolved);
+  run_thrown(R"~({"kink": "=at(abs(t - 0.3 s), 0.3 s)"}, {"flat": "=at(min(t, 0.7 s), 0.7 s)"},
+      {"jump": "=at(t < 0.25 s ? 1 : 2, 0.25 s)"}, {"floor": "=at(floor(t/(0.5 s)), 0.5 s)"})~",
+             0.1, "", &rows);
+  CHECK(rows.last("kink") == Approx(0).margin(1e-9));
+  CHECK(rows.last("flat") == Approx(0.7).epsilon(1e-9));
+  CHECK(rows.last("jump") == 2);
+  CHECK(rows.last("floor") == 1);
   run_thrown(R"~({"pole": "=max(1 m/(b.y - 1 m))"})~", 0.05, "", &rows);
   for (std::size_t i = 0; rows["t"][i] < 0.27; ++i) CHECK(rows["pole"][i] == Approx(-1));
 }

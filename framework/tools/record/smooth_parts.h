@@ -23,7 +23,7 @@ inline constexpr int kAlongLaws = 4;   ///< parts of a step if laws alone move t
 inline std::size_t edge_between(const Row& a, const Row& b, std::size_t from) {
   const auto side = [](double x) { return int(x > 0) - int(x < 0); };
   for (std::size_t i = from; i < std::min(a.size(), b.size()); ++i)
-    if (side(a[i]) != side(b[i])) return i;
+    if (side(a[i]) != side(b[i]) && std::isfinite(a[i]) && std::isfinite(b[i])) return i;
   return 0;
 }
 
@@ -71,7 +71,7 @@ class SmoothParts {
   Beside beside_edge(const Row& a, const Row& b, std::size_t place) const {
     const auto number = [&](double t) {
       const Row* const row = look_(t);
-      return row == nullptr || place >= row->size() || std::isnan((*row)[place]) ? 0 : (*row)[place];
+      return row == nullptr || place >= row->size() || !std::isfinite((*row)[place]) ? 0 : (*row)[place];
     };
     const double beside = kRoundOff * std::max(std::abs(a[0]), std::abs(b[0]));
     std::uintmax_t most = 100;  // looks; halving alone needs fewer
