@@ -11,6 +11,7 @@
 #include <regex>
 #include <set>
 #include <sstream>
+#include <type_traits>
 
 #include "tests/support/catch.h"
 #include "tests/support/dual.h"
@@ -373,6 +374,9 @@ TEST_CASE("functions of std that return one of their arguments know jets", "[uni
   CHECK(std::min(a, b).d == 2.0);
   CHECK(std::clamp(Time(7), a, b).d == 5.0);
   CHECK(max(a, a + 0.0 * b).d == 2.0);  // of equal ones the first
+  using std::max, std::min;
+  static_assert(std::is_same_v<decltype(max(a, b)), Time>, "no reference to what may be a temporary");
+  static_assert(std::is_same_v<decltype(min(a, b)), Time>);
   std::ostringstream written;
   written << b;
   CHECK(written.str() == "4");

@@ -299,11 +299,21 @@ template <int N, class T, class D>
 inline Jet<N, T, D> abs(const Jet<N, T, D>& a) {
   return a.v < 0 ? -a : a;
 }
-/// The greater of two jets, or of a jet and a number, with its derivatives; a if both are equal.
+/// The greater of two jets, with its derivatives; a if both are equal. Beside std::max it is the better match.
+template <int N, class T, class D>
+inline Jet<N, T, D> max(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
+  return a < b ? b : a;
+}
+/// The same of a jet and a number.
 template <class A, class B>
 requires jet_detail::Pair<A, B>
 inline jet_detail::JetOf<A, B> max(const A& a, const B& b) { return a < b ? b : a; }
-/// The smaller of two jets, or of a jet and a number, with its derivatives; a if both are equal.
+/// The smaller of two jets, with its derivatives; a if both are equal. Beside std::min it is the better match.
+template <int N, class T, class D>
+inline Jet<N, T, D> min(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
+  return b < a ? b : a;
+}
+/// The same of a jet and a number.
 template <class A, class B>
 requires jet_detail::Pair<A, B>
 inline jet_detail::JetOf<A, B> min(const A& a, const B& b) { return b < a ? b : a; }
@@ -389,7 +399,8 @@ namespace lockstep {
 template <int N>
 struct PackOf {
   static_assert(N == 2 || N == 4 || N == 8, "a pack has 2, 4 or 8 numbers");
-  typedef double type __attribute__((vector_size(8 * N), may_alias));  ///< 8 N bytes
+  typedef double scalar __attribute__((may_alias));  ///< which the pack takes over; one that depends on N is ignored
+  typedef scalar type __attribute__((vector_size(8 * N)));  ///< 8 N bytes
 };
 /// N doubles in vector registers, N = 2, 4 or 8; arithmetic is element by element.
 template <int N>
