@@ -206,7 +206,7 @@ void StepLoop::start_run() {
 
 void StepLoop::make_start() {
   Parts& p = *parts_;
-  p.before_change = {};
+  p.before_change = {}, p.along_laws.reset();
   system().check_size(state_);
   check_start(dynamics_, state_, options_.start_limit);
   if (dynamics_.options().formulation == Formulation::joint) refuse_joint(why_not_joint(dynamics_, state_, *method_));

@@ -177,7 +177,7 @@ void StepLoop::load_parts(SnapshotReader& in) {
     throw ModelError(
         "the saved outputs do not fit the time of the saved state: the checkpoint is damaged; use an older one");
   SnapshotReader work = in.get_part();
-  p.change = {}, p.due = {};
+  p.change = {}, p.due = {}, p.along_laws.reset();
   p.started = 0;
   if (const long n = in.get_count(); n != static_cast<long>(observers_.size()))
     throw ModelError(
