@@ -11,7 +11,9 @@
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
+#include "framework/description/scene/json.h"
 #include "framework/description/scene/system_of.h"
+#include "framework/description/scene/tree.h"
 #include "framework/tools/rank/branch_point.h"
 #include "tests/support/catch.h"
 #include "tests/support/driven_parallelogram.h"
@@ -110,6 +112,40 @@ TEST_CASE("accelerations at a start in a change point are those of the branch th
   CHECK(other[1] == Approx(right * alpha).margin(1e-3));
   CHECK(std::isnan(table["Ax"][0]));  // it grows as 1/t towards the start
   CHECK(table["Ax"][1] * 1e-4 == Approx(table["Ax"][2] * 1e-3).epsilon(0.01));
+  const Table formulas =
+      run_scene(defect_scene("start_in_change_point"), [](RunSettings& run) {
+        run.record = {{"=abs(A.force_on_p_world_x)", "size"}, {"=max(abs(A.force_on_p_world_x))", "most"}};
+      }).table;
+  CHECK(std::isnan(formulas["size"][0]));
+  for (std::size_t i = 1; i < table.n_rows(); ++i) CHECK(formulas["size"][i] == Approx(std::abs(table["Ax"][i])));
+}
+
+// A four-bar without gravity, whose crank is at rest but for a pulse at 0.437 s. Squares of the accelerations before it
+// are no numbers but zero.
+TEST_CASE("a pulse that is still far contradicts no constraint", "[verification]") {
+  const auto torque = [](const Way& way) {
+    const auto settings = [&](RunSettings& run) {
+      way.apply(run);
+      run.record = {{"A.drive.torque_on_p_link_z", "T"}}, run.draw = {};
+    };
+    const auto pulse = [](Scene& scene) {
+      *member(scene.root, "gravity") = read_json("[0, 0, 0]", "pulse.json");
+      Value& drive = *member(member(scene.root, "joints")->list()->front(), "drive");
+      *member(drive, "law") =
+          read_json(R"~({"type": "formula", "y": "=0.1*exp(-((t - 0.437)/0.005)^2)"})~", "pulse.json");
+    };
+    return run_scene(std::string(paths::kSource) + "/samples/scenes/four_bar.json", settings, pulse).table;
+  };
+  const Table reference = torque({"dop853", Formulation::omega, "dense"});
+  CHECK(std::abs(reference["T"][43]) > 1);
+  for (const Formulation formulation : {Formulation::joint, Formulation::omega})
+    for (const char* solver : {"schur", "sparse", "block"}) {
+      INFO(static_cast<int>(formulation) << " " << solver);
+      const Table table = torque({"dop853", formulation, solver});
+      REQUIRE(table.n_rows() == reference.n_rows());
+      for (std::size_t i = 0; i < table.n_rows(); ++i)
+        CHECK(table["T"][i] == Approx(reference["T"][i]).epsilon(1e-6).margin(1e-6));
+    }
 }
 
 // The uprights of a parallelogram of like rods turn as one: alpha = -2 m g cos(q) / (2 J + m), J about the end of a rod

@@ -77,9 +77,9 @@ std::array<double, 3> pivot_floors(const Kkt&, double eps);
 /// units, bounded in any frame by Cauchy and Schwarz:
 ///   |J_j a| <= sqrt(S_jj) sqrt(a . M a),   and likewise for a_f = M^-1 f,   a = a_f - M^-1 J^T lambda
 /// S: the largest S_jj; energy: the largest a . M a + a_f . M a_f of a slot. The tolerance is then 1e-15 of the bound,
-/// a few units in the last place.
+/// a few units in the last place. An energy below the least normal number counts as that: it may have vanished.
 inline double residual_floor(double largest, double S = 0.0, double energy = 0.0) {
-  return kScaleFloor * std::max(largest, std::sqrt(S * energy));
+  return kScaleFloor * std::max(largest, std::sqrt(S * std::max(energy, std::numeric_limits<double>::min())));
 }
 
 /// Corrects a solution until it meets the rule, with at most kMaxCorrections in total. measure(): residuals of the

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/dynamics/tree/closure_fronts.h"
@@ -218,6 +219,7 @@ template <class Number, class Side>
 LOCKSTEP_INLINE void measure_row(const ClosureSource& source, bool raised, const Number& c, Number& r, Number& size,
                                  Side&& side) {
   using bodies::magnitude, bodies::square_root, bodies::dot;
+  const double normal = std::numeric_limits<double>::min();  // squares below it may have vanished
   Number sum = -c, sizes = magnitude(c), bound{};
   for (int i = 0; i < source.n_sides; ++i)
     side(
@@ -228,7 +230,7 @@ LOCKSTEP_INLINE void measure_row(const ClosureSource& source, bool raised, const
           if (!raised) return;
           const auto [f2, t2] = squares(J);
           const auto [a2, al2] = squares(a);
-          bound += square_root(f2 * a2) + square_root(t2 * al2);
+          bound += square_root(f2 * a2 + normal) + square_root(t2 * al2 + normal);
         });
   const Number least = kScaleFloor * bound;
   r = sum, size = sizes < least ? least : sizes;
