@@ -38,9 +38,10 @@ std::vector<Shown> shown_in(const Block& block) {
   return all;
 }
 
-// Times of computing differ from run to run, round-off, last digits and steps at contacts from processor to processor.
+// Times of computing differ from run to run; round-off, last digits, steps at contacts and the runs of a search differ
+// from processor to processor.
 std::string comparable(const std::string& text) {
-  static const std::regex time("(in [0-9]+ steps, )?computed in +[0-9.e-]+ m?s\\b"), blanks(" +"),
+  static const std::regex time("(in [0-9]+ steps, )?computed in +[0-9.e-]+ m?s\\b|\\n +runs +[0-9]+\\n"), blanks(" +"),
       number("[0-9]+(\\.[0-9]+)?(e[-+]?[0-9]+)?");
   const std::string same = std::regex_replace(std::regex_replace(text, time, "computed"), blanks, " ");
   std::string all;
