@@ -17,7 +17,7 @@
 namespace lockstep {
 
 /// The number of the layout that is written and read. A test holds kept checkpoints against it.
-inline constexpr int kCheckpointLayout = 11;
+inline constexpr int kCheckpointLayout = 12;
 
 /// Throws FileError if there is something that is no regular file, which a checkpoint would replace.
 LOCKSTEP_API void check_replaceable(const std::string& file);
