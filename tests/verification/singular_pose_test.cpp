@@ -130,7 +130,7 @@ TEST_CASE("a pulse that is still far contradicts no constraint", "[verification]
     };
     const auto pulse = [](Scene& scene) {
       *member(scene.root, "gravity") = read_json("[0, 0, 0]", "pulse.json");
-      Value& drive = *member(member(scene.root, "joints")->list()->front(), "drive");
+      Value& drive = *member(member(scene.root, "links")->list()->front(), "drive");
       *member(drive, "law") =
           read_json(R"~({"type": "formula", "y": "=0.1*exp(-((t - 0.437)/0.005)^2)"})~", "pulse.json");
     };

@@ -299,7 +299,7 @@ template <int N, class T, class D>
 inline Jet<N, T, D> abs(const Jet<N, T, D>& a) {
   return a.v < 0 ? -a : a;
 }
-/// The greater of two jets, with its derivatives; a if both are equal. Beside std::max it is the better match.
+/// The greater of two jets, with its derivatives; a if both are equal. Preferred to std::max.
 template <int N, class T, class D>
 inline Jet<N, T, D> max(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
   return a < b ? b : a;
@@ -308,7 +308,7 @@ inline Jet<N, T, D> max(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
 template <class A, class B>
 requires jet_detail::Pair<A, B>
 inline jet_detail::JetOf<A, B> max(const A& a, const B& b) { return a < b ? b : a; }
-/// The smaller of two jets, with its derivatives; a if both are equal. Beside std::min it is the better match.
+/// The smaller of two jets, with its derivatives; a if both are equal. Preferred to std::min.
 template <int N, class T, class D>
 inline Jet<N, T, D> min(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
   return b < a ? b : a;
