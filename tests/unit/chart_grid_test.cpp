@@ -92,7 +92,7 @@ TEST_CASE("a path is drawn with equal scales on request", "[unit][chart]") {
   PathSpec spec{"a circle", "x [m]", "y [m]"}, line{"a line", "x [m]", "y [m]"};
   for (int i = 0; i <= 360; ++i) {
     spec.x.push_back(2 + 0.3 * std::cos(kTwoPi * i / 360)), spec.y.push_back(-1 + 0.3 * std::sin(kTwoPi * i / 360));
-    line.x.push_back(i / 360.0);
+    line.x.push_back(1e-3 * i / 360);
   }
   const auto drawn_size = [&](const PathSpec& path) {
     write_path((folder / "path").string(), path);

@@ -109,7 +109,7 @@ void panel(Script& out, const ChartSpec& spec, const Layout& layout, std::size_t
     for (const Series& s : each.series) x.take(s.x, spec.log_x);
   const Extent y = extent_of(p.series, &Series::y, p.log_y);
   axis(out, 'x', last ? spec.x_label : "", spec.log_x, x.low, x.high);
-  axis(out, 'y', p.y_label, p.log_y, y.low, y.high);
+  axis(out, 'y', "", p.log_y, y.low, y.high);
   if (!last) out.line("set format x ''");
   std::optional<Range> seen = p.y_range;
   if (!p.log_y) {
@@ -120,6 +120,9 @@ void panel(Script& out, const ChartSpec& spec, const Layout& layout, std::size_t
   range(out, 'x', spec.x_range);
   range(out, 'y', seen);
   notes(out, p.notes);
+  out.line(
+      fmt::format("set label {} at screen {:.5f}, graph 0.5 center rotate by 90 noenhanced textcolor rgb '#222222'",
+                  quoted_text(p.y_label), layout.left / 8));  // gnuplot drops that of the axis beside wide tics
   std::vector<std::string> clauses;
   for (std::size_t i = 0; i < p.series.size(); ++i) clauses.push_back(plot_clause(block_name(k, i), p.series[i], i));
   plot(out, clauses);
