@@ -11,7 +11,19 @@ namespace lockstep::python {
 
 namespace {
 
-StateRate sum(const StateRate& a, const StateRate& b) { return {a.q + b.q, a.v + b.v, a.s + b.s}; }
+/// Throws ValueError unless rates have the sizes of a state, or of other rates.
+template <class T>
+void check_sizes(const T& of, const StateRate& k) {
+  if (k.q.size() != of.q.size() || k.v.size() != of.v.size() || k.s.size() != of.s.size())
+    throw py::value_error(
+        fmt::format("rates of another mechanism: {}, {} and {} numbers of q, v and s; here are {}, {} and {}",
+                    k.q.size(), k.v.size(), k.s.size(), of.q.size(), of.v.size(), of.s.size()));
+}
+
+StateRate sum(const StateRate& a, const StateRate& b) {
+  check_sizes(a, b);
+  return {a.q + b.q, a.v + b.v, a.s + b.s};
+}
 StateRate times(const StateRate& a, double k) { return {k * a.q, k * a.v, k * a.s}; }
 
 /// The mechanism as a step sees it: during the step only.
@@ -102,6 +114,7 @@ void bind_integrators(py::module_& m) {
       .def(
           "moved",
           [](const State& y, double h, const StateRate& k) {
+            check_sizes(y, k);
             State end = y;
             end.t += h, end.q += h * k.q, end.v += h * k.v, end.s += h * k.s;
             return end;

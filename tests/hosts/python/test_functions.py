@@ -348,6 +348,30 @@ class Integrators(unittest.TestCase):
         self.assertAlmostEqual(errors[0] / errors[1], 4, delta=0.1)
         self.assertAlmostEqual(errors[1] / errors[2], 4, delta=0.05)
 
+    def run_of(self, method, bodies=1):
+        return ls.Simulation({"lockstep": 1, "run": {"integrator": method, "step": 0.1, "until": 1},
+                              "bodies": [{"name": f"b{k}", "particle": 1, "position": [k, 0, 0]} for k in range(bodies)]})
+
+    def test_rates_of_another_mechanism_are_an_error(self):
+        kept, problems = [], []
+
+        @ls.integrator
+        class Mixed:
+            def step(self, system, y, h):
+                kept.append(system.rates(y))
+                for use in (lambda: kept[0] + kept[-1], lambda: kept[0] - kept[-1], lambda: y.moved(h, kept[0])):
+                    try:
+                        use()
+                    except ValueError as error:
+                        problems.append(str(error))
+                return y.moved(h, kept[-1])
+
+        self.run_of(Mixed).step(0.1)
+        self.assertEqual(problems, [])
+        self.run_of(Mixed, bodies=2).step(0.1)
+        self.assertEqual(len(problems), 3)
+        self.assertIn("rates of another mechanism: 7, 6 and 0 numbers of q, v and s; here are 14, 12 and 0", problems)
+
 
 class Garbage(unittest.TestCase):
     """Functions that refer to their own run do not keep it alive."""
