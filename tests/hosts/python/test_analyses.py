@@ -140,6 +140,12 @@ class Linear(unittest.TestCase):
         self.assertAlmostEqual(ls.linearize(oscillator(), c=8.0).A[1, 1], -4, 9)
         self.assertAlmostEqual(ls.modes(oscillator(), c="4 N s/m").damping[0], 4 / (2 * math.sqrt(50 * 2)), 9)
 
+    def test_a_run_keeps_the_scene_that_it_read(self):
+        scene = oscillator()
+        run = ls.Simulation(scene)
+        scene["forces"][0]["stiffness"] = 200
+        np.testing.assert_array_equal(ls.modes(run).frequencies, ls.modes(oscillator()).frequencies)
+
     def test_linearize_as_the_program(self):
         scene = os.path.join(SCENES, "mass_spring_damper_fast.json")
         still = {"bodies.mass_c.velocity.0": 0, "bodies.mass_c.position.0": 0}

@@ -99,8 +99,9 @@ class Simulation:
     def __init__(self, scene: Source, *, set: Mapping[str, Quantity] | None = None,
                  record: Sequence[str] | Mapping[str, str] = (), report: bool | None = None,
                  types: Types | None = None, **parameters: Quantity) -> None:
-        self.scene = scene_of(scene)
-        self._subject = self.scene, types_of(self.scene, types), pairs_of({**(set or {}), **parameters})
+        read = scene if isinstance(scene, Scene) else Scene(scene, types or built_in())  # once, also for analyses
+        known = types_of(read, types if read is scene else None)
+        self._subject = read, known, pairs_of({**(set or {}), **parameters})
         self._report = in_notebook() if report is None else report
         self._run = _Run(*self._subject, pairs_of_columns(record), self._report)
 
