@@ -433,6 +433,14 @@ class Building(unittest.TestCase):
             table = ls.Simulation(scene, F=F, record=["ball.y"]).until(1)
             self.assertAlmostEqual(table["ball.y"][-1], 0.5 * (F / 2 - 9.81), 7)
 
+    def test_names_with_an_underscore_at_their_end_are_kept(self):
+        m = ls.Mechanism(parameters={"k": 3.0, "k_": 5.0})
+        m.parameter("from_", 1.0)
+        m.rod("rod", mass=1, from_=(0, 0, 0), to=("=k_", "=from_", 0))
+        self.assertEqual(m.scene()["parameters"], {"k": 3.0, "k_": 5.0, "from_": 1.0})
+        self.assertEqual(m.scene()["bodies"][0]["rod"]["from"], [0, 0, 0])
+        self.assertEqual(float(m.simulation(until=1)["rod.x"]), 2.5)
+
     def test_names_are_no_lists_of_channels(self):
         m = self.pendulum()
         for record in ("pin.rz", self.pin):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Scenes by calls: the keys are those of scenes; a trailing underscore is dropped, as in from_ and is_."""
+"""Scenes by calls: the keys are those of scenes. An argument loses a trailing underscore, as in from_ and is_."""
 
 from __future__ import annotations
 
@@ -43,14 +43,15 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Named):
         return value.name
     if isinstance(value, dict):
-        return {_key(k): _plain(v) for k, v in value.items()}
+        return {k: _plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):
         return [_plain(v) for v in value]
     return value
 
 
-def _key(name: str) -> str:
-    return name.removesuffix("_")
+def _given(keys: dict[str, Any]) -> dict[str, Any]:
+    """Keyword arguments as keys of a scene."""
+    return {k.removesuffix("_"): _plain(v) for k, v in keys.items()}
 
 
 class Mechanism:
@@ -68,12 +69,10 @@ class Mechanism:
     ground = Named("ground")
 
     def __init__(self, title: str = "", *, gravity: Sequence[float | str] = (0.0, 0.0, 0.0), **keys: Any) -> None:
-        self._scene: dict[str, Any] = {"lockstep": 1, "title": title, "gravity": list(gravity),
-                       **{_key(k): _plain(v) for k, v in keys.items()}}
+        self._scene: dict[str, Any] = {"lockstep": 1, "title": title, "gravity": list(gravity), **_given(keys)}
 
     def _add(self, group: str, name: str, **keys: Any) -> Named:
-        entry = {"name": name, **{_key(k): _plain(v) for k, v in keys.items()}}
-        self._scene.setdefault(group, []).append(entry)
+        self._scene.setdefault(group, []).append({"name": name, **_given(keys)})
         return Named(name)
 
     def body(self, name: str, **keys: Any) -> Named:
@@ -82,7 +81,7 @@ class Mechanism:
 
     def _shape(self, shape: str, name: str, **keys: Any) -> Named:
         own = {k: keys.pop(k) for k in _OF_BODIES if k in keys}
-        return self.body(name, **{shape: keys}, **own)
+        return self.body(name, **{shape: _given(keys)}, **own)
 
     def particle(self, name: str, mass: Any, position: Any, **keys: Any) -> Named:
         """A particle: mass, kg, and position, m."""
@@ -123,7 +122,7 @@ class Mechanism:
     def simulation(self, *, record: Sequence[str] | Mapping[str, str] = (), report: bool | None = None,
                    types: Types | None = None, **run: Any) -> Simulation:
         """A run with these run settings: until, output, integrator, tolerance, step, ...; the others are Simulation's."""
-        settings = {**self._scene.get("run", {}), **{_key(k): _plain(v) for k, v in run.items()}}
+        settings = {**self._scene.get("run", {}), **_given(run)}
         return Simulation({**self._scene, "run": settings}, record=record, report=report, types=types)
 
     def __getattr__(self, name: str) -> Callable[..., Named]:
