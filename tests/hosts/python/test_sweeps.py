@@ -109,6 +109,11 @@ class Sweeps(unittest.TestCase):
         self.assertIsInstance(runs.errors[0], TypeError)
         self.assertIn("k is b'40'", str(runs.errors[0]))
 
+    def test_a_text_that_is_no_value_is_one_nan(self):
+        runs = ls.sweep(oscillator(), {"k": ["40 N/m", "=2*35 N/m", "60 N", "1,2", "0.05 kN/m"]})
+        np.testing.assert_array_equal(runs["k"], [40, math.nan, math.nan, math.nan, 50])
+        self.assertEqual((runs["k"].unit, runs.failed), ("N/m", [2, 3]))
+
     def test_an_unknown_name_is_an_error_of_each_run(self):
         runs = ls.sweep(oscillator(), {"kk": [1.0, 2.0]})
         self.assertEqual(runs.failed, [0, 1])

@@ -168,17 +168,17 @@ def _of_measures(rows: list[Mapping[str, Any]]) -> list[Column]:
 
 
 def _parameters(scene: Any, rows: list[Row]) -> list[Column]:
-    """The values that were varied, in SI units; NaN for words, and for values that their runs reject."""
+    """The values that were varied, in SI units; NaN for words, formulas, and values that their runs reject."""
     read = _read(scene)
     columns = []
     for name in dict.fromkeys(itertools.chain.from_iterable(rows)):
         given = [row.get(name, math.nan) for row in rows]
-        texts = list(dict.fromkeys(v for v in given if isinstance(v, str)))
         known: dict[Any, float] = {}
         unit = ""
-        with suppress(Error):
-            values, unit = read.quantities(name, ",".join(texts or ["0"]))
-            known = dict(zip(texts, values))
+        for text in dict.fromkeys(["0", *(v for v in given if isinstance(v, str))]):
+            with suppress(Error, ValueError):  # not one value
+                [known[text]], its = read.quantities(name, text)
+                unit = its or unit
         columns.append(Column([known.get(v, math.nan) if isinstance(v, str) else float(v)
                                if isinstance(v, numbers.Real) else math.nan for v in given], name, unit))
     return columns
