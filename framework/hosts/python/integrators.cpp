@@ -4,6 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/dynamics.h>
+#include "framework/dynamics/simulate/user_code.h"
 #include "framework/hosts/python/bindings.h"
 #include "framework/tools/simulation/host_types.h"
 
@@ -43,11 +44,15 @@ class PythonIntegrator final : public HostIntegrator {
  public:
   PythonIntegrator(const std::string& name, int order, const Held& method)
       : HostIntegrator(name, order,
-                       [=](Dynamics& dynamics, State& y, double h) { y = ended(name, method, dynamics, y, h); }),
+                       [=](Dynamics& dynamics, State& y, double h) {
+                         user_code("integrator", name, y.t, [&] { y = ended(name, method, dynamics, y, h); });
+                       }),
         method_(method) {}
-  void begin(Dynamics&, const State&) override {
-    const auto lock = locked();
-    if (py::hasattr(*method_, "begin")) call(method_->attr("begin"), nullptr);
+  void begin(Dynamics&, const State& y) override {
+    user_code("integrator", info().name, y.t, [&] {
+      const auto lock = locked();
+      if (py::hasattr(*method_, "begin")) call(method_->attr("begin"), nullptr);
+    });
   }
   bool saves_all() const override { return false; }
 

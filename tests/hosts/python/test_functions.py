@@ -352,6 +352,25 @@ class Integrators(unittest.TestCase):
         return ls.Simulation({"lockstep": 1, "run": {"integrator": method, "step": 0.1, "until": 1},
                               "bodies": [{"name": f"b{k}", "particle": 1, "position": [k, 0, 0]} for k in range(bodies)]})
 
+    def test_errors_name_the_integrator_and_the_time(self):
+        def fails(self, *_):
+            raise KeyError("mine")
+
+        def stays(self, system, y, h):
+            return y
+
+        for parts, cause in (({"begin": fails, "step": stays}, KeyError), ({"step": fails}, KeyError),
+                             ({"step": lambda *_: 3}, TypeError), ({}, AttributeError)):
+            with self.assertRaises(ls.UserCodeError) as raised:
+                self.run_of(ls.integrator(type("Own", (), parts))).run()
+            self.assertEqual((raised.exception.thing, raised.exception.t), ("Own", 0))
+            self.assertIsInstance(raised.exception.__cause__, cause)
+
+    def test_an_order_is_from_1_to_53(self):
+        for order in (0, 54):
+            with self.assertRaisesRegex(ValueError, f"order is {order}; give 1 to 53"):
+                ls.integrator(order=order)
+
     def test_rates_of_another_mechanism_are_an_error(self):
         kept, problems = [], []
 

@@ -95,6 +95,8 @@ def integrator(function: type | None = None, *, order: int = 1) -> Type:
     projected onto the constraints afterwards. begin(), if there is one, is called at starts and after events. Parameters of
     the constructor are keys in the scene. `order`: of convergence.
     """
+    if not 1 <= order <= sys.float_info.mant_dig:  # h/2 leaves less than round-off
+        raise ValueError(f"order is {order}; give 1 to {sys.float_info.mant_dig}")
     if function is None:
         return partial(integrator, order=order)  # type: ignore[return-value]
     return _type("integrator", function, 0, order=order)
