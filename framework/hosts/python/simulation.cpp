@@ -63,6 +63,16 @@ struct StateView {
   }
 };
 
+/// What a condition returned. Throws TypeError for a truth value, and for what is no number.
+double passing(const py::object& y) {
+  py::detail::make_caster<bool> truth;
+  py::detail::make_caster<double> number;
+  if (truth.load(y, false) || !number.load(y, true))
+    throw py::type_error("the condition is " + std::string(py::repr(y)) +
+                         "; return a number that passes zero, such as y - 0");
+  return py::detail::cast_op<double>(number);
+}
+
 // `when`: None, or a function that passes zero. `change`: None, or a function that changes the state.
 void add_event(Run& run, std::string name, const py::object& when, std::optional<double> at,
                const std::string& crossing, bool stop, bool once, std::vector<std::string> activate,
@@ -71,6 +81,8 @@ void add_event(Run& run, std::string name, const py::object& when, std::optional
       {"rising", Event::Crossing::rising}, {"falling", Event::Crossing::falling}, {"any", Event::Crossing::any}};
   const auto word = words.find(crossing);
   if (word == words.end()) throw py::value_error("crossing is \"" + crossing + "\"; must be rising, falling or any");
+  for (const EventCourse& other : run.simulation().loop().event_courses())
+    if (other.name == name) throw ModelError("there is an event \"" + name + "\"; give another name");
   Event e;
   e.name = std::move(name), e.crossing = word->second, e.tolerance = tolerance, e.once = once, e.stop = stop;
   e.activate = std::move(activate), e.deactivate = std::move(deactivate);
@@ -78,7 +90,7 @@ void add_event(Run& run, std::string name, const py::object& when, std::optional
   if (!when.is_none())
     e.value = [f = py::handle(when)](const Sample& s) {
       const auto lock = locked();
-      return call_with(f, StateView{&s.state, &s.system()}).cast<double>();
+      return passing(call_with(f, StateView{&s.state, &s.system()}));
     };
   if (!change.is_none())
     e.change = [f = py::handle(change), &run](State& s) {

@@ -319,6 +319,21 @@ class Events(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "upwards"):
             ls.Simulation(self.ball()).on("e", when=lambda s: 1.0, crossing="upwards")
 
+    def test_a_condition_is_a_number(self):
+        for wrong in (True, np.bool_(False), None, "y"):
+            run = ls.Simulation(self.ball())
+            with self.assertRaises(ls.UserCodeError) as raised:
+                run.on("low", when=lambda s: wrong)
+                run.until(1)
+            self.assertIn(f"is {wrong!r}; return a number that passes zero", str(raised.exception.__cause__))
+
+    def test_names_of_events_are_taken_once(self):
+        run = ls.Simulation({**self.ball(), "events": [{"name": "end", "at": 1, "stop": True}]})
+        run.on("low", at=0.1)
+        for name in ("end", "low"):
+            with self.assertRaisesRegex(ls.ModelError, f'there is an event "{name}"; give another name'):
+                run.on(name, at=0.2)
+
     def test_an_observer_ends_the_run(self):
         run = ls.Simulation(self.ball())
         calls = []
