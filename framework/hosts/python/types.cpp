@@ -140,8 +140,9 @@ struct JointSpec {
   int rows = 1;
 };
 
-/// Which coordinates a function reads: it is called once, in the pose in which the markers coincide.
-unsigned probe(const Function& f) {
+/// Which coordinates a function reads: it is called once, in the pose in which the markers coincide. `turns`: whether it
+/// may read rotations, if it cannot take that pose.
+unsigned probe(const Function& f, bool turns) {
   using C = Coordinates<Time>;
   C y{{}, std::make_shared<unsigned>(0)};
   y.of.e0 = 1.0;
@@ -150,7 +151,7 @@ unsigned probe(const Function& f) {
     f(py::cast(y));
   } catch (py::error_already_set& error) {  // a pose that it cannot take
     if (!error.matches(PyExc_Exception)) throw;
-    return C::kTranslation | C::kRotation | *y.read;
+    return C::kTranslation | (turns ? C::kRotation : 0U) | *y.read;
   }
   return *y.read;
 }
@@ -162,7 +163,8 @@ std::unique_ptr<Lock> joint_of(const Attachment& a, const JointSpec& spec, const
   const auto joint = [&](auto phi) -> std::unique_ptr<Lock> {
     return std::make_unique<HostJoint<PhiLock<decltype(phi)>>>(spec.type, a.name, a.p(), a.s(), mask, std::move(phi));
   };
-  const unsigned read = probe(f);
+  const auto turns = [](const Marker& m) { return m.body->freedoms != Freedoms::particle; };
+  const unsigned read = probe(f, turns(a.p()) && turns(a.s()));
   if ((read & C::kAngle) != 0) return joint(PythonRows<1, n, Reads::both, true>{f});
   if ((read & C::kRotation) != 0) return joint(PythonRows<1, n, Reads::both, false>{f});
   return joint(PythonRows<1, n, Reads::translation, false>{f});

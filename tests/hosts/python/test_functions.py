@@ -196,6 +196,14 @@ class Joints(unittest.TestCase):
             ls.Simulation(scene).run()
         self.assertIn("reads", str(raised.exception) + str(raised.exception.__cause__))
 
+    def test_an_exception_names_the_joint_of_a_particle(self):
+        with self.assertRaises(ls.UserCodeError) as raised:
+            ls.Simulation(self.bead(ls.joint(lambda y: 1 / 0, mask="z"))).run()
+        self.assertEqual((raised.exception.thing, type(raised.exception.__cause__)), ("wire", ZeroDivisionError))
+        circle = ls.joint(lambda y: y.x**2 + y.y**2 - 4 + 0 / (y.x.value**2 + y.y.value**2), mask="z")
+        table = ls.Simulation(self.bead(circle)).run()
+        np.testing.assert_allclose(table["bead.x"] ** 2 + table["bead.y"] ** 2, 4, atol=1e-9)
+
     def test_two_rows(self):
         joint = ls.joint(lambda y: (y.x * y.x + y.y * y.y - 4, y.z), rows=2)
         table = ls.Simulation(self.bead(joint)).run()
