@@ -62,8 +62,8 @@ class Mechanism:
         pin = m.revolute("pin", rod, at=(0, 0, 0))
         run = m.simulation(until="2 s", record=[pin["rz"]])
 
-    Joints and forces of all types are methods: m.revolute(name, p, s, **keys: Any), m.spring_damper(...); without s the
-    second end is the ground. Errors are those of scenes.
+    Joints and forces of all types are methods: m.revolute(name, p, s, **keys: Any), m.spring_damper(...). Without s
+    the second end of a joint is the ground; springs and motors need it: s=m.ground. Errors are those of scenes.
     """
 
     ground = Named("ground")
