@@ -96,7 +96,7 @@ void SplineCurve::at(double t, double* y, double* yd, double* ydd) const {
     t = std::clamp(t, first(), last());
   } else if (!(t >= first() - 1e-9 * T && t <= last() + 1e-9 * T)) {  // with slack for sums of steps
     throw ModelError("law '" + law_ + "' has points from " + text::brief(first()) + " to " + text::brief(last()) +
-                     " and no value at " + text::brief(t) + "; add points, or set \"outside\" to \"" +
+                     " and no value at " + text::number(t) + "; add points, or set \"outside\" to \"" +
                      (k_.ends == SplineEnds::periodic ? "repeat" : "hold") + "\"");
   }
   const auto next = std::upper_bound(t_.begin() + 1, t_.end() - 1, t);

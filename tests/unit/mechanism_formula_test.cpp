@@ -364,6 +364,22 @@ TEST_CASE("the law of a drive reads a table with units", "[unit][expression]") {
                 {"a law is a function of t: forces of function_force and joints of formulas read channels"});
 }
 
+// Oracle: the momentum. 100 N for 10 ms, which the steps of a body at rest would pass over.
+TEST_CASE("a run steps onto the breakpoints of a table that a formula reads at a time", "[unit][expression]") {
+  const auto speed = [](const std::string& argument) {
+    return run_of(R"~("tables": {"T": {"type": "sequence", "durations": [1.2, 0.01, 10], "laws": [0, 100, 0]}},
+      "bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 0.1}}],
+      "joints": [{"name": "A", "type": "prismatic", "p": "a", "s": "ground", "at": [0, 0, 0], "axis": "z"}],
+      "forces": [{"name": "f", "type": "function_force", "link": "A", "force": "=table(T, )~" +
+                  argument + R"~()"}], "run": {"until": 3, "output": 1, "record": ["A.z_d"]})~")
+        .last("A.z_d");
+  };
+  CHECK(speed("t") == Approx(1).epsilon(1e-9));
+  CHECK(speed("3 s - t") == Approx(1).epsilon(1e-9));
+  CHECK(speed("4*t + 0.1 s") == Approx(0.25).epsilon(1e-9));
+  CHECK(speed("mod(t, 1.5 s)") == Approx(2).epsilon(1e-9));
+}
+
 // Oracle: the components.
 TEST_CASE("a formula reads vectors seen from another frame", "[unit][expression]") {
   const Table t = run_of(R"~("bodies": [{"name": "a", "particle": 1, "position": [1, 2, 2], "velocity": [3, 0, 4]},

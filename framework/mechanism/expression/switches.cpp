@@ -9,7 +9,9 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
+#include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/expression/evaluate.h"
 #include "framework/mechanism/expression/interval.h"
 
@@ -186,10 +188,33 @@ class SwitchSearch {
   Span span_;
 };
 
+/// Appends the instants in (t0, t1) from which on a table is beyond a breakpoint of its law, if its argument is linear in the
+/// time there.
+void pass_breakpoints(const std::vector<Term>& terms, const Term& table, int time, double t0, double t1,
+                      std::vector<double>& out) {
+  std::vector<Time> variables(static_cast<std::size_t>(time) + 1);
+  const auto argument = [&](double t) {
+    variables[time] = Time(t, 1.0, 0.0);
+    return value_of_term(terms, static_cast<std::size_t>(table.parts[0]), std::span<const Time>(variables));
+  };
+  const double a = std::lerp(t0, t1, 0.25), b = std::lerp(t0, t1, 0.75);
+  const Time x = argument(a), end = argument(b);
+  const double bent = std::abs(end.v - x.v - x.d * (b - a)) + std::abs(end.d - x.d) * (b - a);
+  if (x.d == 0 || !(bent <= kRoundOff * (std::abs(x.v) + std::abs(end.v)))) return;
+  std::vector<double> at;
+  const double first = x.v + x.d * (t0 - a), last = x.v + x.d * (t1 - a);
+  table.table->breakpoints(std::min(first, last), std::max(first, last), at);
+  // Laws count an argument slightly before a breakpoint as the breakpoint: one that falls is past it later.
+  const double later = x.d < 0 ? 8 * kRoundOff * (std::abs(first) + std::abs(last)) : 0;
+  for (const double point : at)
+    if (const double t = a + (point - later - x.v) / x.d; t0 < t && t < t1) out.push_back(t);
+}
+
 }  // namespace
 
 void FormulaFunction::breakpoints(int time, double t0, double t1, std::vector<double>& out) const {
-  if (!has_switches_ || !(t0 < t1) || !std::isfinite(t0) || !std::isfinite(t1)) return;
+  const bool has_tables = std::ranges::any_of(terms_, [](const Term& t) { return t.table != nullptr; });
+  if (!(has_switches_ || has_tables) || !(t0 < t1) || !std::isfinite(t0) || !std::isfinite(t1)) return;
   // Of each term: whether it reads the time, and whether it reads another variable.
   std::vector<char> timed(terms_.size()), other(terms_.size());
   for (std::size_t i = 0; i < terms_.size(); ++i) {
@@ -216,9 +241,20 @@ void FormulaFunction::breakpoints(int time, double t0, double t1, std::vector<do
                     "not all switching times of formula \"" + text_ + "\" were found between t = " + text::brief(t0) +
                         " and " + text::brief(t1) + " s: its comparisons are equal over an interval",
                     "write it with fewer comparisons, min and max"});
-  const auto begin = out.begin() + static_cast<std::ptrdiff_t>(first);
-  std::sort(begin, out.end());
-  out.erase(std::unique(begin, out.end()), out.end());
+  const auto sort_new = [&] {
+    const auto begin = out.begin() + static_cast<std::ptrdiff_t>(first);
+    std::sort(begin, out.end());
+    out.erase(std::unique(begin, out.end()), out.end());
+  };
+  sort_new();
+  std::vector<double> ends{t0};  // of spans in which all is decided
+  ends.insert(ends.end(), out.begin() + static_cast<std::ptrdiff_t>(first), out.end());
+  ends.push_back(t1);
+  for (std::size_t i = 0; i < terms_.size(); ++i)
+    if (terms_[i].table != nullptr && timed[i] && !other[i])
+      for (std::size_t k = 1; k < ends.size(); ++k)
+        succeeds([&] { pass_breakpoints(terms_, terms_[i], time, ends[k - 1], ends[k], out); });
+  sort_new();
 }
 
 }  // namespace lockstep::expression
