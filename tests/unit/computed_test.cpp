@@ -285,6 +285,21 @@ TEST_CASE("a requirement of channels is checked over the motion, and its worst i
   CHECK((words.find("t = 0.483") != std::string::npos || words.find("t = 1.450") != std::string::npos));
 }
 
+TEST_CASE("a requirement that round-off alone breaks holds", "[unit][record]") {
+  for (const char* e : {"0", "0.5"}) {
+    const Scene scene = scene_from_text(
+        R"~({"lockstep": 1, "gravity": [0, -10, 0], "bodies": [{"name": "b", "particle": 1, "position": [0, 1, 0]}],
+          "joints": [{"name": "floor", "type": "point_on_plane", "p": "b", "s": "ground", "at_p": [0, 1, 0],
+                      "at_s": [0, 0, 0], "axis": "y", "unilateral": {"restitution": )~" +
+            std::string(e) + R"~(}}], "run": {"until": 1, "output": 0.1, "record": ["b.y"]},
+          "require": ["=b.y >= 0 m", "=floor.gap >= 0 m", "=b.y >= 1 mm"]})~",
+        "bouncing.json");
+    const SweepRun run = sweep_run(scene, builtin_registry(), recorded_columns(scene, builtin_registry()));
+    REQUIRE(run.findings.size() == 1);
+    check_words(run.findings[0].text(), {"b.y >= 1 mm"});
+  }
+}
+
 TEST_CASE("a requirement that fails has its first instant", "[unit][record]") {
   const auto finding = [](const std::string& require) {
     Simulation run(

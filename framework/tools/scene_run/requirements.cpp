@@ -7,6 +7,7 @@
 
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/system_of.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/expression/expression.h"
@@ -15,7 +16,7 @@
 
 namespace lockstep {
 
-Requirements::Requirements(Mechanism& m) : Recorder(system_of(m)) {
+Requirements::Requirements(Mechanism& m) : Recorder(system_of(m)), system_(system_of(m)) {
   Refusals wrong;
   for (const ChannelRequest& r : m.run.require)
     wrong.attempt([&] {
@@ -30,11 +31,17 @@ Requirements::Requirements(Mechanism& m) : Recorder(system_of(m)) {
   on_row([](std::span<const double>) {});
 }
 
+bool Requirements::held(std::size_t k) const {
+  const ColumnRange& margin = ranges()[k];
+  const double length = margins_[k].unit == "m" ? system_.length() : 0;
+  return margin.least >= -kRoundOff * std::max(std::abs(margin.most), length);
+}
+
 // Where a condition fails, by halves of the part of the step before that.
 void Requirements::inside(const InsideStep& step) {
   Recorder::inside(step);
   for (std::size_t k = 0; k < ranges().size(); ++k) {
-    if (std::isfinite(failed_[k]) || ranges()[k].least >= 0) continue;
+    if (std::isfinite(failed_[k]) || held(k)) continue;
     double from = step.begin(), to = failed_[k] = ranges()[k].t_least;
     for (double t = std::midpoint(from, to); step.has_states() && from < t && t < to; t = std::midpoint(from, to))
       if (!succeeds([&] { (margins_[k].value(step.at(t)) >= 0 ? from : to) = t; })) break;
@@ -50,7 +57,7 @@ std::vector<Finding> broken_requirements(const Mechanism& m, const Requirements*
   std::vector<Finding> broken;
   const std::span<const ColumnRange> ranges = margins != nullptr ? margins->ranges() : std::span<const ColumnRange>();
   for (std::size_t k = 0; k < ranges.size(); ++k) {
-    if (ranges[k].least >= 0) continue;
+    if (margins->held(k)) continue;
     const ChannelRequest& r = m.run.require[k];
     const std::string unit = margins->table().columns()[k + 1].unit;
     const double first = margins->failed(k), worst = -ranges[k].least;
