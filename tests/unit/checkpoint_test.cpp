@@ -208,6 +208,23 @@ TEST_CASE("a checkpoint of another version, simulation or kind is rejected by na
   CHECK(says(message_of<ModelError>([&] { run.load(folder / "kind"); }), {"lockstep resume"}));
 }
 
+TEST_CASE("a run continues as it was after a checkpoint that it cannot take") {
+  const Folder folder;
+  Pendulum saved, pendulum, same;
+  Simulation other(saved.system, options_with("dopri5"));
+  other.run_until(0.3);
+  other.save(folder / "other");
+  Simulation run(pendulum.system, options_with("dopri5")), whole(same.system, options_with("dopri5"));
+  for (Simulation* each : {&run, &whole}) each->record({"rod.x"}), each->run_until(0.1);
+  const std::string refusal = message_of<Error>([&] { run.load(folder / "other"); });
+  INFO(refusal);
+  CHECK(says(refusal, {"1 columns and records 2"}));
+  CHECK(run.table().n_rows() == 11);
+  for (Simulation* each : {&run, &whole}) each->run_until(0.2);
+  REQUIRE(run.table().n_rows() == whole.table().n_rows());
+  CHECK(run.table().last("rod.x") == Approx(whole.table().last("rod.x")).epsilon(1e-7));
+}
+
 TEST_CASE("objects that cannot be saved or loaded are reported, and those that read less than was saved") {
   const Folder folder;
   Pendulum pendulum;

@@ -2,6 +2,7 @@
 // What a step loop writes to a checkpoint, and reads.
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/core/demangle.hpp>
 #include <typeinfo>
@@ -10,6 +11,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/step_loop_parts.h"
+#include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
 
@@ -92,6 +94,9 @@ std::string first_difference(const std::string& saved, const std::string& now) {
   std::size_t k = 0, from = 0;
   for (; k < saved.size() && k < now.size() && saved[k] == now[k]; ++k)
     if (saved[k] == ';') from = k + 2;
+  if (k < std::max(saved.size(), now.size()) && (k == saved.size() ? now : saved)[k] == ';' &&
+      k == std::min(saved.size(), now.size()))
+    from = k + 2;  // the other one ends here
   const auto item = [&](const std::string& text) {
     return from < text.size() ? text.substr(from, text.find(';', from) - from) : std::string("nothing");
   };
@@ -144,16 +149,20 @@ void StepLoop::load(SnapshotReader in) {
   if (saved != now) throw ModelError("the checkpoint belongs to another run: " + first_difference(saved, now));
   exclusively("load", [&] {
     State before = state_;
+    Snapshot kept;
+    const bool is_kept = begun_ && succeeds([&] { save(kept); });
     try {
       load_parts(in);
     } catch (...) {
+      SnapshotReader back(kept);
+      if (!begun_ && is_kept) succeeds([&] { back.get_text(), load_parts(back); });
       if (!begun_) state_ = std::move(before), dynamics_.to_slots(state_), report_ = {}, parts_->due = {};
       throw;
     }
   });
 }
 
-// Nothing is changed until all parts that hosts may have made otherwise are read; a run that fails later has not begun.
+// Nothing is changed until all parts that hosts may have made otherwise are read.
 void StepLoop::load_parts(SnapshotReader& in) {
   Parts& p = *parts_;
   State state, before;
