@@ -150,10 +150,12 @@ void Builder::check_name(const std::string& name, const SourceLocation& where, c
   if (std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end())
     refuse(where, owner, "the name \"" + name + "\" is reserved; choose another");
   const Names& taken = taken_[kind == "event"];
-  if (const auto found = taken.find(name); found != taken.end())
+  if (const auto found = taken.find(name); found != taken.end()) {
+    const std::string place = found->second.second.text();
     refuse(where, owner,
-           "the name is already taken by " + owner_of(found->second.first, name) + " at " +
-               found->second.second.text() + "; rename one of the two");
+           "the name is already taken by " + owner_of(found->second.first, name) +
+               (place.empty() ? "" : " at " + place) + "; rename one of the two");
+  }
 }
 
 void Builder::all(const Params& root, const std::string& list, const std::string& kind, Act make, Act failed) {

@@ -84,12 +84,12 @@ int lockstep_add_event(lockstep_run* run, const char* name, const char* channel,
 }
 
 int lockstep_get_state(lockstep_run* run, lockstep_state** made) {
-  if (made == nullptr) return LOCKSTEP_NULL;
-  *made = nullptr;
+  if (made != nullptr) *made = nullptr;
   return call_begun(run, [&](Run&, Simulation& s) {
+    lockstep_state*& state = needed(made, "made");
     const auto object = std::make_shared<StateObject>(s.dynamics().in_slots(s.state()), s.dynamics());
     object->also = object_of(run);
-    *made = static_cast<lockstep_state*>(new_handle(object));
+    state = static_cast<lockstep_state*>(new_handle(object));
   });
 }
 
