@@ -12,6 +12,7 @@
 #include "framework/foundation/support/lines.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
+#include "framework/tools/program/terminal.h"
 #include "framework/tools/rank/doubts.h"
 
 namespace lockstep {
@@ -328,6 +329,9 @@ void print_document(const Json& j) {
 void print(const Result& result, const Arguments& args) {
   if (result.schema == nullptr && result.each.empty()) return;
   if (args.has("--json")) return print_document(document_of(result));
+  if (args.has("--quiet") && !result.printed)
+    for (const Finding& f : CommandFindings::all())
+      if (f.severity() == Severity::wrong) tell_error(f.text());
   if ((args.has("--quiet") && !result.even_if_quiet) || result.printed) return;
   const std::string text = text_of(result);
   std::FILE* to = args["--record"] == "-" ? stderr : stdout;

@@ -317,10 +317,7 @@ class ProgramRun {
     }
     const std::vector<Finding> all = CommandFindings::all();  // those of reading, too
     for (const Finding& f : all)
-      if (args_.has("--quiet") && f.severity() == Severity::wrong)
-        tell_error(f.text());
-      else if (args_.has("--strict") && f.severity() == Severity::doubt)
-        tell_error("--strict: " + f.text());
+      if (args_.has("--strict") && f.severity() == Severity::doubt) tell_error("--strict: " + f.text());
     if (!uncertified_.empty()) tell_error("--certify: " + uncertified_);
     const Exit code = exit_code_of(all, args_.has("--strict"));
     return code == kExitOk && !uncertified_.empty() ? kExitDoubtful : code;
