@@ -322,9 +322,9 @@ TEST_CASE("optimize: the page of the first and the best run", "[plugin][runner]"
 
 TEST_CASE("optimize: without a point that meets all conditions, the least broken one", "[plugin][runner]") {
   if (is_left_out()) return;
-  // F > 200 N and F < 100 N. The scale of an excess is the larger one of the left side and the excess at the start, where
-  // F = 79.62 N: 120.38 N and 79.62 N. The larger excess is least where both are equal, whatever the objective is.
-  const double first = 200 - 79.62, second = 79.62, force = (200 * second + 100 * first) / (first + second);
+  // F > 200 N and F < 100 N. The scale of an excess is the larger side at the start, where F = 79.62 N: 200 N and 100 N.
+  // The larger excess is least where both are equal, whatever the objective is.
+  const double first = 200, second = 100, force = (200 * second + 100 * first) / (first + second);
   const double speed = std::sqrt((force - 2 * 9.81) / (2 * 0.3));
   for (const char* objective : {"--minimize", "--maximize"}) {
     INFO(objective);
@@ -390,6 +390,58 @@ TEST_CASE("optimize: no more runs than asked for, and a minimum next to runs tha
   INFO(j.dump());
   CHECK(std::abs(j["best"]["values"]["q"].get<double>() - 0.75) <= 1e-3);
   CHECK(j["failed"].get<long>() > 0);
+}
+
+// A particle that is still at 0 m, with the speed L/(1 s) for 1 s; formulas of parameters alone need no motion.
+std::string formulas() {
+  return scene_file("formulas", R"--(
+  "parameters": {"p": 0.5, "q": 0.5, "L": "1 m", "u": "2 m/s"}, "gravity": [0, 0, 0],
+  "bodies": [{"name": "b", "particle": 1, "velocity": ["=L/(1 s)", "=u", 0]}],
+  "run": {"until": 1, "output": 0.5, "record": [{"x": "b.x"}, {"miss": "=b.y - 2 m"}]}, "require": ["=b.x < 1.5 m", "=p < 0.8"])--");
+}
+
+TEST_CASE("find: a jump is no solution, and an end of the range may be one", "[plugin][runner]") {
+  const std::string begin = "find " + formulas() + " --vary q=-1:1 --tolerance 1e-6 --reach ";
+  check_refused(call(begin + "\"(q < 0.3 ? -1 : 1)*exp(8*abs(q - 0.3)) = 0\""), 1, {"jumps over the value"});
+  check_refused(call(begin + "\"(q < 0.3 ? q - 1 : (q - 0.3)*1000 + 0.5) = 0\""), 1, {"jumps over the value"});
+  CHECK(std::abs(json_of(begin + "\"1e6*(q - 0.3) = 0\" --json")["values"]["q"].get<double>() - 0.3) <= 1e-7);
+  CHECK(json_of(begin + "\"(q - 1)^3 = 0\" --json")["values"]["q"] == 1);
+  check_refused(call("find " + formulas() + " --vary p=0:2 --reach \"p = 0.5\""), 1,
+                {"the run with p = 2 failed: wrong;", "does not hold"});
+}
+
+TEST_CASE("optimize: conditions hold by their size at the point, and a start of nothing is no scale",
+          "[plugin][runner]") {
+  if (is_left_out()) return;
+  const std::string begin = "optimize " + formulas() + " --json --vary q=-2:2 ";
+  for (const char* start : {"-1", "2"}) {
+    const Json j = json_of(begin + "--set q=" + start + " --maximize q --subject-to \"exp(10*q) < 1\"");
+    INFO(j.dump());
+    CHECK(std::abs(j["best"]["values"]["q"].get<double>()) <= 1e-4);
+  }
+  const Json j = json_of(begin + "--minimize \"sin(pi) + (q - 1.3)*(q - 0.5)\"");
+  INFO(j.dump());
+  CHECK(std::abs(j["best"]["values"]["q"].get<double>() - 0.9) <= 1e-4);
+  const Called broken = call("optimize " + formulas() + " --vary L=\"1 m:2 m\" --maximize x --quiet");
+  INFO(broken.text);
+  CHECK(broken.exit == 9);
+  CHECK(contains(broken.text, "requirement"));
+}
+
+TEST_CASE("sensitivity: nothing at the point, kinks, and a run that is wrong", "[plugin][runner]") {
+  const std::string begin = "sensitivity " + formulas();
+  const Called text = call(begin + " --of miss --to u");
+  INFO(text.text);
+  CHECK(contains(text.text, " 1 "));  // the derivative; the value is 0
+  for (const auto& [formula, slope] : {std::pair<std::string, double>("max(p, q)", 0.5), {"abs(p - q)", 1.0}}) {
+    const Json j = json_of(begin + " --of \"" + formula + "\" --to p --json")["sensitivities"];
+    INFO(j.dump());
+    CHECK(std::abs(j[0]["error"].get<double>() - slope) <= 1e-9);
+  }
+  const Called wrong = call(begin + " --of x --to L --set L=\"2 m\"");
+  INFO(wrong.text);
+  CHECK(wrong.exit == 9);
+  CHECK(contains(wrong.text, "requirement"));
 }
 
 TEST_CASE("sensitivity: joints that laws alone move, in joint coordinates", "[plugin][runner]") {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
+#include <tuple>
 
 #include <lockstep/error.h>
 #include "framework/tools/commands/run_function.h"
@@ -33,23 +35,32 @@ Result find(const Arguments& args) {
   };
   const auto value = [&](double x) { return with_unit(done.at(x).columns[0].last, runs.unit(0)); };
   const double a = runs.low(0), b = runs.high(0), fa = difference(a), fb = difference(b);
-  if (fa * fb > 0)
+  // By how much runs are off. At an end of the range it is enough to come so close.
+  const double noise = 10 * runs.varied().loaded.scene.run.tolerance.relative * std::max(std::abs(fa), std::abs(fb));
+  double low = a, high = b;
+  if (fa * fb > 0 && std::min(std::abs(fa), std::abs(fb)) > noise)
     throw Error(
         fmt::format("{} is {} with {} and {} with {}, both {} the value to reach; give another range, or look for "
                     "one with `lockstep sweep`",
                     sides.left, value(a), runs.text({a}), value(b), runs.text({b}), fa > 0 ? "above" : "below"));
-  // The root, by the bracketing method of Alefeld, Potra and Shi (TOMS 748), to half of the digits of the range.
-  const double close = std::ldexp(b - a, -Limits::digits / 2);
-  std::uintmax_t most = Limits::digits;
-  const auto [low, high] = boost::math::tools::toms748_solve(
-      difference, a, b, fa, fb, [&](double left, double right) { return right - left <= close; }, most);
-  const double at_low = std::abs(difference(low)), at_high = std::abs(difference(high));
-  const double jump =
-      std::sqrt(runs.varied().loaded.scene.run.tolerance.relative) * std::max(std::abs(fa), std::abs(fb));
-  if (std::max(at_low, at_high) > jump)
-    throw Error(fmt::format("{} jumps over the value to reach near {}; see `lockstep sweep` there", sides.left,
-                            runs.text({low})));
-  const double x = at_low < at_high ? low : high;
+  if (fa * fb < 0) {
+    // The root, by the bracketing method of Alefeld, Potra and Shi (TOMS 748), to half of the digits of the range.
+    const double close = std::ldexp(b - a, -Limits::digits / 2);
+    std::uintmax_t most = Limits::digits;
+    std::tie(low, high) = boost::math::tools::toms748_solve(
+        difference, a, b, fa, fb, [&](double left, double right) { return right - left <= close; }, most);
+    // A jump stays as large when it is bracketed more closely.
+    const auto apart = [&] { return std::abs(difference(high) - difference(low)); };
+    const double jump = apart();
+    for (int n = 4; n > 0 && apart() > noise; --n) {
+      const double middle = std::midpoint(low, high);
+      (difference(middle) * difference(low) > 0 ? low : high) = middle;
+    }
+    if (apart() > noise && 2 * apart() > jump)
+      throw Error(fmt::format("{} jumps over the value to reach near {}; see `lockstep sweep` there", sides.left,
+                              runs.text({low})));
+  }
+  const double x = std::abs(difference(low)) < std::abs(difference(high)) ? low : high;
   Result result(runs.varied().loaded, kOutcomeFields, runs.outcome(sides.left, {x}, done.at(x)));
   const Point given{runs.given(0).value_or(a)};
   runs.conclude(result, {given, {x}}, {args["--report"].empty() ? SweepRun() : runs.at(given), done.at(x)}, 1);

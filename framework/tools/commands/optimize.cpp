@@ -11,6 +11,7 @@
 #include <lockstep/charts.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/commands/run_function.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/method_specs.h"
@@ -33,7 +34,10 @@ struct Optimized {
   long runs, failed;
 };
 
-std::string outcome_words(const Json& o) { return o["text"].get<std::string>(); }
+std::string outcome_words(const Json& o) {
+  const std::string text = o["text"], status = o.value("status", "");
+  return status.empty() ? text : text + " (" + status + ")";
+}
 const Fields<Optimized> kOptimizeFields{{"start", "start", &Optimized::start, kOutcomeFields, outcome_words},
                                         {"best", "best", &Optimized::best, kOutcomeFields, outcome_words},
                                         {"conditions", "", "conditions", &Optimized::conditions},
@@ -59,6 +63,7 @@ class Optimization {
         end = all.find("&&", at), conditions_.emplace_back(text::trimmed(all.substr(at, end - at)));
     for (const std::string& text : conditions_) {
       const Sides s = sides_of("--subject-to", text);
+      signs_.push_back(s.sign[0] == '<' ? 1 : -1);
       if (s.sign == "==") throw UsageError("--subject-to: \"" + text + "\" is an equation; compare by < or >");
       runs_.add("--subject-to", text, s.left);
       runs_.add("--subject-to", text + " (excess)",
@@ -101,14 +106,55 @@ class Optimization {
   }
 
   const RunFunction& runs() const { return runs_; }
+  bool method_failed() const { return method_failed_; }
 
  private:
+  enum Verdict { kFailed, kEnded, kHolds };  // kHolds: with all conditions
+
   double tolerance() const { return runs_.varied().loaded.scene.run.tolerance.relative; }
-  // The size of a formula: at the start; of an excess at least that of the left side.
-  double scale(std::size_t k) const {
-    const auto size = [&](std::size_t i) { return std::abs(done_[0].columns[i].last); };
-    const double first = std::max(size(k), size(std::max<std::size_t>(k, 1) - 1));
-    return first == 0 ? 1 : first;
+  // The size of the excess k of a run: that of the larger side.
+  double size(const SweepRun& run, std::size_t k) const {
+    const double left = run.columns[k - 1].last, right = left - signs_[k / 2 - 1] * run.columns[k].last;
+    const double larger = std::max(std::abs(left), std::abs(right));
+    return larger == 0 ? 1 : larger;
+  }
+  double scale(std::size_t k) const { return k == 0 ? objective_scale_ : size(done_[reference_], k); }
+  void scale_last() {
+    const std::vector<ColumnRange>& columns = done_.back().columns;
+    scaled_.assign(1, sign_ * columns[0].last / scale(0));
+    for (std::size_t k = 2; k < columns.size(); k += 2) scaled_.push_back(columns[k].last / scale(k));
+  }
+  // Conditions hold by the sizes of their sides in the run itself.
+  std::pair<Verdict, double> rank(const SweepRun& run) const {
+    if (run.failed) return {kFailed, 0};
+    bool all = true;
+    double excess = -HUGE_VAL;
+    for (std::size_t k = 2; k < run.columns.size(); k += 2) {
+      all = all && run.columns[k].last <= tolerance() * size(run, k);
+      excess = std::max(excess, run.columns[k].last / scale(k));
+    }
+    return all ? std::pair(kHolds, -sign_ * run.columns[0].last) : std::pair(kEnded, -excess);
+  }
+  // Whether the last run does not meet a condition that was scaled by much more than its size there; then by that.
+  bool rescales() {
+    if (done_.back().failed || holds(done_.size() - 1)) return false;
+    for (std::size_t k = 2; k < done_.back().columns.size(); k += 2)
+      if (2 * size(done_.back(), k) < scale(k)) {
+        reference_ = done_.size() - 1, gradients_.clear(), scale_last(), worst_ = scaled_;
+        std::ranges::transform(done_, ranks_.begin(), [&](const SweepRun& run) { return rank(run); });
+        return true;
+      }
+    return false;
+  }
+  // An objective that is nothing at the start is scaled by what it changes over the ranges there.
+  void scale_by_slope() {
+    if (done_[0].failed) return;
+    derive({}, 0);
+    double most = 0;
+    for (std::size_t k = 0; k < runs_.n(); ++k) most = std::max(most, std::abs(gradients_[k]));
+    if (!(std::abs(scaled_[0]) < kNegligible * most)) return;
+    for (std::size_t k = 0; k < runs_.n(); ++k) gradients_[k] /= most;
+    objective_scale_ *= most, scale_last(), worst_ = scaled_;
   }
 
   // The objective and the excesses relative to their scales, at numbers from 0 to 1; of a run that failed the worst ones so
@@ -120,11 +166,10 @@ class Optimization {
     steps_.is_known = false;
     done_.push_back(run(x)), points_.push_back(x);
     if (ranks_.emplace_back(kFailed, 0); done_.back().failed) return scaled_ = worst_;
-    scaled_.assign(1, sign_ * done_.back().columns[0].last / scale(0));
-    for (std::size_t k = 2; k < done_.back().columns.size(); k += 2)
-      scaled_.push_back(done_.back().columns[k].last / scale(k));
-    const double excess = conditions_.empty() ? 0 : *std::max_element(scaled_.begin() + 1, scaled_.end());
-    ranks_.back() = excess <= tolerance() ? std::pair(kHolds, -scaled_[0]) : std::pair(kEnded, -excess);
+    const std::vector<ColumnRange>& columns = done_.back().columns;
+    if (done_.size() == 1 && columns[0].last != 0) objective_scale_ = std::abs(columns[0].last);
+    scale_last();
+    ranks_.back() = rank(done_.back());
     worst_.resize(scaled_.size(), -HUGE_VAL);
     for (std::size_t k = 0; k < scaled_.size(); ++k) worst_[k] = std::max(worst_[k], scaled_[k]);
     return scaled_;
@@ -169,8 +214,6 @@ class Optimization {
     std::copy_n(gradients_.begin() + static_cast<std::ptrdiff_t>(first * n), gradient.size(), gradient.begin());
   }
 
-  enum Verdict { kFailed, kEnded, kHolds };  // kHolds: with all conditions
-
   const Interrupt& interrupt_;
   RunFunction runs_;
   int most_;
@@ -178,13 +221,16 @@ class Optimization {
   double sign_;
   std::string objective_;
   std::vector<std::string> conditions_;
+  std::vector<double> signs_;  // excess = sign (left - right)
   std::vector<SweepRun> done_;
   std::vector<Point> points_;
   std::vector<std::pair<Verdict, double>> ranks_;  // the larger, the better
   std::vector<double> scaled_, worst_, gradients_;
+  double objective_scale_ = 1;
+  std::size_t reference_ = 0;  // the run whose sizes are the scales of conditions
   StepSequence steps_;  // of the last point
   Point derived_;       // of the gradients
-  bool has_slopes_ = true, ended_ = false;
+  bool has_slopes_ = true, ended_ = false, method_failed_ = false;
   long n_runs_ = 0, n_failed_ = 0;
 };
 
@@ -232,13 +278,20 @@ std::string Optimization::search(const std::string& method) {
   if (!slack.empty() && nlopt_add_inequality_mconstraint(nlopt.get(), static_cast<unsigned>(slack.size()), excesses,
                                                          &call, slack.data()) != NLOPT_SUCCESS)
     throw UsageError("--method: " + method + " takes no conditions; use slsqp, cobyla or direct");
+  if (by == NLOPT_LD_SLSQP) scale_by_slope();
   nlopt_result why{};
   for (std::size_t from = 0; true; from = best()) {
     std::vector<double> u = start;
     double least = 0;
     why = nlopt_optimize(nlopt.get(), u.data(), &least);
+    if (!conditions_.empty()) scaled(u.data());
+    if (!ended_ && rescales()) {
+      start = u;
+      continue;
+    }
     const auto [holds, better] = ranks_[best()];
-    if (ended_ || holds > ranks_[from].first || better > ranks_[from].second + tolerance()) break;
+    const double slight = tolerance() * (holds == kHolds ? objective_scale_ : 1);
+    if (ended_ || holds > ranks_[from].first || better > ranks_[from].second + slight) break;
     // If all derivatives vanish it may be a maximum. Then one number at an end of its range is better.
     const std::size_t before = best();
     for (std::size_t k = 0; k < start.size(); ++k)
@@ -250,7 +303,8 @@ std::string Optimization::search(const std::string& method) {
   progress_.finish();
   if (why == NLOPT_FORCED_STOP) return interrupt_.asked() ? "interrupted" : "the number of runs was reached (--runs)";
   if (!has_slopes_) return "runs next to the last point fail; try --method neldermead or cobyla";
-  return why > 0 || why == NLOPT_ROUNDOFF_LIMITED ? "converged" : "the method failed";
+  method_failed_ = why < 0 && why != NLOPT_ROUNDOFF_LIMITED;
+  return method_failed_ ? "the method failed" : "converged";
 }
 
 #else
@@ -274,7 +328,7 @@ Result optimize(const Arguments& args) {
   }
   if (interrupt.asked())
     result.code = kExitInterrupted;
-  else if (!all.holds(all.best()))
+  else if (!all.holds(all.best()) || all.method_failed())
     result.code = kExitFailure;
   return result;
 }

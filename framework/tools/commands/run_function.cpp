@@ -95,7 +95,7 @@ SweepRun RunFunction::at(const Point& x, StepSequence* steps) const {
   if (run.broken_off) run.failed = true, run.status = "interrupted";
   const auto is_finite = [](const ColumnRange& c) { return std::isfinite(c.last); };
   if (!run.failed && (run.columns.empty() || !std::ranges::all_of(run.columns, is_finite)))
-    run.failed = true, run.status = run.wrong ? run.outcome() : "a formula has no finite value at the end of the run";
+    run.status = run.wrong ? run.outcome() : "a formula has no finite value at the end of the run", run.failed = true;
   return run;
 }
 

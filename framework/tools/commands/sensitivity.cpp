@@ -7,6 +7,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/modes.h>
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/commands/linear_words.h"
 #include "framework/tools/commands/run_function.h"
 #include "framework/tools/commands/tool_commands.h"
@@ -28,13 +29,15 @@ struct Slope {
   double error, relative;
 };
 
+// Not rounded beside others of this unit: their sizes have nothing to do with one another.
+std::string as_it_is(const Json& x) { return number_text(x); }
 const Fields<Slope> kSlopeFields{{"of", "", "of", &Slope::of},
                                  {"to", "", "to", &Slope::to},
-                                 {"value", "", "value", &Slope::value},
-                                 {"derivative", "", "derivative", &Slope::derivative},
-                                 {"error", "", "estimated error", &Slope::error},
+                                 {"value", "", "value", &Slope::value, as_it_is},
+                                 {"derivative", "", "derivative", &Slope::derivative, as_it_is},
+                                 {"error", "", "estimated error", &Slope::error, as_it_is},
                                  {"unit", "", "unit", &Slope::unit},
-                                 {"relative", "", "% per %", &Slope::relative}};
+                                 {"relative", "", "% per %", &Slope::relative, as_it_is}};
 const Fields<std::vector<Slope>> kSlopesFields{{"sensitivities", "sensitivities", std::identity(), kSlopeFields}};
 
 std::string unit_of_slope(const std::string& of, const std::string& to) {
@@ -48,11 +51,14 @@ struct Derivative {
 };
 
 // Central differences d(h), with h halved, extrapolated to h = 0 (Richardson): d[j] = d[j-1] + (d[j-1] - d[j-1](2h))/(4^j - 1).
-// That one is taken which differs least from both that it is made of (Ridders 1982).
+// That one is taken which differs least from both that it is made of (Ridders 1982). At a kink they are all the mean of two
+// slopes, whose difference |f(h) - 2 f(0) + f(-h)|/h does not fall with h; half of it is the error then.
 template <class F>
-std::vector<Derivative> derivatives(const F& f, const Point& x, std::size_t k, double h, int n) {
+std::vector<Derivative> derivatives(const F& f, const Point& x, const std::vector<double>& at_x, std::size_t k,
+                                    double h, int n) {
   std::vector<Derivative> best;
   std::vector<std::vector<double>> before;
+  std::vector<double> bend(at_x.size(), HUGE_VAL);
   for (; n > 0; --n, h /= 2) {
     Point above = x, below = x;
     above[k] += h, below[k] -= h;
@@ -67,6 +73,10 @@ std::vector<Derivative> derivatives(const F& f, const Point& x, std::size_t k, d
         const double error = std::max(std::abs(d.back() - fine), std::abs(d.back() - coarse));
         if (error < best[i].error) best[i] = {d.back(), error};
       }
+      const double bent = std::abs(plus[i] - 2 * at_x[i] + minus[i]) / (2 * h);
+      if (n == 1 && 4 * bent > 3 * bend[i] && bent * h > kRoundOff * std::abs(at_x[i]))
+        best[i].error = std::max(best[i].error, bent);
+      bend[i] = bent;
       before[i] = std::move(d);
     }
   }
@@ -88,33 +98,37 @@ class Sensitivity {
       throw UsageError("--of: a formula is missing; give one, as in --of \"max(T)\", or give --modes");
   }
 
-  std::vector<Slope> find() const {
+  std::vector<Slope> find() {
     Point x;
     for (std::size_t k = 0; k < runs_.n(); ++k)
       if (x.push_back(runs_.given(k).value_or(0)); x[k] == 0)
         throw UsageError("--to: \"" + path(k) + "\" is 0, and steps are parts of it; give another value by --set");
     StepSequence steps;
-    const auto results = [&](const Point& point) { return at(point, steps); };
-    const std::vector<double> values = results(x);
-    steps.is_known = true;
+    SweepRun run;
+    const std::vector<double> values = at(x, steps, run);
+    run_ = std::move(run), steps.is_known = true;
+    const auto results = [&](const Point& point) { return at(point, steps, run); };
     std::vector<Slope> all;
     for (std::size_t k = 0; k < x.size(); ++k) {
-      const std::vector<Derivative> slopes = derivatives(results, x, k, kFirstStep * std::abs(x[k]), kHalvings);
-      for (std::size_t f = 0; f < slopes.size(); ++f)
+      const std::vector<Derivative> slopes = derivatives(results, x, values, k, kFirstStep * std::abs(x[k]), kHalvings);
+      for (std::size_t f = 0; f < slopes.size(); ++f) {
+        const double change = slopes[f].value * x[k];
         all.push_back({names_[f], path(k), values[f], slopes[f].value,
                        unit_of_slope(units_[f], runs_.varied().variables[k].unit), slopes[f].error,
-                       slopes[f].value * x[k] / values[f]});
+                       std::abs(values[f]) > kRoundOff * std::abs(change) ? change / values[f] : NAN});
+      }
     }
     return all;
   }
 
   const Loaded& loaded() const { return runs_.varied().loaded; }
+  const SweepRun& run() const { return run_; }  ///< of the scene
 
  private:
-  std::vector<double> at(const Point& x, StepSequence& steps) const {
+  std::vector<double> at(const Point& x, StepSequence& steps, SweepRun& run) const {
     std::vector<double> values;
-    if (n_formulas_ > 0)
-      for (const ColumnRange& c : runs_.succeeded(x, &steps).columns) values.push_back(c.last);
+    if (n_formulas_ > 0) run = runs_.succeeded(x, &steps);
+    for (const ColumnRange& c : run.columns) values.push_back(c.last);
     if (values.size() == names_.size()) return values;
     const FindingScope unheard;
     const MechanismAt rest = motion_state(
@@ -133,14 +147,19 @@ class Sensitivity {
   Arguments at_rest_;
   std::vector<std::string> names_, units_;  // of formulas, then of frequencies
   std::size_t n_formulas_ = 0;
+  SweepRun run_;
 };
 
 Result sensitivity(const Arguments& given) {
   Arguments args = given;
   if (args["--tolerance"].empty()) args.set("--tolerance", kTightTolerance);
   const Interrupt interrupt;
-  const Sensitivity all(args, interrupt);
-  return Result(all.loaded(), kSlopesFields, all.find());
+  Sensitivity all(args, interrupt);
+  const std::vector<Slope> slopes = all.find();
+  CommandFindings::add(all.run().findings);
+  Result result(all.loaded(), kSlopesFields, slopes);
+  if (all.run().wrong) result.code = kExitNotConserved;
+  return result;
 }
 
 }  // namespace
@@ -157,8 +176,9 @@ Command sensitivity_command() {
       sensitivity,
       R"--(The method of integration is differentiated (internal numerical differentiation): runs with changed numbers make the
 steps of the run of the scene, so that results are smooth. Their central differences, with changes of 1/128 and less, are
-extrapolated to zero. The estimated error is the least change between two extrapolations. The tolerance of the runs is
-1e-10 unless --tolerance is given. Extremes have no derivative if one peak takes over from another.
+extrapolated to zero. The estimated error is the least change between two extrapolations, or half of the change of the
+slope if the formula has a kink there. Extremes have no derivative if one peak takes over from another. Runs have the tolerance
+1e-10 unless --tolerance is given.
 
 Example:
   lockstep sensitivity samples/scenes/slider_crank.json --of "max(drive_torque)" --to crank --to rod)--",
