@@ -292,11 +292,12 @@ TEST_CASE("a requirement that round-off alone breaks holds", "[unit][record]") {
           "joints": [{"name": "floor", "type": "point_on_plane", "p": "b", "s": "ground", "at_p": [0, 1, 0],
                       "at_s": [0, 0, 0], "axis": "y", "unilateral": {"restitution": )~" +
             std::string(e) + R"~(}}], "run": {"until": 1, "output": 0.1, "record": ["b.y"]},
-          "require": ["=b.y >= 0 m", "=floor.gap >= 0 m", "=b.y >= 1 mm"]})~",
+          "require": ["=b.y >= 0 m", "=floor.gap >= 0 m", "=b.y >= 1 mm", "=(1 s)/t > 2"]})~",
         "bouncing.json");
     const SweepRun run = sweep_run(scene, builtin_registry(), recorded_columns(scene, builtin_registry()));
-    REQUIRE(run.findings.size() == 1);
+    REQUIRE(run.findings.size() == 2);
     check_words(run.findings[0].text(), {"b.y >= 1 mm"});
+    check_words(run.findings[1].text(), {"(1 s)/t > 2"});  // infinite at the start
   }
 }
 

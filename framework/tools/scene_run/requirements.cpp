@@ -32,9 +32,7 @@ Requirements::Requirements(Mechanism& m) : Recorder(system_of(m)), system_(syste
 }
 
 bool Requirements::held(std::size_t k) const {
-  const ColumnRange& margin = ranges()[k];
-  const double length = margins_[k].unit == "m" ? system_.length() : 0;
-  return margin.least >= -kRoundOff * std::max(std::abs(margin.most), length);
+  return ranges()[k].least >= (margins_[k].unit == "m" ? -kRoundOff * system_.length() : 0);
 }
 
 // Where a condition fails, by halves of the part of the step before that.

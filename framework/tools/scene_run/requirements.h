@@ -21,7 +21,7 @@ class LOCKSTEP_API Requirements final : public Recorder {
   void inside(const InsideStep&) override;
   void save(Snapshot& out) const override { Recorder::save(out), out.put_all(failed_); }
   void load(SnapshotReader& in) override { Recorder::load(in), in.get_all(failed_); }
-  /// Whether the k-th one held, to round-off: of the largest margin, and of a length of the mechanism.
+  /// Whether the k-th one held; lengths to round-off of the size of the mechanism.
   bool held(std::size_t k) const;
   /// When the k-th one failed first, s, if it did.
   double failed(std::size_t k) const { return std::min(failed_[k], ranges()[k].t_least); }
