@@ -220,6 +220,10 @@ TEST_CASE("a run continues as it was after a checkpoint that it cannot take") {
   INFO(refusal);
   CHECK(says(refusal, {"1 columns and records 2"}));
   CHECK(run.table().n_rows() == 11);
+  Pendulum turning;
+  Simulation counts(turning.system, options_with("dopri5"));
+  counts.record({"rod.angle_z"}), counts.run_until(0.1);
+  CHECK(says(message_of<ModelError>([&] { counts.load(folder / "other"); }), {"it has \"nothing\"", "rod"}));
   for (Simulation* each : {&run, &whole}) each->run_until(0.2);
   REQUIRE(run.table().n_rows() == whole.table().n_rows());
   CHECK(run.table().last("rod.x") == Approx(whole.table().last("rod.x")).epsilon(1e-7));

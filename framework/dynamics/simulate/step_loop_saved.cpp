@@ -91,12 +91,10 @@ std::string signature(const System& system, const Integrator& method, const Dyna
 }  // namespace
 
 std::string first_difference(const std::string& saved, const std::string& now) {
-  std::size_t k = 0, from = 0;
-  for (; k < saved.size() && k < now.size() && saved[k] == now[k]; ++k)
-    if (saved[k] == ';') from = k + 2;
-  if (k < std::max(saved.size(), now.size()) && (k == saved.size() ? now : saved)[k] == ';' &&
-      k == std::min(saved.size(), now.size()))
-    from = k + 2;  // the other one ends here
+  std::size_t from = 0;
+  const auto at = [](const std::string& text, std::size_t k) { return k < text.size() ? text[k] : ';'; };
+  for (std::size_t k = 0; k < std::max(saved.size(), now.size()) && at(saved, k) == at(now, k); ++k)
+    if (at(saved, k) == ';') from = k + 2;
   const auto item = [&](const std::string& text) {
     return from < text.size() ? text.substr(from, text.find(';', from) - from) : std::string("nothing");
   };
