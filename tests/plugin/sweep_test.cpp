@@ -388,6 +388,17 @@ TEST_CASE("a requirement of parameters that fails is the verdict of its run", "[
   CHECK_FALSE(contains(swept.text, "failed"));
 }
 
+TEST_CASE("a sweep reports each broken requirement", "[runner][sweep]") {
+  const std::string scene = scene_file("two", R"~("parameters": {"v": "1 m/s"},
+    "require": [{"near": "=b.x < 1.5 m"}, {"slow": "=b.vx < 2 m/s"}],
+    "bodies": [{"name": "b", "particle": 1, "position": [0, 0, 0], "velocity": ["=v", 0, 0]}],
+    "run": {"until": 1, "output": 1, "record": ["b.x"]})~");
+  const Called swept = call("sweep '" + scene + "' --vary v=1,2.5,3 --record two.csv");
+  CHECK(swept.exit == 9);
+  for (const char* name : {"near", "slow"}) CHECK(contains(swept.text, "requirement \"" + std::string(name) + "\""));
+  CHECK(contains(swept.text, "(in 2 runs)"));
+}
+
 TEST_CASE("prescribed motions check the conditions of a scene, and reject those of unknown masses", "[runner]") {
   const auto scene = [](const std::string& mass, const std::string& condition) {
     return "'" + scene_file("conditions", R"~("bodies": [{"name": "arm")~" + mass + R"~(}], "links": [{"name": "A",

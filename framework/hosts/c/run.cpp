@@ -2,6 +2,8 @@
 // The functions of runs: opening, columns, inputs, steps, the table.
 #include "framework/hosts/c/run.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -31,6 +33,7 @@ void Run::begin() {
 }
 
 std::size_t Run::checked(int index, std::size_t count, const char* of) {
+  if (count == 0) refuse(LOCKSTEP_USAGE, fmt::format("index of {} is {}; there is none", of, index));
   return static_cast<std::size_t>(within(index, 0, static_cast<int>(count) - 1, std::string("index of ") + of));
 }
 

@@ -118,6 +118,9 @@ std::pair<std::vector<double>, std::string> ReadScene::quantities(const std::str
 Scene scene_of(const py::object& source, Types& types) {
   if (py::isinstance<ReadScene>(source)) return source.cast<const ReadScene&>().scene;
   if (py::isinstance<py::dict>(source)) return scene_from(value_of(source, types), "scene.json");
+  if (!py::isinstance<py::str>(source) && !py::isinstance<py::bytes>(source) && !py::hasattr(source, "__fspath__"))
+    throw py::type_error("the scene is " + std::string(py::repr(source)) +
+                         "; give a path, a JSON text, a dictionary or a Mechanism");
   const py::object path = py::module_::import("os").attr("fspath")(source);
   const auto text = path.cast<std::string>();
   const std::size_t first = text.find_first_not_of(" \t\r\n");

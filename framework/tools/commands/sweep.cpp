@@ -12,7 +12,6 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <set>
 
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
@@ -51,8 +50,8 @@ struct Tally {
   long asked = 0, done = 0, failed = 0, wrong = 0, kept = 0, histories = 0;
   std::string share{};               // "2/8"
   std::vector<std::string> notes{};  // on the report
-  // By code: the first warning, and how many runs have one.
-  std::map<std::string_view, std::pair<Finding, long>> found{};
+  // By code, of requirements with its name: the first warning, and how many runs have one.
+  std::map<std::pair<std::string_view, std::string>, std::pair<Finding, long>> found{};
   // By the reason without its digits: the first reason, and the runs that failed by it.
   std::map<std::string, std::pair<std::string, std::vector<long>>> reasons{};
 };
@@ -105,9 +104,9 @@ class Sweep {
     }
     if (n_told < static_cast<std::size_t>(tally_.failed - kept_.failed))
       tell("note: further failures are listed in the table only\n");
-    for (const auto& [code, of] : tally_.found)
+    for (const auto& [kind, of] : tally_.found)
       if (!plan_.arguments.has("--quiet"))
-        tell(fmt::format("{}: {}: {}{}\n", to_string(of.first.severity()), code, of.first.text(),
+        tell(fmt::format("{}: {}: {}{}\n", to_string(of.first.severity()), kind.first, of.first.text(),
                          of.second > 1 ? fmt::format(" (in {} runs)", of.second) : ""));
   }
   long n_runs() const { return n_runs_; }
@@ -197,10 +196,11 @@ class Sweep {
     ++tally_.done;
     if (done.run.failed) add_failure(n, done.run.status);
     if (!done.run.failed && done.run.wrong) ++tally_.wrong;
-    std::set<std::string_view> codes;
+    decltype(tally_.found) of_run;
     for (const Finding& f : done.run.findings)
-      if (f.severity() != Severity::note && codes.insert(f.code()).second)
-        ++tally_.found.try_emplace(f.code(), f, 0).first->second.second;
+      if (f.severity() != Severity::note)
+        of_run.try_emplace({f.code(), f.thing.starts_with("requirement") ? f.thing : ""}, f, 1);
+    for (const auto& [kind, of] : of_run) ++tally_.found.try_emplace(kind, of.first, 0).first->second.second;
   }
 
   SweepRow row(long n, const SweepRun& run) const {

@@ -246,6 +246,8 @@ static void limits(lockstep_registry* r, lockstep_run* run) {
   CHECK(is_error(run, lockstep_switch(run, "F", 2), LOCKSTEP_USAGE, "active is 2; must be 0 to 1", NULL));
   CHECK(is_error(run, lockstep_linearize(run, NULL, -1, NULL), LOCKSTEP_USAGE, "frozen is -1; must be 0 to 1", NULL));
   CHECK(is_error(run, lockstep_on_row(run, row, 3, NULL, NULL), LOCKSTEP_USAGE, "keep is 3; must be 0 to 1", NULL));
+  CHECK(is_error(run, lockstep_finding(run, 0, NULL, NULL), LOCKSTEP_USAGE, "index of a finding is 0; there is none",
+                 NULL));
 }
 
 void test_misuse(void) {

@@ -97,6 +97,11 @@ class Driven(unittest.TestCase):
         with self.assertRaisesRegex(ls.ModelError, "hinge.rz"):
             ls.kinematics(os.path.join(SCENES, "pendulum.json"), times=[0, 1])
 
+    def test_times_are_finite(self):
+        for analysis in (ls.kinematics, ls.inverse):
+            with self.assertRaisesRegex(ValueError, "nan.*must be finite"):
+                analysis(os.path.join(SCENES, "slider_crank.json"), times=[0, math.nan])
+
 
 class Interrupts(unittest.TestCase):
     def test_an_interrupt_ends_kinematics_and_inverse(self):
@@ -158,6 +163,13 @@ class Linear(unittest.TestCase):
     def test_unknown_inputs_name_the_closest(self):
         with self.assertRaisesRegex(ls.ModelError, '"pusch" is not a drive, a law or a force; did you mean "push"'):
             ls.linearize(oscillator(), inputs=["pusch"])
+
+    def test_names_are_lists_and_counts_whole(self):
+        for key in ("inputs", "outputs"):
+            with self.assertRaisesRegex(TypeError, f"{key} is 'push'"):
+                ls.linearize(oscillator(), **{key: "push"})
+        with self.assertRaisesRegex(TypeError, "integer"):
+            ls.modes(oscillator(), count=1.5)
 
     def test_a_state_that_moves_is_refused(self):
         run = ls.Simulation(os.path.join(SCENES, "pendulum.json"))

@@ -51,6 +51,10 @@ class Jets(unittest.TestCase):
         table = ls.Simulation(slider(lambda t: sum(c * t**k for k, c in enumerate((0.0, 1.0, 2.0, 3.0))))).until(1)
         np.testing.assert_allclose(table["m.az"], 4 + 18 * np.asarray(table.t), atol=1e-9)
 
+    def test_a_function_of_numpy_is_a_law(self):
+        table = ls.Simulation(slider(np.sin)).until(1)
+        np.testing.assert_allclose(table["m.az"], -np.sin(np.asarray(table.t)), atol=1e-9)
+
     def test_functions_of_math_are_refused(self):
         with self.assertRaises(ls.UserCodeError) as raised:
             ls.Simulation(slider(lambda t: math.sin(t))).until(0.1)

@@ -374,6 +374,20 @@ class Messages(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "the time is b'1'"):
             ls.Simulation(oscillator()).until(b"1")
 
+    def test_what_is_no_name_is_named(self):
+        run = ls.Simulation(oscillator())
+        for wrong, act in ((r"record\[0\] is None", lambda: ls.Simulation(oscillator(), record=[None])),
+                           (r"record\[1\] is 3", lambda: run.record(["m.x", 3])),
+                           ("record is 'm.x'", lambda: run.record("m.x")),
+                           ("the column is 1", lambda: run[1]),
+                           ("the body is None", lambda: run.body(None)),
+                           ("the part is 2.5", lambda: run.activate(2.5)),
+                           ("activate is 'spring'", lambda: run.on("e", at=1, activate="spring")),
+                           ("the scene is Simulation of", lambda: ls.Simulation(run)),
+                           ("the scene is 3;", lambda: ls.Simulation(3))):
+            with self.assertRaisesRegex(TypeError, wrong):
+                act()
+
     def test_what_no_scene_can_hold(self):
         scene = oscillator()
         scene["bodies"][0]["position"] = {1, 2, 3}
@@ -440,6 +454,19 @@ class Building(unittest.TestCase):
         self.assertEqual(m.scene()["parameters"], {"k": 3.0, "k_": 5.0, "from_": 1.0})
         self.assertEqual(m.scene()["bodies"][0]["rod"]["from"], [0, 0, 0])
         self.assertEqual(float(m.simulation(until=1)["rod.x"]), 2.5)
+
+    def test_parts_are_names_for_a_run(self):
+        m = self.pendulum()
+        extra = m.particle("extra", mass=1, position=(3, 0, 0))
+        np.testing.assert_array_equal(m.simulation(until=1).body(extra)["x"], [3, 0, 0])
+
+    def test_functions_become_types_by_their_kind(self):
+        m = self.pendulum()
+        law = ls.law(lambda t: t)
+        for add, wrong, advice in ((m.joint, lambda y: y.x, r"joint 'j'.*ls\.joint"), (m.joint, law, "joint 'j'"),
+                                   (m.force, lambda at: at.P.x, r"force 'j'.*ls\.force")):
+            with self.assertRaisesRegex(TypeError, advice):
+                add(wrong, "j", "rod")
 
     def test_names_are_no_lists_of_channels(self):
         m = self.pendulum()

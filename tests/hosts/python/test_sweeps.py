@@ -9,6 +9,8 @@ import multiprocessing
 import os
 import pickle
 import signal
+import threading
+import time
 import unittest
 import warnings
 
@@ -156,6 +158,30 @@ class Sweeps(unittest.TestCase):
                 self.assertEqual(isinstance(error, ls.InterruptedRun), math.isnan(x))
             self.assertTrue(pool or runs.failed == [2, 3, 4, 5])
             self.assertIsInstance(raised.exception, KeyboardInterrupt)
+
+    def test_an_interrupt_keeps_the_runs_of_all_threads_and_ends_them(self):
+        made, both = [], threading.Barrier(2, timeout=60)
+
+        def interrupted(run):
+            made.append(run)
+            if len(made) <= 2:
+                both.wait()
+                if made[0] is run:
+                    signal.raise_signal(signal.SIGINT)
+            time.sleep(0.1)
+            return last(run)
+
+        with self.assertRaises(ls.InterruptedSweep) as raised:
+            with concurrent.futures.ThreadPoolExecutor(2) as pool:
+                ls.sweep(oscillator(), {"k": [50.0] * 200}, measure=interrupted, chunk=100, executor=pool)
+        runs = raised.exception.runs
+        self.assertEqual(len(runs) - len(runs.failed), len(made))
+        self.assertLess(len(made), 100)
+
+    def test_a_parameter_without_values_is_an_error(self):
+        for empty in ([], np.array([])):
+            with self.assertRaisesRegex(ValueError, '"k" has no values'):
+                ls.sweep(oscillator(), {"m": [1.0], "k": empty})
 
     def test_plots_are_over_the_parameter(self):
         try:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from operator import index
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from lockstep import _core
 from lockstep.errors import Finding
-from lockstep.simulation import Array, Quantity, Simulation, Source, pairs_of, pairs_of_columns, scene_of, types_of
+from lockstep.simulation import (Array, Quantity, Simulation, Source, names_of, pairs_of, pairs_of_columns, scene_of,
+                                 types_of)
 from lockstep.table import Table
 
 Complex = NDArray[np.complex128]
@@ -200,6 +202,8 @@ def _driven(inverse: bool, scene: Source | Simulation, times: ArrayLike | None,
     at = [] if times is None else np.asarray(times, dtype=float).ravel().tolist()
     if times is not None and not at:
         raise ValueError("times is empty; give at least one time, s")
+    if not np.isfinite(at).all():
+        raise ValueError(f"times are {at}; must be finite")
     title, columns = _core.driven(*_subject(scene, values, types), at, pairs_of_columns(record), inverse)
     return Table.of(columns, title)
 
@@ -231,7 +235,8 @@ def modes(scene: Source | Simulation, *, equilibrium: bool = False, count: int =
     axes of a steady rotation (3, rad/s); default: found. `frozen`: takes a state that is neither, which else is a
     ModelError.
     """
-    found = _core.modes(*_subject(scene, {**(set or {}), **parameters}, types), spin, frozen, equilibrium, count)
+    found = _core.modes(*_subject(scene, {**(set or {}), **parameters}, types), spin, frozen, equilibrium,
+                        index(count))
     found["modes"] = [Mode(*m) for m in found["modes"]]
     return Modes(**found)
 
@@ -246,7 +251,7 @@ def linearize(scene: Source | Simulation, *, inputs: Sequence[str] = (), outputs
     channels. The others are as for modes().
     """
     found = _core.linearize(*_subject(scene, {**(set or {}), **parameters}, types), spin, frozen, equilibrium,
-                            list(inputs), list(outputs))
+                            names_of(inputs, "inputs"), names_of(outputs, "outputs"))
     signals = {key: found[key] for key in ("states", "inputs", "outputs")}
     units = {name: unit for each in signals.values() for name, unit in each}
     names = {key: [name for name, _ in each] for key, each in signals.items()}

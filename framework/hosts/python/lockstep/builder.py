@@ -54,6 +54,13 @@ def _given(keys: dict[str, Any]) -> dict[str, Any]:
     return {k.removesuffix("_"): _plain(v) for k, v in keys.items()}
 
 
+def _of_kind(kind: str, type: Any, name: str) -> Any:
+    """A type of this kind: a text, or one of Python. TypeError for a function that is none."""
+    if callable(type) and getattr(type, "kind", "") != kind:
+        raise TypeError(f"{kind} '{name}': its type is {type!r}; give a name, or ls.{kind}(function)")
+    return type
+
+
 class Mechanism:
     """A scene that is made by calls.
 
@@ -98,12 +105,12 @@ class Mechanism:
     def joint(self, type: Any, name: str, p: Any = None, s: Any = None, **keys: Any) -> Named:
         """A joint of a type: a name, or a function by ls.joint. Couplings take pairs=[...] in place of p and s."""
         ends = {} if "pairs" in keys else {"p": p, "s": s or self.ground}
-        return self._add("joints", name, type=type, **ends, **keys)
+        return self._add("joints", name, type=_of_kind("joint", type, name), **ends, **keys)
 
     def force(self, type: Any, name: str, p: Any = None, s: Any = None, **keys: Any) -> Named:
         """A force of a type: a name, or a function by ls.force."""
         ends = {k: v for k, v in (("p", p), ("s", s)) if v is not None}
-        return self._add("forces", name, type=type, **ends, **keys)
+        return self._add("forces", name, type=_of_kind("force", type, name), **ends, **keys)
 
     def event(self, name: str, **keys: Any) -> Named:
         """An event by the keys of scenes."""

@@ -47,11 +47,26 @@ def types_of(scene: Any, types: Types | None) -> Types:
     return types or (scene.types if isinstance(scene, Scene) else built_in())
 
 
-def number_of(value: Any, name: str) -> float:
+def number_of(value: Any, name: str, wanted: str = "a number, or a text with a unit") -> float:
     """A number that is no text. TypeError, with its name, for anything else."""
     if not hasattr(value, "__float__") or np.ndim(value) > 0:
-        raise TypeError(f"{name} is {value!r}; give a number, or a text with a unit")
+        raise TypeError(f"{name} is {value!r}; give {wanted}")
     return float(value)
+
+
+def name_of(value: Any, what: str) -> str:
+    """The name of a part of a Mechanism, or a text. TypeError for anything else."""
+    name = getattr(value, "name", value)
+    if not isinstance(name, str):
+        raise TypeError(f"{what} is {value!r}; give a name")
+    return name
+
+
+def names_of(values: Iterable[Any], what: str) -> list[str]:
+    """Names of a list. TypeError for a single text, and for what is no name."""
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise TypeError(f"{what} is {values!r}; give a list of names")
+    return [name_of(value, f"{what}[{k}]") for k, value in enumerate(values)]
 
 
 def text_of(value: Quantity, name: str) -> str:
@@ -82,9 +97,8 @@ def in_notebook() -> bool:
 
 def pairs_of_columns(channels: Sequence[str] | Mapping[str, str]) -> list[tuple[str, str]]:
     """Names of columns and their channels."""
-    if isinstance(channels, str) or not isinstance(channels, Iterable):
-        raise TypeError(f"record is {channels!r}; give a list of channels, or a dictionary of names and channels")
-    return list(channels.items()) if isinstance(channels, Mapping) else [(c, c) for c in channels]
+    names = names_of(channels, "record")
+    return list(zip(names, names_of(channels.values(), "record") if isinstance(channels, Mapping) else names))
 
 
 class Simulation:
@@ -156,7 +170,7 @@ class Simulation:
 
         Also in on_step. Counted angles and works that are not recorded are a ModelError once the run has begun.
         """
-        return Value(*self._run.value(name))
+        return Value(*self._run.value(name_of(name, "the column")))
 
     @property
     def t(self) -> float:
@@ -180,7 +194,7 @@ class Simulation:
 
     def body(self, name: str) -> dict[str, Any]:
         """Pose and twist of a body now: x (3, m), q (4, scalar first), v (3, m/s), w (3, body axes, rad/s)."""
-        return self.begin().body(name)
+        return self.begin().body(name_of(name, "the body"))
 
     @property
     def inputs(self) -> Inputs:
@@ -195,8 +209,9 @@ class Simulation:
 
         `change` may set velocities of its State. `stop` ends the run.
         """
-        self.begin().add_event(name, when, None if at is None else seconds(at), crossing, stop, once, list(activate),
-                               list(deactivate), change, tolerance)
+        self.begin().add_event(name, when, None if at is None else seconds(at), crossing, stop, once,
+                               names_of(activate, "activate"),
+                               names_of(deactivate, "deactivate"), change, tolerance)
 
     def on_step(self, function: Callable[[], bool | None] | None) -> None:
         """Calls a function after each step; False ends the run."""
@@ -204,11 +219,11 @@ class Simulation:
 
     def activate(self, name: str) -> None:
         """Activates a joint, a force or an event."""
-        self.begin().activate(name)
+        self.begin().activate(name_of(name, "the part"))
 
     def deactivate(self, name: str) -> None:
         """Deactivates a joint, a force or an event."""
-        self.begin().deactivate(name)
+        self.begin().deactivate(name_of(name, "the part"))
 
     def subject(self) -> tuple[Any, Types, list[tuple[str, str]], _Run]:
         """Its scene, types and values, and the run itself, for analyses at its present state."""
@@ -222,7 +237,7 @@ class Simulation:
         self._run.save(os.fspath(file))
 
     def load(self, file: str | os.PathLike[str]) -> None:
-        """Continues from a checkpoint of the same scene."""
+        """Continues from a checkpoint of the same scene. Values of parameters stay those of this run."""
         self.begin().load(os.fspath(file))
 
     @property
@@ -258,7 +273,7 @@ class Inputs:
         return self._run.input(name)
 
     def __setitem__(self, name: str, value: float) -> None:
-        self._run.set_input(name, number_of(value, name))
+        self._run.set_input(name, number_of(value, name, "a number in SI"))
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._run.inputs())

@@ -9,8 +9,9 @@ import numbers
 import os
 import pickle
 import sys
+import uuid
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import Executor, Future, as_completed
+from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
 from contextlib import suppress
 from typing import Any
 
@@ -28,6 +29,8 @@ Units = dict[str, str]
 Result = tuple[Any, Units | None, Exception | None, list[Finding]]
 """Extremes with the units of the columns, or what `measure` returned; an error; findings."""
 _OF_COLUMN = ("last", "min", "t_min", "max", "t_max")
+_ended: set[str] = set()
+"""Sweeps that were interrupted: threads of this process make no further run of them."""
 
 
 class Runs(Table):
@@ -72,6 +75,8 @@ def rows_of(vary: Vary) -> list[Row]:
     if hasattr(vary, "to_dict"):
         return list(vary.to_dict("records"))
     if isinstance(vary, Mapping):
+        if empty := [name for name, values in vary.items() if np.ndim(values) > 0 and not len(values)]:
+            raise ValueError(f'"{empty[0]}" has no values; give one or more')
         lists = [[v] if isinstance(v, (str, bytes)) or (hasattr(v, "__float__") and np.ndim(v) == 0) else list(v)
                  for v in vary.values()]
         return [dict(zip(vary, row)) for row in itertools.product(*lists)]
@@ -91,10 +96,10 @@ def _read(source: Any) -> _core.Scene:
 
 
 def _chunk(results: list[Result], scene: _core.Scene, rows: list[Row], until: float | None, columns: Any,
-           measure: Measure | None) -> None:
+           measure: Measure | None, sweep: str = "") -> None:
     """The runs of some rows, appended to `results`. Units are those of the first that has ended."""
     units: Units = {}
-    for row in rows:
+    for row in itertools.takewhile(lambda _: sweep not in _ended, rows):
         with heard() as findings:
             try:
                 run = Simulation(scene, set=row, record=columns, report=False)
@@ -130,16 +135,20 @@ def _fill(parts: dict[int, list[Result]], work: tuple[Any, ...], rows: list[Row]
             _chunk(parts[k], scene, rows[k:k + size], *options)
             done(k)
         return
+    sweep = uuid.uuid4().hex
     futures: dict[Future[list[Result]], int] = {
-        executor.submit(_remote, source, rows[k:k + size], *options): k for k in starts}
+        executor.submit(_remote, source, rows[k:k + size], *options, sweep): k for k in starts}
     try:
         for future in as_completed(futures):
             parts[futures[future]] = future.result()
             done(futures[future])
     finally:
+        _ended.add(sweep)
         for future, k in futures.items():
-            if not future.cancel() and future.done() and future.exception() is None:
-                parts[k] = future.result()
+            if not future.cancel() and (future.done() or isinstance(executor, ThreadPoolExecutor)):
+                with suppress(Exception):
+                    parts[k] = future.result()
+        _ended.remove(sweep)
 
 
 def _of_extremes(results: list[Result]) -> list[Column]:

@@ -50,8 +50,11 @@ def _type(kind: str, function: Callable[..., Any], first: int, **more: Any) -> T
 
 def _keys(function: Callable[..., Any], first: int) -> list[tuple[str, float | None]]:
     """The parameters of a function after its first ones."""
-    return [(p.name, None if p.default is p.empty else float(p.default))
-            for p in list(inspect.signature(function).parameters.values())[first:]
+    try:
+        parameters = inspect.signature(function).parameters
+    except ValueError:  # of numpy, such as np.sin
+        return []
+    return [(p.name, None if p.default is p.empty else float(p.default)) for p in list(parameters.values())[first:]
             if p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)]
 
 
