@@ -167,7 +167,7 @@ class Sweeps(unittest.TestCase):
             if len(made) <= 2:
                 both.wait()
                 if made[0] is run:
-                    signal.raise_signal(signal.SIGINT)
+                    os.kill(os.getpid(), signal.SIGINT)  # to the main thread
             time.sleep(0.1)
             return last(run)
 
