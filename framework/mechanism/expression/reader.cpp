@@ -6,9 +6,9 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/mechanism/expression/evaluate.h"
 #include "framework/mechanism/expression/meet.h"
 #include "framework/mechanism/expression/scope.h"
+#include "framework/mechanism/expression/term_list.h"
 
 namespace lockstep::expression {
 namespace {
@@ -34,12 +34,11 @@ struct Part : Amount {
 
 class FormulaReader {
  public:
-  FormulaReader(Read what, const Expression& e, const Meanings& names, std::vector<Term>& out, const Known& known = {},
+  FormulaReader(Read what, const Expression& e, const Meanings& names, const Known& known = {},
                 const OfMotion& of_motion = {}, std::string hint = {}, bool strict = false)
       : what_(what),
         e_(e),
         names_(names),
-        out_(out),
         known_(known),
         of_motion_(of_motion),
         hint_(std::move(hint)),
@@ -49,29 +48,20 @@ class FormulaReader {
     const Node& n = e_.node(i);
     Part q = made(n);
     if (!of_values()) return q;
-    for (std::size_t k = 0; k < 3; ++k) q.v[k] = q.is_vector || k == 0 ? term(q[k]).value : 0;
+    for (std::size_t k = 0; k < 3; ++k) q.v[k] = q.is_vector || k == 0 ? terms_[q[k]].value : 0;
     if (!q.v.allFinite()) refuse(n, "its value is not finite" + operands(n));
     return q;
   }
 
-  /// The number of this node; only the terms that it needs remain, and it is the last of them.
-  void compile(int node) {
+  /// The terms of the number of this node.
+  std::vector<Term> compiled(int node) {
     const Part root = of(node);
     if (root.is_vector) {
       const Node* const point = vector_in(node);
       refuse(e_.node(node), "a number is expected; this is a vector" +
                                 (point == nullptr ? "" : "; use a component, as in " + point->name + ".x"));
     }
-    std::vector<int> place(out_.size(), -1);
-    mark(root[0], place);
-    std::vector<Term> kept;
-    for (std::size_t i = 0; i < out_.size(); ++i) {
-      if (place[i] < 0) continue;
-      place[i] = static_cast<int>(kept.size());
-      Term& t = kept.emplace_back(out_[i]);
-      for (int k = 0; k < t.n_parts; ++k) t.parts[k] = place[t.parts[k]];
-    }
-    out_ = std::move(kept);
+    return terms_.needed_by(root[0]);
   }
 
  private:
@@ -121,14 +111,14 @@ class FormulaReader {
   }
 
   Part number(const Node& n) {
-    Part q = pure(constant(n.value));
+    Part q = pure(terms_.constant(n.value));
     q.dimension = exponents_of(n.dimension), q.measured = n.measured, q.is_zero = n.value == 0 && !n.measured;
     q.with_unit = n.measured && n.dimension != Dimension{};
     return q;
   }
 
   Part named(const Node& n) {
-    if (n.name == "pi") return pure(constant(kPi));
+    if (n.name == "pi") return pure(terms_.constant(kPi));
     const Meaning* const m = names_(n);
     if (m == nullptr) {
       std::vector<std::string> known = known_ ? known_() : std::vector<std::string>{};
@@ -138,7 +128,7 @@ class FormulaReader {
     if (m->is_table) refuse(n, "a table has a value at an argument only; write table(" + n.name + ", x)");
     Part q{m->amount};
     for (int k = 0; k < (q.is_vector ? 3 : 1); ++k)
-      q.term[k] = m->variable < 0 ? constant(m->amount.v[k]) : variable(m->variable + k);
+      q.term[k] = m->variable < 0 ? terms_.constant(m->amount.v[k]) : terms_.variable(m->variable + k);
     return q;
   }
 
@@ -210,7 +200,7 @@ class FormulaReader {
     const Part p = child(n, 1);
     if (a.is_vector) refuse(n, "a power of a vector; write dot(a, a)");
     if (p.is_vector || !is_number(p)) refuse(n, "the exponent is " + called(p) + "; a pure number is expected");
-    const double exponent = varies(p) ? NAN : term(p[0]).value;
+    const double exponent = varies(p) ? NAN : terms_[p[0]].value;
     if (of_values() && a.v[0] < 0 && exponent != std::round(exponent))
       refuse(n, text::brief(a.v[0]) + " to a power that is not whole");
     if (of_values() && a.v[0] == 0 && exponent < 0) refuse(n, "a division by zero: a negative power of 0");
@@ -219,7 +209,7 @@ class FormulaReader {
       refuse(n, called(a) + " to a power that varies; a pure number is expected before the \"^\"");
     Term t{Operation::power, {}, varies(p) ? 0 : exponent};
     t.parts = {a[0], p[0]}, t.n_parts = varies(p) ? 2 : 1;
-    a.term = {put(t)};
+    a.term = {terms_.put(t)};
     a.dimension = fixed ? scaled(a.dimension, exponent) : Exponents{};
     a.measured = a.measured || p.measured, a.is_zero = false;
     return a;
@@ -235,10 +225,10 @@ class FormulaReader {
   // Of values the second condition is looked at where it counts.
   Part condition(const Node& n) {
     const Part first = truth(n, 0);
-    if (n.operation == Operation::negation) return pure(put(n.operation, {first[0]}));
+    if (n.operation == Operation::negation) return pure(terms_.put(n.operation, {first[0]}));
     const bool holds = first.v[0] != 0;
-    if (of_values() && holds != (n.operation == Operation::conjunction)) return pure(constant(holds ? 1 : 0));
-    return pure(put(n.operation, {first[0], truth(n, 1)[0]}));
+    if (of_values() && holds != (n.operation == Operation::conjunction)) return pure(terms_.constant(holds ? 1 : 0));
+    return pure(terms_.put(n.operation, {first[0], truth(n, 1)[0]}));
   }
 
   Part compared(const Node& n) {
@@ -246,10 +236,11 @@ class FormulaReader {
     unite(n, a, b, "compared");
     if (a.is_vector) refuse(n, "two vectors are compared; compare norm(a)");
     const Operation o = n.operation;
-    if (o == Operation::unequal) return pure(put(Operation::negation, {put(Operation::equal, {a[0], b[0]})}));
-    if (o == Operation::greater) return pure(put(Operation::less, {b[0], a[0]}));
-    if (o == Operation::greater_equal) return pure(put(Operation::less_equal, {b[0], a[0]}));
-    return pure(put(o, {a[0], b[0]}));
+    if (o == Operation::unequal)
+      return pure(terms_.put(Operation::negation, {terms_.put(Operation::equal, {a[0], b[0]})}));
+    if (o == Operation::greater) return pure(terms_.put(Operation::less, {b[0], a[0]}));
+    if (o == Operation::greater_equal) return pure(terms_.put(Operation::less_equal, {b[0], a[0]}));
+    return pure(terms_.put(o, {a[0], b[0]}));
   }
 
   Part vector(const Node& n) {
@@ -311,7 +302,7 @@ class FormulaReader {
         refuse(n, std::string(f.name) +
                       "(...) is of the motion; only a column can have it, and inside max, min, mean, "
                       "rms, integral and at only rate(x)");
-      return pure(variable(place));
+      return pure(terms_.variable(place));
     }
     std::vector<Part> a;
     for (const int k : n.children) a.push_back(of(k));
@@ -341,8 +332,8 @@ class FormulaReader {
     if (f.takes == Takes::vectors) return of_vectors(n.function, a, q);
     q.term = {a[0][0]};
     if (is_of_motion(n)) return q;
-    if (a.size() == 1) q.term = {put(Operation::call, {q[0]}, n.function)};
-    for (std::size_t k = 1; k < a.size(); ++k) q.term = {put(Operation::call, {q[0], a[k][0]}, n.function)};
+    if (a.size() == 1) q.term = {terms_.put(Operation::call, {q[0]}, n.function)};
+    for (std::size_t k = 1; k < a.size(); ++k) q.term = {terms_.put(Operation::call, {q[0], a[k][0]}, n.function)};
     return q;
   }
 
@@ -363,7 +354,7 @@ class FormulaReader {
     if (m->argument) expect(n, x, *m->argument, "the argument of table \"" + name.name + "\"");
     Term t{Operation::call, Function("table")};
     t.parts = {x[0]}, t.n_parts = 1, t.table = m->table;
-    Part q = pure(m->table ? put(t) : variable(0));
+    Part q = pure(m->table ? terms_.put(t) : terms_.variable(0));
     q.measured = true, q.any = !m->amount.measured;
     if (!q.any) q.dimension = m->amount.dimension, q.with_unit = m->amount.with_unit;
     return q;
@@ -381,7 +372,7 @@ class FormulaReader {
                       "; write meet(A, r, B, s, left) of circles about A and B, meet(A, B, C, D) of lines");
       if (varies(a[k]))
         refuse(n, "meet(...) is of points of the scene; define its result under \"points\", and use that name here");
-      for (std::size_t i = 0; i < 3; ++i) v[k][static_cast<int>(i)] = term(a[k][i]).value;
+      for (std::size_t i = 0; i < 3; ++i) v[k][static_cast<int>(i)] = terms_[a[k][i]].value;
       Amount other = a[k];
       q.is_vector = vector;
       if (!other.measured) continue;  // in SI
@@ -392,29 +383,30 @@ class FormulaReader {
         circles ? meeting_of_circles(v[0], v[1][0], v[2], v[3][0], v[4][0], a.size() == 6 ? v[5] : Vec3(Vec3::UnitZ()))
                 : meeting_of_lines(v[0], v[1], v[2], v[3]);
     if (!m.problem.empty()) refuse(n, m.problem);
-    q.term = {constant(m.at[0]), constant(m.at[1]), constant(m.at[2])}, q.is_vector = true, q.is_zero = false;
+    q.term = {terms_.constant(m.at[0]), terms_.constant(m.at[1]), terms_.constant(m.at[2])}, q.is_vector = true,
+    q.is_zero = false;
     return q;
   }
 
   Part of_vectors(Function f, const std::vector<Part>& v, Part q) {
-    const auto product = [&](std::size_t i, std::size_t k) { return put(Operation::multiply, {v[0][i], v[1][k]}); };
-    const auto hypot = [&](int x, int y) { return put(Operation::call, {x, y}, Function("hypot")); };
+    const auto product = [&](std::size_t i, std::size_t k) {
+      return terms_.put(Operation::multiply, {v[0][i], v[1][k]});
+    };
+    const auto hypot = [&](int x, int y) { return terms_.put(Operation::call, {x, y}, Function("hypot")); };
     if (f == Function("norm")) q.term = {hypot(hypot(v[0][0], v[0][1]), v[0][2])};
     if (f == Function("dot"))
-      q.term = {put(Operation::add, {put(Operation::add, {product(0, 0), product(1, 1)}), product(2, 2)})};
+      q.term = {
+          terms_.put(Operation::add, {terms_.put(Operation::add, {product(0, 0), product(1, 1)}), product(2, 2)})};
     q.is_vector = f == Function("cross");
     for (std::size_t k = 0; k < 3 && q.is_vector; ++k) {
       const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
-      q.term[k] = put(Operation::subtract, {product(i, j), product(j, i)});
+      q.term[k] = terms_.put(Operation::subtract, {product(i, j), product(j, i)});
     }
     return q;
   }
 
-  // -- terms
-  const Term& term(int i) const { return out_[i]; }
-  bool is_constant(int i) const { return term(i).operation == Operation::number; }
   bool varies(const Part& q) const {
-    return !is_constant(q[0]) || (q.is_vector && !(is_constant(q[1]) && is_constant(q[2])));
+    return !terms_.is_constant(q[0]) || (q.is_vector && !(terms_.is_constant(q[1]) && terms_.is_constant(q[2])));
   }
   static Part pure(int number) {
     Part q;
@@ -428,66 +420,30 @@ class FormulaReader {
     for (std::size_t k = 0; k < (like.is_vector ? 3 : 1); ++k) {
       std::vector<int> parts;
       for (const Part& each : of) parts.push_back(each[k]);
-      like.term[k] = put(o, parts);
+      like.term[k] = terms_.put(o, parts);
     }
     return like;
-  }
-
-  int constant(double x) {
-    Term t;
-    t.value = x;
-    return put(t);
-  }
-  int variable(int k) {
-    Term t;
-    t.operation = Operation::name, t.variable = k;
-    return put(t);
-  }
-  int put(Operation o, const std::vector<int>& parts, Function f = {}) {
-    Term t{o, f};
-    std::copy(parts.begin(), parts.end(), t.parts.begin());
-    t.n_parts = static_cast<int>(parts.size());
-    t.decides = is_condition(o) || o == Operation::choose || (o == Operation::call && f.signature().decides);
-    return put(t);
-  }
-  // Appends a term, or, in place of one of constants only, its value.
-  int put(const Term& t) {
-    out_.push_back(t);
-    const auto last = out_.size() - 1;
-    const std::span<const int> parts(t.parts.data(), t.n_parts);
-    if (parts.empty() || !std::ranges::all_of(parts, [&](int i) { return is_constant(i); }))
-      return static_cast<int>(last);
-    Term value;
-    value.value = value_of_term<double>(out_, last, {});
-    out_.back() = value;
-    return static_cast<int>(last);
-  }
-  void mark(int i, std::vector<int>& place) const {
-    if (place[i] == 0) return;
-    place[i] = 0;
-    for (int k = 0; k < term(i).n_parts; ++k) mark(term(i).parts[k], place);
   }
 
   Read what_;
   const Expression& e_;
   const Meanings& names_;
-  std::vector<Term>& out_;
   const Known& known_;
   const OfMotion& of_motion_;
   std::string hint_;
   bool strict_;
+  TermList terms_;
 };
 
 }  // namespace
 
 Amount evaluate(const Expression& e, const Names& names, const Known& known) {
-  std::vector<Term> terms;
   Meaning found;
   const Meanings meanings = [&](const Node& n) -> const Meaning* {
     const Amount* const q = names(n.name);
     return q == nullptr ? nullptr : &(found = {*q});
   };
-  Amount q = FormulaReader(Read::value, e, meanings, terms, known).of(e.root());
+  Amount q = FormulaReader(Read::value, e, meanings, known).of(e.root());
   q.dimension = settled(q.dimension);
   if (!whole(q.dimension)) e.refuse(0, "its result has a dimension without a unit (a fractional or a high power)");
   return q;
@@ -497,15 +453,14 @@ std::optional<Amount> Scope::dimension_of(const Expression& e, int node, const s
   for (const std::string& name : names_in(e))
     if (const Meaning* const known = find(name); known != nullptr && !known->is_known) return std::nullopt;
   const Meanings meanings = [this](const Node& n) { return find(n.name); };
-  std::vector<Term> terms;
-  Amount q = FormulaReader(Read::dimension, e, meanings, terms, {}, {}, hint, strict).of(node);
+  Amount q = FormulaReader(Read::dimension, e, meanings, {}, {}, hint, strict).of(node);
   q.dimension = settled(q.dimension);
   return q;
 }
 
 FormulaFunction::FormulaFunction(const Expression& e, int node, const Meanings& meanings, const OfMotion& of_motion)
     : text_(e.text()) {
-  FormulaReader(Read::terms, e, meanings, terms_, {}, of_motion).compile(node);
+  terms_ = FormulaReader(Read::terms, e, meanings, {}, of_motion).compiled(node);
   has_switches_ = std::ranges::any_of(terms_, &Term::decides);
   if (has_switches_) warned_ = std::make_shared<std::atomic<bool>>(false);
   if (is_constant() && !std::isfinite(terms_.back().value)) e.refuse(0, "its value is not finite");
