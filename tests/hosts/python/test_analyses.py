@@ -99,7 +99,7 @@ class Driven(unittest.TestCase):
 
     def test_times_are_finite(self):
         for analysis in (ls.kinematics, ls.inverse):
-            with self.assertRaisesRegex(ValueError, "nan.*must be finite"):
+            with self.assertRaisesRegex(ValueError, r"times\[1\] is nan; must be finite"):
                 analysis(os.path.join(SCENES, "slider_crank.json"), times=[0, math.nan])
 
 

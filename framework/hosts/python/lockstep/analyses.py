@@ -202,8 +202,8 @@ def _driven(inverse: bool, scene: Source | Simulation, times: ArrayLike | None,
     at = [] if times is None else np.asarray(times, dtype=float).ravel().tolist()
     if times is not None and not at:
         raise ValueError("times is empty; give at least one time, s")
-    if not np.isfinite(at).all():
-        raise ValueError(f"times are {at}; must be finite")
+    if len(wrong := np.flatnonzero(~np.isfinite(at))):
+        raise ValueError(f"times[{wrong[0]}] is {at[wrong[0]]}; must be finite")
     title, columns = _core.driven(*_subject(scene, values, types), at, pairs_of_columns(record), inverse)
     return Table.of(columns, title)
 

@@ -210,8 +210,7 @@ class Simulation:
         `change` may set velocities of its State. `stop` ends the run.
         """
         self.begin().add_event(name, when, None if at is None else seconds(at), crossing, stop, once,
-                               names_of(activate, "activate"),
-                               names_of(deactivate, "deactivate"), change, tolerance)
+                               names_of(activate, "activate"), names_of(deactivate, "deactivate"), change, tolerance)
 
     def on_step(self, function: Callable[[], bool | None] | None) -> None:
         """Calls a function after each step; False ends the run."""
