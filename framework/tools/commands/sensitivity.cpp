@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lockstep/error.h>
 #include <lockstep/modes.h>
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/commands/linear_words.h"
 #include "framework/tools/commands/run_function.h"
 #include "framework/tools/commands/tool_commands.h"
+#include "framework/tools/program/findings.h"
 #include "framework/tools/program/method_specs.h"
 
 namespace lockstep {

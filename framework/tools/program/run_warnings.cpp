@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/program/run_warnings.h"
 #include "framework/foundation/support/finding_kinds.h"
+#include "framework/foundation/support/thrown.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -11,7 +12,6 @@
 #include <lockstep/author/integrator.h>
 #include <lockstep/author/lock.h>
 #include <lockstep/error.h>
-#include <lockstep/step_loop.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/tree.h"
 #include "framework/dynamics/simulate/along_laws.h"
