@@ -99,10 +99,12 @@ static int from_inside(void* user, const lockstep_state* state) {
    calls nothing back. The table of handles is left by an unlock, where this frees the run in place of the other thread. */
 static _Thread_local lockstep_run* freed_at_unlock = NULL;
 static int frees = 0, late = 0;
+extern int __interceptor_pthread_mutex_unlock(pthread_mutex_t*) __attribute__((weak)); /* of a thread sanitizer */
 int pthread_mutex_unlock(pthread_mutex_t* mutex) {
   static int (*unlock)(pthread_mutex_t*) = NULL;
   lockstep_run* const run = freed_at_unlock;
   int code;
+  if (unlock == NULL) unlock = __interceptor_pthread_mutex_unlock;
   if (unlock == NULL) *(void**)&unlock = dlsym(RTLD_NEXT, "pthread_mutex_unlock");
   code = unlock(mutex);
   freed_at_unlock = NULL;
