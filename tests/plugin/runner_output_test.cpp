@@ -15,6 +15,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
+#include "tests/support/run_scene.h"
 
 namespace runner_output_test {
 

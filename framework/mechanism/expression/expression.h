@@ -98,7 +98,7 @@ struct Function {
   constexpr explicit Function(const Signature& of) : line(static_cast<int>(&of - kFunctions)) {}
   consteval explicit Function(std::string_view name)
       : Function(*std::ranges::find(kFunctions, name, &Signature::name)) {}
-  constexpr auto operator<=>(const Function&) const = default;
+  constexpr auto operator<=>(const Function&) const = default;  // NOLINT(modernize-use-nullptr)
   constexpr const Signature& signature() const { return kFunctions[static_cast<std::size_t>(line)]; }
 };
 

@@ -253,7 +253,7 @@ class FormulaReader {
     Part q;
     q.is_vector = true, q.dimension = settled(like.dimension);
     for (std::size_t k = 0; k < 3; ++k) {
-      Amount with = like;
+      Part with = like;
       unite(n, with, parts[k], "components of one vector");
       q.term[k] = parts[k][0], q.measured = q.measured || parts[k].measured;
     }
@@ -443,7 +443,7 @@ Amount evaluate(const Expression& e, const Names& names, const Known& known) {
     const Amount* const q = names(n.name);
     return q == nullptr ? nullptr : &(found = {*q});
   };
-  Amount q = FormulaReader(Read::value, e, meanings, known).of(e.root());
+  Amount q = static_cast<const Amount&>(FormulaReader(Read::value, e, meanings, known).of(e.root()));
   q.dimension = settled(q.dimension);
   if (!whole(q.dimension)) e.refuse(0, "its result has a dimension without a unit (a fractional or a high power)");
   return q;
@@ -453,7 +453,7 @@ std::optional<Amount> Scope::dimension_of(const Expression& e, int node, const s
   for (const std::string& name : names_in(e))
     if (const Meaning* const known = find(name); known != nullptr && !known->is_known) return std::nullopt;
   const Meanings meanings = [this](const Node& n) { return find(n.name); };
-  Amount q = FormulaReader(Read::dimension, e, meanings, {}, {}, hint, strict).of(node);
+  Amount q = static_cast<const Amount&>(FormulaReader(Read::dimension, e, meanings, {}, {}, hint, strict).of(node));
   q.dimension = settled(q.dimension);
   return q;
 }

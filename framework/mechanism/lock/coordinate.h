@@ -42,7 +42,7 @@ class LOCKSTEP_API Coordinate {
     int axis = 0;
     int order = 0;  ///< of the derivative by time that its value is; angular velocities are of order 1
   };
-  Coordinate(Of of, BodyOrMarker m, BodyOrMarker n) : of_(of), m_(m), n_(n) {}
+  Coordinate(Of of, const BodyOrMarker& m, const BodyOrMarker& n) : of_(of), m_(m), n_(n) {}
 
   Dimension dimension() const;
   const Of& of() const { return of_; }
