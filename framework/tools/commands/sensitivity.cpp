@@ -104,9 +104,9 @@ class Sensitivity {
       if (x.push_back(runs_.given(k).value_or(0)); x[k] == 0)
         throw UsageError("--to: \"" + path(k) + "\" is 0, and steps are parts of it; give another value by --set");
     StepSequence steps;
+    const std::vector<double> values = at(x, steps, run_);
+    steps.is_known = true;
     SweepRun run;
-    const std::vector<double> values = at(x, steps, run);
-    run_ = std::move(run), steps.is_known = true;
     const auto results = [&](const Point& point) { return at(point, steps, run); };
     std::vector<Slope> all;
     for (std::size_t k = 0; k < x.size(); ++k) {
