@@ -42,8 +42,9 @@ std::vector<Shown> shown_in(const Block& block) {
 // from processor to processor.
 std::string comparable(const std::string& text) {
   static const std::regex time("(in [0-9]+ steps, )?computed in +[0-9.e-]+ m?s\\b|\\n +runs +[0-9]+\\n"), blanks(" +"),
-      number("[0-9]+(\\.[0-9]+)?(e[-+]?[0-9]+)?");
-  const std::string same = std::regex_replace(std::regex_replace(text, time, "computed"), blanks, " ");
+      number("[0-9]+(\\.[0-9]+)?(e[-+]?[0-9]+)?"), progress(" +[0-9]+ % [^\\n]* s to go\\n");
+  const std::string without = std::regex_replace(text, progress, "");  // a run that takes long prints it
+  const std::string same = std::regex_replace(std::regex_replace(without, time, "computed"), blanks, " ");
   std::string all;
   auto end = same.begin();
   for (std::sregex_iterator i(same.begin(), same.end(), number), last; i != last; ++i) {
