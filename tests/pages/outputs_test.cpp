@@ -60,7 +60,7 @@ std::string comparable(const std::string& text) {
 std::string run_block(const Block& block, const std::string& folder) {
   std::string text;
   for (const Shown& each : shown_in(block)) {
-    const std::string output = shell("unset LOCKSTEP_OUTPUT; cd " + folder + " && " + each.command).text;
+    const std::string output = call_in(folder, each.command).text;
     text += "$ " + each.command + "\n";
     text += comparable(output) == comparable(each.output) ? each.output : output;  // times stay as they are
   }
@@ -85,6 +85,10 @@ std::string lockstep::testing::folder_of(const Page& of, const std::string& purp
     if (!block.file().empty() && (block.is("json") || block.is("text")))
       std::ofstream(path / block.file()) << block.text();
   return name;
+}
+
+Called lockstep::testing::call_in(const std::string& folder, const std::string& line) {
+  return shell("unset LOCKSTEP_OUTPUT; cd " + folder + " && " + line);
 }
 
 TEST_CASE("outputs on the pages are what the program prints", "[pages]") {

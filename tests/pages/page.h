@@ -48,6 +48,10 @@ std::vector<Page> read_pages(const std::string& root);
 /// A new folder of the runner (tests/support/program.h) with the samples and the files that the page names; its name.
 std::string folder_of(const Page&, const std::string& purpose);
 
+/// A command line in such a folder; its results are written there.
+struct Called;  // tests/support/program.h
+Called call_in(const std::string& folder, const std::string& line);
+
 /// A block of C++ that can be run: its test(), or its main() where it has none.
 struct Example {
   const char* place;

@@ -161,8 +161,7 @@ TEST_CASE("scenes of the pages run", "[pages]") {
       const std::string file = block.file().empty() ? "scene_" + std::to_string(block.line) + ".json" : block.file();
       std::ofstream(kRunnerFolder + "/" + place + "/" + file) << block.text();
       const bool runs = block.text().find("\"until\"") != std::string::npos;
-      const Called called =
-          shell("unset LOCKSTEP_OUTPUT; cd " + place + " && lockstep " + std::string(runs ? "run " : "check ") + file);
+      const Called called = call_in(place, std::string(runs ? "lockstep run " : "lockstep check ") + file);
       INFO(of.place(block.line) << "\n" << called.text);
       CHECK(called.exit == 0);
     }
