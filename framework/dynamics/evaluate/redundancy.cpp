@@ -25,28 +25,38 @@ namespace {
 constexpr double kBeside = 0.1;  // rad, or parts of the length: to the nearest pose that is looked at
 
 // Turns are measured as lengths of the whole mechanism.
-MatX rows_transposed(const Evaluation& e) {
+SparseMat rows_transposed(const Evaluation& e) {
   const double per_turn = 1 / e.system().length();
-  MatX Jt = MatX::Zero(e.force().size(), e.rows().n_rows);
+  std::vector<Eigen::Triplet<double>> numbers;
   for_each_jacobian(e.rows(), [&](int row, int slot, const auto& J) {
-    Jt.block<3, 1>(6 * slot, row) += J.template head<3>();
-    Jt.block<3, 1>(6 * slot + 3, row) += per_turn * J.template tail<3>();
+    for (int i = 0; i < 6; ++i) numbers.emplace_back(6 * slot + i, row, (i < 3 ? 1.0 : per_turn) * J[i]);
   });
+  SparseMat Jt(e.force().size(), e.rows().n_rows);
+  Jt.setFromTriplets(numbers.begin(), numbers.end());
   return Jt;
 }
 
 }  // namespace
 
-bool loses_rank(Dynamics& dynamics, const State& state) {
+// Alike in all frames, units and orders, and whatever the masses are, as pivots of solvers are not. Rows of closures leave
+// as many coordinates free as all rows leave velocities. Many rows are factored sparsely.
+int Dynamics::dependent_rows(const State& state) {
   State slots = state;
-  dynamics.to_slots(slots);
-  const bool held = dynamics.holds_rows();
-  const int beside = dynamics.redundancy(slots).rows;
-  const Evaluation& e = dynamics.gather_rows(slots);
+  to_slots(slots);
+  const bool held = holds_rows();
+  const Evaluation& e = gather_rows(slots);
   const int n = e.rows().n_rows;
-  const MatX Jt = n > kDenseRows ? MatX() : rows_transposed(e);
-  if (!held) dynamics.forget_rows(state);
-  return beside < 0 || n > kDenseRows || (n > 0 && n - RowSpace(Jt.sparseView()).rank(kNearlyDependent) > beside);
+  const SparseMat Jt = rows_transposed(e);
+  if (!held) forget_rows(state);
+  const int rank = n == 0 ? 0 : n > kDenseRows ? Dependencies(Jt).rank : RowSpace(Jt).rank(kNearlyDependent);
+  if (!state.coordinates) return n - rank;
+  const int free = system_.n_velocities() - rank;
+  return tree(state.modes).closure_rows.n_rows - (static_cast<int>(state.v.size()) - free);
+}
+
+bool loses_rank(Dynamics& dynamics, const State& state) {
+  const int beside = dynamics.redundancy(state).rows;
+  return beside < 0 || dynamics.dependent_rows(state) > beside;
 }
 
 bool nearly_loses_rank(Dynamics& dynamics, const State& state) {
@@ -55,7 +65,7 @@ bool nearly_loses_rank(Dynamics& dynamics, const State& state) {
   const bool held = dynamics.holds_rows();
   const Evaluation& e = dynamics.gather_rows(slots);
   const bool few = e.rows().n_rows > 0 && e.rows().n_rows <= kDenseRows;
-  const bool nearly = few && RowSpace(rows_transposed(e).sparseView()).nearly() > 0;
+  const bool nearly = few && RowSpace(rows_transposed(e)).nearly() > 0;
   if (!held) dynamics.forget_rows(state);
   return nearly;
 }
@@ -102,27 +112,26 @@ Redundancy Dynamics::redundancy(const State& state) {
   return found;
 }
 
-// The least number of small pivots in poses on both sides, of closures not more than of all rows. The poses lie along
-// the motion itself, at rest along the accelerations, which stay on its branch; and if this is no singular position also
-// along a free motion of all parts, unless that is the same one. If fewer rows depend on others before these poses are
-// projected, or their C contradict one another, some do so on the constraints only. Unknown as long as laws have yet to
-// move what has small pivots. The nearest poses are enough if no pivot is small, and the farthest with them if some are,
-// as long as the numbers are the same and this pose is not near a singular position by the limit that they give. If that
-// limit can rise no more, and no pivot is small, no pose is asked.
+// The least number of dependent rows in poses on both sides. The poses lie along the motion itself, at rest along the
+// accelerations, which stay on its branch; and if this is no singular position also along a free motion of all parts,
+// unless that is the same one. If fewer rows depend on others before these poses are projected, or their C contradict
+// one another, some do so on the constraints only. Unknown as long as laws have yet to move what depends. The nearest
+// poses are enough if no row depends on others, and the farthest with them if some do, as long as the numbers are the
+// same and this pose is not near a singular position by the limit that they give. If that limit can rise no more, and no
+// row depends, no pose is asked.
 Redundancy Dynamics::find_redundancy(const State& state) try {
   if (!is_assembled(state)) return {};
   const auto know = [&](int n) {
     state.coordinates ? tree(state.modes).closures().set_redundant(n) : own().set_redundant(n);
   };
-  // Its pivots, if n rows are redundant.
+  // Where n rows are redundant.
   const auto look = [&](const State& at, int n) {
     know(n);
-    const SolveReport report = pivots(at);
-    return Redundancy{.rows = report.small_pivots, .regular = std::min(1.0, report.detector)};
+    return Redundancy{.rows = n, .regular = std::min(1.0, pivots(at).detector)};
   };
   // How many rows depend on others, and whether J d = -C has a solution.
   const auto look_off = [&](const State& at) {
-    MatX Jt = at.coordinates ? tree(at.modes).rows_transposed(system_, at) : rows_transposed(gather_rows(at));
+    MatX Jt = at.coordinates ? tree(at.modes).rows_transposed(system_, at) : MatX(rows_transposed(gather_rows(at)));
     const double least = kRoundOff * Jt.norm();  // a row that vanishes is one of round-off
     for (Eigen::Index row = 0; row < Jt.cols(); ++row)
       if (!(Jt.col(row).norm() > least)) Jt.col(row).setZero();
@@ -137,16 +146,8 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
   };
   State here = state;
   project(here, 0);
-  const Redundancy of_here = look(here, Kkt::kUnknown);
-  int all = of_here.rows;
-  if (state.coordinates) {  // omega may have to answer later in a pose that does not show them
-    State slots = here;
-    to_slots(slots);
-    const bool held = holds_rows();
-    if (const int n = redundancy(slots).rows; n >= 0) all = n;
-    if (!held) forget_rows(state);
-  }
-  if (of_here.rows == 0 && near_singular_below(of_here.regular) == near_singular_below(1)) return know(0), of_here;
+  const Redundancy of_here = look(here, dependent_rows(here));
+  if (of_here.rows == 0 && near_singular_below(of_here.regular) == near_singular_below(1)) return of_here;
   Redundancy found = of_here;
   const auto look_along = [&](const State& moving, bool from_rest) {  // then its velocities are accelerations
     std::vector<Motion> motions;
@@ -164,9 +165,9 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
                          (state.coordinates ? tree(state.modes).closure_rows : own().rows()).n_rows <= kDenseRows;
         const auto [dependent, agrees] = few ? look_off(beside) : std::pair{0, true};
         if (!(project(beside, 0).after <= kRoundOff * system_.length())) continue;
-        const Redundancy there = look(beside, Kkt::kUnknown);
+        const Redundancy there = look(beside, std::min(found.rows, dependent_rows(beside)));
         if (there.rows < found.rows) found.rows = there.rows, found.regular = 0;
-        if (there.rows == found.rows) found.regular = std::max(found.regular, there.regular);
+        found.regular = std::max(found.regular, there.regular);
         if (few && (!agrees || dependent < look_off(beside).first)) found.on_constraints = true;
         const bool both = ++n == (of_here.rows > 0 ? 4 : 2) && angle < 0;
         if (both && found.rows == of_here.rows && of_here.regular >= near_singular_below(found.regular)) break;
@@ -192,7 +193,6 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
     moves = ((other || !moves) && look_along(moving, false)) || moves;
   }
   if (!moves && of_here.rows > 0 && may_have_laws(system_)) return know(Kkt::kUnknown), Redundancy{};
-  if (all < found.rows) found.rows = all, found.regular = look(here, all).regular;
   know(found.rows);
   return found;
 } catch (const Error&) {  // named by the evaluation of this state that follows

@@ -410,6 +410,8 @@ class LOCKSTEP_API Dynamics {
   /// once for these joints, at the first assembled state from which the mechanism moves, or that has no small pivots.
   /// Unknown (rows < 0) before such a state.
   Redundancy redundancy(const State&);
+  /// How many rows depend on others at this state, at least nearly, in its coordinates. Throws NonFiniteError.
+  int dependent_rows(const State&);
 
   // -- matrices
   /// The factored matrix of this evaluation; valid until the next evaluation or projection. Throws SolveError.
