@@ -40,12 +40,6 @@ struct LOCKSTEP_API ClosureFronts {
 
   /// The place of a row at the node of its first side, where its l begins.
   std::size_t place_of(std::size_t row) const { return static_cast<std::size_t>(sides[sources[row].first_side].place); }
-  /// The place of an open row of a front at its parent.
-  int place_above(std::size_t front, int i) const {
-    const ClosureFront& f = all[front];
-    return all[parents[front]].first + above[f.first + i];
-  }
-
   /// By node, then those of the ground: one for each link that ends there, in the order of their elimination.
   std::vector<ClosureFront> all;
   std::vector<std::size_t> parents;  ///< of each front the one that its open rows go to

@@ -6,6 +6,9 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/dynamics/tree/closure_fronts.h"
@@ -28,6 +31,16 @@ namespace lockstep {
 /// corrected away; of others, which need none, it is zero.
 ///
 /// E_j = kClosureProximal s_j.  Numbers: an array; [i] is its number i, + i what begins there.
+///
+/// Where rows are redundant, those that end in one front are eliminated by a Cholesky decomposition with pivoting: which of
+/// them are independent depends on the pose, and a fixed order would divide by pivots that vanish between two poses.
+
+/// The rows as pivots have ordered them.
+struct PivotOrder {
+  std::vector<int> row_at,  ///< by place
+      ended_at;             ///< by row: its place in the front in which it ends
+};
+
 template <class Space, class Numbers = typename Space::Number*>
 struct OpenRows {
   using Number = typename Space::Number;
@@ -36,18 +49,20 @@ struct OpenRows {
   using Inertia = typename Space::Inertia;
 
   const ClosureFronts& fronts;
-  Wrench* K;                   ///< by place
-  Numbers l, Lambda_of, V_of,  ///< by place; of fronts, from ClosureFront::Lambda and V on
-      scale, d, lambda,        ///< by row; scale: s_j
-      dlambda, du;             ///< of a correction, by row and by coordinate
-  Wrench* wrenches;            ///< likewise, by node
-  Twist* changes;              ///< likewise
-  Number n_small{};            ///< pivots that got a proximal term
+  Wrench* K;                    ///< by place
+  Numbers l, Lambda_of, V_of,   ///< by place; of fronts, from ClosureFront::Lambda and V on
+      scale, d, lambda,         ///< by row; scale: s_j
+      dlambda, du;              ///< of a correction, by row and by coordinate
+  Wrench* wrenches;             ///< likewise, by node
+  Twist* changes;               ///< likewise
+  PivotOrder* order = nullptr;  ///< null: no row is redundant, or numbers cannot be compared one by one
+  Number n_small{};             ///< pivots that got a proximal term
   std::array<Number, 6> less_{};
 
   /// Called by the recursion at node k: rows that end there are eliminated,
   LOCKSTEP_INLINE void close(std::size_t k, Inertia& IA) {
     const ClosureFront& front = fronts.all[k];
+    begin_order(front);
     for (int j = front.n - 1; j >= front.n_open; --j) {
       const Number d_1 = eliminate<false>(front, j);
       const Wrench &of = K[front.first + j], by = -d_1 * of;
@@ -80,6 +95,7 @@ struct OpenRows {
   LOCKSTEP_INLINE void close_at_ground() {
     for (std::size_t k = fronts.n_nodes; k < fronts.all.size(); ++k) {
       const ClosureFront& front = fronts.all[k];
+      begin_order(front);
       for (int j = front.n - 1; j >= front.n_open; --j) eliminate<true>(front, j);
       if (front.n_open > 0) add_to_parent(k);
     }
@@ -120,7 +136,9 @@ struct OpenRows {
   // of no interest. Returns 1 / d.
   template <bool kAtGround>
   LOCKSTEP_INLINE Number eliminate(const ClosureFront& front, int j) {
-    const int row = fronts.row_of(front, j), last = front.first + j;
+    if constexpr (std::is_same_v<Number, double>)
+      if (order && j > front.n_open) choose_pivot(front, j);
+    const int row = row_of(front, j), last = front.first + j;
     const Numbers at = Lambda(front, j);
     Number pivot = at[j];
     if constexpr (!bodies::kUncompared<Number>) {
@@ -139,6 +157,42 @@ struct OpenRows {
       for (int k = 0; k <= i; ++k) to[k] -= x * at[k];
     }
     return d_1;
+  }
+  LOCKSTEP_INLINE void begin_order(const ClosureFront& front) {
+    if (!order) return;
+    for (int i = front.n_open; i < front.n; ++i) {
+      const int place = front.first + i, row = fronts.row_of(front, i);
+      order->row_at[place] = row, order->ended_at[row] = place;
+    }
+  }
+  /// Exchanges the row that is eliminated next, j, with the one of the largest pivot, relative to its scale.
+  [[gnu::noinline]] void choose_pivot(const ClosureFront& front, int j) {
+    const auto pivot = [&](int i) { return Lambda(front, i)[i] / scale[row_of(front, i)]; };
+    int most = j;
+    for (int i = j; i-- > front.n_open;)
+      if (pivot(i) > pivot(most)) most = i;
+    if (most == j) return;
+    const int a = front.first + most, b = front.first + j;
+    std::swap(K[a], K[b]), std::swap(l[a], l[b]);
+    for (int i = 0; i <= j; ++i) {  // of the lower triangle
+      if (i == most) continue;
+      Number& of_most = i < most ? Lambda(front, most)[i] : i == j ? Lambda(front, most)[most] : Lambda(front, i)[most];
+      std::swap(of_most, Lambda(front, j)[i]);
+    }
+    for (int i = j + 1; i < front.n; ++i)
+      std::swap(Lambda(front, i)[most], Lambda(front, i)[j]);  // of those eliminated
+    std::swap(order->row_at[a], order->row_at[b]);
+    order->ended_at[order->row_at[a]] = a, order->ended_at[order->row_at[b]] = b;
+  }
+  LOCKSTEP_INLINE int row_of(const ClosureFront& front, int i) const {
+    return order ? order->row_at[front.first + i] : fronts.row_of(front, i);
+  }
+  /// Where a row of this number in a front is now.
+  LOCKSTEP_INLINE int place_now(const ClosureFront& front, int i) const {
+    return order && i >= front.n_open ? order->ended_at[fronts.row_of(front, i)] : front.first + i;
+  }
+  LOCKSTEP_INLINE int above_now(std::size_t k, int i) const {
+    return place_now(fronts.all[fronts.parents[k]], fronts.above[fronts.all[k].first + i]);
   }
   // Adds the open rows of a front of the ground to those of its parent.
   LOCKSTEP_INLINE void add_to_parent(std::size_t k) {
@@ -159,7 +213,7 @@ struct OpenRows {
     for (int v = 0; v < n_v; ++v) {
       const Numbers V = V_of + (front.V + v);
       Number sum{};
-      for (int i = 0; i < front.n_open; ++i) sum += V[i * n_v] * multipliers[fronts.row_of(front, i)];
+      for (int i = 0; i < front.n_open; ++i) sum += V[i * n_v] * multipliers[row_of(front, i)];
       less_[v] = sum;
     }
     return less_.data();
@@ -170,15 +224,15 @@ struct OpenRows {
     for (int j = front.n_open; j < front.n; ++j) {
       const Numbers at = Lambda(front, j);
       Number sum = l[front.first + j] + dot(K[front.first + j], a);
-      for (int i = 0; i < j; ++i) sum -= at[i] * multipliers[fronts.row_of(front, i)];
-      const int row = fronts.row_of(front, j);
+      for (int i = 0; i < j; ++i) sum -= at[i] * multipliers[row_of(front, i)];
+      const int row = row_of(front, j);
       multipliers[row] = sum / d[row];
     }
   }
   LOCKSTEP_INLINE void close_again(const ClosureFront& front, Wrench* p) {
     for (int j = front.n - 1; j >= front.n_open; --j) {
       const Numbers at = Lambda(front, j);
-      const Number x = l[front.first + j] / d[fronts.row_of(front, j)];
+      const Number x = l[front.first + j] / d[row_of(front, j)];
       if (p) *p += x * K[front.first + j];
       for (int i = 0; i < j; ++i) l[front.first + i] -= at[i] * x;
     }
@@ -187,7 +241,11 @@ struct OpenRows {
   LOCKSTEP_INLINE void inward_again(Joints& joints, Residuals r) {
     for (std::size_t i = 0; i < fronts.rows.size(); ++i) l[static_cast<int>(i)] = Number{};
     for (std::size_t k = 0; k < fronts.n_nodes; ++k) wrenches[k] = Wrench{};
-    for (std::size_t j = 0; j < fronts.sources.size(); ++j) l_of(j) = r[static_cast<int>(j)];
+    for (std::size_t j = 0; j < fronts.sources.size(); ++j) {
+      const ClosureSide& side = fronts.sides[fronts.sources[j].first_side];
+      const ClosureFront& front = fronts.all[side.node];
+      l[place_now(front, side.place - front.first)] = r[static_cast<int>(j)];
+    }
     for (std::size_t k = fronts.n_nodes; k-- > 0;) {
       const ClosureFront& front = fronts.all[k];
       Wrench p = wrenches[k];
@@ -199,14 +257,14 @@ struct OpenRows {
       for (int i = 0; i < front.n_open; ++i) {
         Number with = l[front.first + i];
         for (int x = 0; x < n_v; ++x) with += V_of[front.V + i * n_v + x] * u[x];
-        l[fronts.place_above(k, i)] += with;
+        l[above_now(k, i)] += with;
       }
       if (has_parent(k)) wrenches[fronts.parents[k]] += p;
     }
     for (std::size_t k = fronts.n_nodes; k < fronts.all.size(); ++k) {
       const ClosureFront& front = fronts.all[k];
       close_again(front, nullptr);
-      for (int i = 0; i < front.n_open; ++i) l[fronts.place_above(k, i)] += l[front.first + i];
+      for (int i = 0; i < front.n_open; ++i) l[above_now(k, i)] += l[front.first + i];
     }
     find_at_ground(dlambda);
   }

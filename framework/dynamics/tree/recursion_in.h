@@ -39,11 +39,13 @@ class LoopClosures final : public ClosureRows {
     K_.assign(fronts_.rows.size(), {}), J_.assign(fronts_.sides.size(), {});
     wrenches_.assign(fronts_.n_nodes, {}), changes_.assign(fronts_.n_nodes, {});
     du_.setZero(tree.n_v());
+    order_.row_at = fronts_.rows, order_.ended_at.assign(fronts_.sources.size(), 0);
   }
 
   /// Reads the rows, gathered at these motions; their right-hand sides c are Qhat. After the outward pass.
   template <class Slots>
   LOCKSTEP_INLINE void read(const Slots& slots, std::span<const Motion> motions, const RowTable& table) {
+    pivots_ = redundant() != 0;
     OpenRows<Space> open = rows();
     open.clear();
     diagonal_.setZero();
@@ -97,8 +99,19 @@ class LoopClosures final : public ClosureRows {
 
   /// For the recursion; afterwards closed() takes what it has counted.
   LOCKSTEP_INLINE OpenRows<Space> rows() {
-    return {fronts_,   K_.data(),      l_.data(),       Lambda_.data(), V_.data(),        scale_.data(),
-            d_.data(), lambda_.data(), dlambda_.data(), du_.data(),     wrenches_.data(), changes_.data()};
+    return {fronts_,
+            K_.data(),
+            l_.data(),
+            Lambda_.data(),
+            V_.data(),
+            scale_.data(),
+            d_.data(),
+            lambda_.data(),
+            dlambda_.data(),
+            du_.data(),
+            wrenches_.data(),
+            changes_.data(),
+            pivots_ ? &order_ : nullptr};
   }
   LOCKSTEP_INLINE void closed(const OpenRows<Space>& rows) { n_small_ = static_cast<int>(rows.n_small); }
 
@@ -107,6 +120,8 @@ class LoopClosures final : public ClosureRows {
       J_,                       // by side, of the slot's centre of mass
       wrenches_;                // of a correction, by node
   std::vector<Twist> changes_;  // likewise
+  PivotOrder order_;
+  bool pivots_ = false;  // of the rows as read last
 };
 
 /// Slots are the nodes of a tree in a Space (spaces.h), parents before their children:
