@@ -31,7 +31,7 @@ double largest_component(const State& of, const Eigen::MatrixBase<Vector>& a, do
 
 void SingularRate::begin(const State& state) {
   ahead_ = behind_ = {state, sized_like(state), {}, 0};
-  v_ = state.v, shorter_ = ahead_.rate.v;
+  v_ = halfway_ = state.v, shorter_ = ahead_.rate.v;
 }
 
 SingularRate::Sides SingularRate::find(Dynamics& dynamics, State& state, double detector, StateRate& out) {
@@ -68,10 +68,15 @@ bool SingularRate::probe(Dynamics& dynamics, const State& state, double speed, d
   const double time = static_cast<double>(i + 1) * kDelta / speed;
   for (const double sign : {1.0, -1.0}) {
     auto& [at, rate, lambda, root] = sign > 0 ? ahead_ : behind_;
-    at = state;
-    dynamics.advance(at, sign * time, state.v);
-    at.t = state.t + sign * time;
-    if (!dynamics.project(at, 0).converged) return false;
+    const auto go = [&](double h, const VecX& v) {
+      at = state;
+      dynamics.advance(at, h, v);
+      at.t = state.t + h;
+      return dynamics.project(at, 0).converged;
+    };
+    if (!go(0.5 * sign * time, state.v)) return false;
+    halfway_ = at.v;
+    if (!go(sign * time, halfway_)) return false;
     if (!at.coordinates) dynamics.project(at, 0);  // the velocities once more, with the factor of this position
     if (at.coordinates) {
       root = std::sqrt(dynamics.rates_with_report(at, rate).detector);

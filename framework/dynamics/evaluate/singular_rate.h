@@ -12,7 +12,7 @@ namespace lockstep {
 // In a singular position the rows do not determine the branch that the motion follows; a little before and a little
 // behind they do. Of a place, a velocity, a rate or a multiplier x on the constraints, with P the projection:
 //
-//   x(+-d) at P(q (+) +-d v/|v|),  m(d) = (x(d) + x(-d))/2
+//   x(+-d) at P(q (+) +-d v'/|v|),  v' the velocity at P(q (+) +-d/2 v/|v|),  m(d) = (x(d) + x(-d))/2
 //   x = (56 m(d) - 28 m(2d) + 8 m(3d) - m(4d))/35 + O(d^8)
 //
 // Without m(4d) it is x' = (15 m(d) - 6 m(2d) + m(3d))/10 + O(d^6), and x - x' an estimate of what both leave out. At
@@ -82,6 +82,7 @@ class LOCKSTEP_API SingularRate {
   };
   Side ahead_, behind_;
   VecX v_;                       // the limit of the velocities
+  VecX halfway_;                 // v'
   VecX shorter_;                 // the accelerations without 4 d
   double root_ = 0, slope_ = 0;  // of the detector at the state, with its sign, and its change from there to d
   bool grows_ = false;
