@@ -11,7 +11,7 @@ namespace lockstep {
 
 namespace {
 
-// Relative to the largest acceleration, v^2/L included: no motion changes so much within 2 d.
+// Relative to the largest acceleration, v^2/L included: no motion jumps so much.
 constexpr double kDisagree = 0.2;
 
 // Of the means at d to 4 d, and at d to 3 d.
@@ -31,7 +31,7 @@ double largest_component(const State& of, const Eigen::MatrixBase<Vector>& a, do
 
 void SingularRate::begin(const State& state) {
   ahead_ = behind_ = {state, sized_like(state), {}, 0};
-  v_ = halfway_ = state.v, shorter_ = ahead_.rate.v;
+  v_ = halfway_ = state.v, shorter_ = odd_ = ahead_.rate.v;
 }
 
 SingularRate::Sides SingularRate::find(Dynamics& dynamics, State& state, double detector, StateRate& out) {
@@ -93,7 +93,9 @@ bool SingularRate::probe(Dynamics& dynamics, const State& state, double speed, d
   const double scale =
       std::max({largest_component(state, ahead_.rate.v, L), largest_component(state, behind_.rate.v, L),
                 speed * speed * (state.coordinates ? 1 : L)});
-  if (i == 0 && !(largest_component(state, ahead_.rate.v - behind_.rate.v, L) <= kDisagree * scale)) return false;
+  if (i == 0) odd_ = 2 * (ahead_.rate.v - behind_.rate.v);
+  if (i == 1) odd_ -= ahead_.rate.v - behind_.rate.v;
+  if (i == 1 && !(largest_component(state, odd_, L) <= kDisagree * scale)) return false;
   for (const Side* side : {&ahead_, &behind_}) {
     const double w = 0.5 * kWeights[i];
     out.q += w * (side->at.q - state.q), v_ += w * (side->at.v - state.v);  // whose rounding is small

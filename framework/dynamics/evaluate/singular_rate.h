@@ -21,8 +21,10 @@ namespace lockstep {
 // The root of the detector is proportional to the distance e and has its sign, so that it has such a limit too, which no
 // proximal term covers: e is d times that over the root at d.
 //
-// A multiplier that grows as p/e has no limit. Its half difference o(d) = (x(d) - x(-d))/2 is odd, so that e o(e) is even
-// with the value p at e = 0, by the same weights.
+// On one branch the half difference o(d) = (x(d) - x(-d))/2 is odd, so that 2 o(d) - o(2d) is O(d^3); between two branches it
+// is the jump from one to the other.
+//
+// A multiplier that grows as p/e has no limit. Its e o(e) is even, with the value p at e = 0, by the same weights.
 
 /// Whether more rows depend on others at this state, at least nearly, than near it. Masses do not count, as they do in
 /// the pivots of solvers. True of more than kDenseRows rows, whose rank is not found.
@@ -82,7 +84,7 @@ class LOCKSTEP_API SingularRate {
   };
   Side ahead_, behind_;
   VecX v_;                       // the limit of the velocities
-  VecX halfway_;                 // v'
+  VecX halfway_, odd_;           // v'; twice the jump
   VecX shorter_;                 // the accelerations without 4 d
   double root_ = 0, slope_ = 0;  // of the detector at the state, with its sign, and its change from there to d
   bool grows_ = false;
