@@ -37,20 +37,6 @@ void for_each_gradient(const Evaluation& e, const Act& act) {
   }
 }
 
-// A row of the rotation alone, e3 = 0, holds the rotation about z by e0/2 (4.21). That is zero at 180 deg about an axis
-// normal to z.
-void check_not_folded(const Evaluation& e, const Lock& link) {
-  const Jointed* const joint = link.jointed();
-  if (joint == nullptr || count_rows(joint->mask() & Mask::e123) != 1 || joint->imposed().turn) return;
-  const auto [p, s] = link.pairs().front();
-  const MarkerFrame P(*p), S(*s);
-  if (std::abs(MovingPair<Reads::rotation>(P, S, e.inputs()).y()[3]) > kSlight) return;
-  throw AssemblyError(
-      fmt::format("joint '{}' is folded by 180 deg at the start, where its constraint of a rotation has no effect; "
-                  "start it elsewhere",
-                  link.name()));
-}
-
 // Whether it could hold its markers in their present pose.
 bool could_hold(const Lock& link) {
   const Jointed* joint = link.jointed();
@@ -59,6 +45,14 @@ bool could_hold(const Lock& link) {
 }
 
 }  // namespace
+
+// A row of the rotation alone, e3 = 0, holds the rotation about z by e0/2 (4.21).
+double unfolded(const Lock& link, const Inputs& in) {
+  const Jointed* const joint = link.jointed();
+  if (joint == nullptr || count_rows(joint->mask() & Mask::e123) != 1 || joint->imposed().turn) return 1;
+  const auto [p, s] = link.pairs().front();
+  return std::abs(MovingPair<Reads::rotation>(MarkerFrame(*p), MarkerFrame(*s), in).y()[3]);
+}
 
 std::string worst_rows(const Evaluation& e, const VecX& sizes) {
   std::vector<int> order(sizes.size());
@@ -96,7 +90,14 @@ double start_distance(const Evaluation& e, const VecX& C) {
 void check_start(Dynamics& dynamics, const State& s, double limit) {
   const Evaluation& at = dynamics.gather_rows(s);
   check_gradients(at);
-  for (const RowEntry& entry : at.rows().entries) check_not_folded(at, *at.system().links()[entry.link]);
+  for (const RowEntry& entry : at.rows().entries) {
+    const Lock& link = *at.system().links()[entry.link];
+    if (!(unfolded(link, at.inputs()) > kSlight))
+      throw AssemblyError(
+          fmt::format("joint '{}' is folded by 180 deg at the start, where its constraint of a rotation has no effect; "
+                      "start it elsewhere",
+                      link.name()));
+  }
   const VecX C = Residuals(at).C;
   const double c = start_distance(at, C);
   if (!(c <= limit))
@@ -112,7 +113,8 @@ void check_velocities(Dynamics& dynamics, const State& state, double left, doubl
   const Evaluation& at = dynamics.gather_rows(state);
   throw AssemblyError(fmt::format(
       "{} at t = {:.9g} s leaves inconsistent velocities: they violate the constraints by {:.3g} m/s (limit {:.3g} "
-      "m/s), worst: {}; two laws may drive one coordinate{}, nearly redundant constraints may lock a drive, or it is in "
+      "m/s), worst: {}; two laws may drive one coordinate{}, nearly redundant constraints may lock a drive, or it is "
+      "in "
       "a limit position (dead centre): {}check the axes and drives of these joints",
       cause, state.t, left, limit, worst_rows(at, row_sizes(at, Residuals(at).Cd)),
       or_against_stops(dynamics.system(), at.rows()), advice));

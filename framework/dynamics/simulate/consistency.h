@@ -22,6 +22,9 @@ std::string worst_rows(const Evaluation&, const VecX& sizes);
 /// Throws AssemblyError for a row whose gradient vanishes here, as that of a distance to the centre of a curve: the
 /// direction of motion of its bodies is undefined.
 void check_gradients(const Evaluation&);
+/// Of a joint that holds one rotation alone: what is left of its constraint, 0 where it is folded by 180 deg about an axis
+/// normal to that of the rotation; 1 of other joints.
+LOCKSTEP_API double unfolded(const Lock&, const Inputs&);
 /// How far each row is from being met, m: its residual C as Evaluation::norm counts it, or |C| / |grad C|, the distance to
 /// the nearest pose that meets it, if that is more. A function with a small gradient is off by far more than its value.
 /// Rotations are as they are, since 180 deg has no gradient. C: one number a row, of this evaluation.

@@ -14,6 +14,7 @@
 #include <lockstep/detail/kernel.h>
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/row_space.h"
+#include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/at_end.h"
@@ -156,7 +157,12 @@ void try_out(System& system, Dynamics& dynamics, const State& state, std::vector
     const std::optional<Violation> found = violation_without(system, dynamics, state, f.gone, gone);
     f.told.violation = found.value_or(Violation{}).most;
     f.told.in_passing = !(f.told.violation < kPersists * system.length());
-    if (!found)
+    const auto folded = std::ranges::find_if(
+        f.gone, [&](const NamedRow& row) { return unfolded(*row.link, dynamics.inputs(state)) < kNearlyDependent; });
+    if (folded != f.gone.end())
+      f.told.needed =
+          "joint '" + folded->link->name() + "' is folded by nearly 180 deg, and nothing else holds its rotation";
+    else if (!found)
       f.told.needed = "its release would free no motion";
     else if (!(found->gap < kPersists * f.span))
       f.told.needed = fmt::format("its release would open joints by {:.2g} m", found->gap);
