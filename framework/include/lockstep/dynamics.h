@@ -96,6 +96,9 @@ class LOCKSTEP_API Evaluation {
   /// Kkt::redundant of these rows; unknown whenever they are laid out again.
   int redundant() const { return redundant_; }
   void set_redundant(int n) { redundant_ = n; }  ///< sets it, for factors of this evaluation
+  /// How far the rows that are not redundant are from depending on one another, whatever the masses and the frame: the
+  /// square of the least pivot of as many rows, scaled to length 1, with pivoting.
+  double least_pivot() const;
 
  private:
   void lay_out(const State&);
@@ -107,6 +110,7 @@ class LOCKSTEP_API Evaluation {
   VecX f_;
   std::vector<const Force*> reacting_;
   int redundant_ = Kkt::kUnknown;
+  mutable MatX rest_;  // of least_pivot()
 };
 
 // KktAssembler: writes the gathered rows and the masses as the saddle-point matrix of a formulation.
