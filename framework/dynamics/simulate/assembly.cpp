@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <lockstep/error.h>
 #include <lockstep/log.h>
@@ -13,15 +14,17 @@
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/simulate/start_rows.h"
+#include "framework/dynamics/tree/slender_bodies.h"
 #include "framework/foundation/math/decompositions.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 namespace {
 
-constexpr double kMuch = 0.1;  // of the mechanism's length, a revolution, or the start's energy: more is hardly meant
-constexpr double kLittle = 1e-3;  // of its length, rotations times it, of speeds or energies: less is not reported
+constexpr double kMuch = 0.1;     // of the start's energy: more is hardly meant
+constexpr double kLittle = 1e-3;  // of the length, rotations times it, of speeds or energies: less is not reported
 
 // The limit of a run for its start, m, m/s.
 double start_limit() { return StepLoopOptions{}.start_limit; }
@@ -131,8 +134,8 @@ void add_warnings(const System& system, const State& given, const State& assembl
     return options.coordinates.empty() &&
            std::ranges::none_of(options.poses, [&](const PoseWeight& w) { return w.body == body && w.weight == 0; });
   };
-  const bool moved = report.largest_move > kMuch * system.length() && meant(report.moved_most),
-             turned = report.largest_turn > kMuch * kTwoPi && meant(report.turned_most);
+  const bool moved = report.largest_move > kLittle * system.length() && meant(report.moved_most),
+             turned = report.largest_turn > kLittle && meant(report.turned_most);
   if ((moved || turned) && !report.open.empty()) {
     const bool one = report.open.size() == 1;
     std::vector<std::string> changes;
@@ -147,7 +150,7 @@ void add_warnings(const System& system, const State& given, const State& assembl
          one ? "check where the joint is attached to its two bodies, in world axes, or their poses"
              : "check where the joints are attached, in world axes, and the poses; lockstep assemble prints those it "
                "finds",
-         moved ? report.largest_move : report.largest_turn, kMuch * (moved ? system.length() : kTwoPi),
+         moved ? report.largest_move : report.largest_turn, kLittle * (moved ? system.length() : 1),
          moved ? "m" : "rad"});
   }
   const double lost = report.kinetic_before - report.kinetic_after;
@@ -161,6 +164,40 @@ void add_warnings(const System& system, const State& given, const State& assembl
        missing.empty() ? "lockstep check --verbose lists the free motions"
                        : "give compatible ones, or one start speed of a joint (\"start\")",
        lost, kMuch * report.kinetic_before, "J"});
+}
+
+// Start velocities that are stated and begin otherwise: of bodies, which joints, drives and other velocities change, and of
+// joints.
+void add_changed(Dynamics& dynamics, const State& given, const State& assembled,
+                 const std::vector<VelocityTarget>& targets, const AssemblyOptions& options, AssemblyReport& report) {
+  const System& system = dynamics.system();
+  const auto tell = [&](const Thing& of, const std::string& what, const VecX& stated, const VecX& begins,
+                        const char* unit) {
+    const double off = (begins - stated).norm(), limit = kNegligible * std::max(1.0, stated.norm());
+    if (!(off > limit)) return;
+    const auto text = [](const VecX& v) {
+      return v.size() == 1 ? fmt::format("{:.6g}", v[0]) : fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v[0], v[1], v[2]);
+    };
+    report.findings.push_back(
+        {&finding::start_changed, of.words(),
+         fmt::format("{}, {}: it begins at {} {} instead of the stated {} {}, because of joints, drives or other start "
+                     "velocities",
+                     of.words(), what, text(begins), unit, text(stated), unit),
+         "state velocities that fit each other, or leave out those that follow from others", off, limit, unit});
+  };
+  for (const StatedVelocity& stated : options.stated) {
+    const Body& body = system.body(stated.body);
+    const Thing thing{.kind = "body", .name = body.name};
+    const Twist was = body_twist(body, given), is = body_twist(body, assembled);
+    if (stated.velocity) tell(thing, "velocity", was.v, is.v, "m/s");
+    if (stated.omega) tell(thing, "angular velocity in body axes", was.w, is.w, "rad/s");
+  }
+  for (const VelocityTarget& target : targets) {
+    const Lock& link = paired_link(system, target.link, target.axis);
+    const double rate = coordinate_row(dynamics, assembled, link, target.axis).rate;
+    tell(thing_of(link), "velocity of " + std::string(to_string(target.axis)), VecX::Constant(1, target.value),
+         VecX::Constant(1, rate), is_rotation(target.axis) ? "rad/s" : "m/s");
+  }
 }
 
 // Coordinates requested by a weight that begin elsewhere: start poses and other coordinates count against them.
@@ -245,6 +282,8 @@ AssemblyReport assemble_drawn(Dynamics& dynamics, State& state, const std::vecto
   report.kinetic_after = kinetic_energy(dynamics, work);
   measure_move(dynamics.system(), drawn.state, work, report);
   add_warnings(dynamics.system(), drawn.state, work, options, report);
+  add_changed(dynamics, drawn.state, work, targets, options, report);
+  std::ranges::move(lost_inertias(dynamics.system()), std::back_inserter(report.findings));
   add_missed(dynamics, work, options, report);
   state = work;
   if (report.is_notable()) log_info(report.text());

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <lockstep/detail/export.h>
+#include <lockstep/finding.h>
 
 namespace lockstep {
 
@@ -20,5 +22,9 @@ LOCKSTEP_API std::string slender_body(const JointTree&, const System&, double mo
 /// The m r^2 / J from which on steps grow short by it at this relative tolerance: a rounding of 2^-52 makes half of that. A
 /// chain of four rods on balls took 2 to 3 times the steps of omega at a tenth of it, a hundred times at a quarter.
 constexpr double slenderness_at(double tolerance) { return 0x1p51 * tolerance; }
+
+/// Bodies in space whose least principal inertia J is below what rounding leaves of m r^2, of their own mass and the farthest
+/// of their markers: nothing finds their rotation about that axis to the default tolerance.
+LOCKSTEP_API std::vector<Finding> lost_inertias(const System&);
 
 }  // namespace lockstep

@@ -35,6 +35,10 @@ inline constexpr FindingKind reactions_uncertain{
     "reactions-uncertain", Severity::doubt,
     "A recorded reaction is so close to a singular configuration that round-off determines it.",
     "Use the values before and after that time."};
+inline constexpr FindingKind inertia_lost{
+    "inertia-lost", Severity::doubt,
+    "The inertia of a body about an axis is below what rounding leaves of its mass times the square of its length.",
+    "Give it the inertia of a real body about that axis."};
 inline constexpr FindingKind not_certified{
     "not-certified", Severity::doubt,
     "A second run with a tighter tolerance or another method does not agree in any digit of a recorded column.",
@@ -85,13 +89,17 @@ inline constexpr FindingKind turns_uncertain{"turns-uncertain", Severity::warnin
                                              "Record an angle about another axis, or use smaller steps."};
 inline constexpr FindingKind start_moved{
     "start-moved", Severity::warning,
-    "Assembly moved a body by more than a tenth of the mechanism's length, or rotated it by more than a tenth of a "
-    "revolution, and neither a drive nor \"start\" requests it.",
+    "Assembly moved a body by more than a thousandth of the mechanism's length, or rotated it by more than 0.001 rad, "
+    "and neither a drive nor \"start\" requests it.",
     "Check the places of its joints first (\"at_p\" and \"at_s\" are in world axes), then its pose; "
     "`lockstep assemble` prints one that fits."};
 inline constexpr FindingKind start_speed_lost{"start-speed-lost", Severity::warning,
                                               "The joints do not allow the given start velocities of bodies.",
                                               "Give compatible velocities, or one start speed of a joint."};
+inline constexpr FindingKind start_changed{
+    "start-changed", Severity::warning,
+    "A stated start velocity of a body or a joint is not the one with which the run begins.",
+    "State velocities that fit each other, or leave out those that follow from others."};
 inline constexpr FindingKind start_missed{"start-missed", Severity::warning,
                                           "A coordinate does not begin at the requested value.",
                                           "Request a value that the joints allow, by \"position\", or set "

@@ -37,6 +37,13 @@ struct PoseWeight {
   double weight = 1;  ///< against those of others, 1 each; infinite: it does not move; 0: it is free
 };
 
+/// A start velocity of a body that is stated, not merely the default of zero.
+struct StatedVelocity {
+  std::string body;       ///< its name
+  bool velocity = false,  ///< whether that of its frame's origin is,
+      omega = false;      ///< and its angular velocity
+};
+
 /// A joint that start poses violate.
 struct OpenJoint {
   std::string joint;  ///< its name
@@ -48,19 +55,19 @@ struct AssemblyReport {
   /// Constraint violation of the given start, m: the largest |C|, or |C| / |grad C| of a function with a smaller
   /// gradient.
   double before = 0;
-  double after = 0;         ///< the same of the assembled start, m
-  double before_v = 0,      ///< |Jh v + Ct| at the assembled position with the given velocities, m/s
-      after_v = 0;          ///< |Jh v + Ct| of the assembled start, m/s
+  double after = 0;               ///< the same of the assembled start, m
+  double before_v = 0,            ///< |Jh v + Ct| at the assembled position with the given velocities, m/s
+      after_v = 0;                ///< |Jh v + Ct| of the assembled start, m/s
   std::vector<OpenJoint> open{};  ///< joints that the given poses violate by more than 1e-6 m
-  int iterations = 0;       ///< of the positions
-  double largest_move = 0;  ///< of a body, m
-  double largest_turn = 0;  ///< rotation of a body, rad
-  std::string moved_most,   ///< the body with the largest move; "" if none moved
-      turned_most;          ///< the body with the largest rotation; "" if none rotated
-  double kinetic_before = 0,  ///< kinetic energy with the given velocities, at the assembled position, J
-      kinetic_after = 0;      ///< kinetic energy of the assembled start, J
-  /// Changes that are hardly intended: a body moved far, most of the energy lost; with the bodies without a start
-  /// velocity.
+  int iterations = 0;             ///< of the positions
+  double largest_move = 0;        ///< of a body, m
+  double largest_turn = 0;        ///< rotation of a body, rad
+  std::string moved_most,         ///< the body with the largest move; "" if none moved
+      turned_most;                ///< the body with the largest rotation; "" if none rotated
+  double kinetic_before = 0,      ///< kinetic energy with the given velocities, at the assembled position, J
+      kinetic_after = 0;          ///< kinetic energy of the assembled start, J
+  /// Changes that are hardly intended: a body moved by more than a thousandth of the length, a stated velocity changed,
+  /// much of the energy lost; with the bodies without a start velocity.
   std::vector<Finding> findings{};
 
   LOCKSTEP_API bool is_moved() const;     ///< whether a body moved by more than 1e-6 m or rad
@@ -75,7 +82,8 @@ struct AssemblyOptions {
   /// With these or weights, the assembled start minimises the weighted sum of squared distances from the requested
   /// values (solved densely, up to 250 bodies).
   std::vector<CoordinateTarget> coordinates{};
-  std::vector<PoseWeight> poses{};  ///< of the bodies whose weight is not 1
+  std::vector<PoseWeight> poses{};       ///< of the bodies whose weight is not 1
+  std::vector<StatedVelocity> stated{};  ///< a change of more than 1e-9 m/s or rad/s is reported
 };
 
 /// Brings a state onto the constraints. Positions: Newton's method with the Cayley update (8.2) and the least
