@@ -103,6 +103,16 @@ std::vector<Provoked> all() {
        R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}, "velocity": [5, 0, 0]}],
           "links": [{)" +
            kHinge + "}]" + until + R"("record": ["arm.x"]})"},
+      {"start-changed", kRun,
+       R"("bodies": [{"name": "base", "sphere": {"mass": 1, "radius": 0.1}, "velocity": [0, 0, 0]}, {"name": "arm",
+                      "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
+          "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "base", "at": [0, 0, 0],
+                     "start": {"velocity": {"rz": 1}}}])" +
+           until + R"("record": ["arm.x"]})"},
+      {"inertia-lost", kRun,
+       R"("bodies": [{"name": "arm", "mass": 1, "inertia": [1e-12, 0.1, 0.1], "position": [0.5, 0, 0]}],
+          "links": [{"name": "A", "type": "universal", "p": "arm", "s": "ground", "at": [0, 0, 0]}])" +
+           until + R"("record": ["arm.x"]})"},
       {"no-freedom", kRun,
        kArm + R"("links": [{)" + kHinge + R"(}, {"name": "B", "type": "spherical", "p": "arm", "s": "ground",
           "at": [1, 0, 0]}])" +

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Starts that the links do not allow, and links that switch at one instant.
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "tests/support/catch.h"
 #include "tests/support/outcome.h"
 
@@ -27,6 +31,67 @@ TEST_CASE("start velocities against the constraints are removed and reported, or
   CHECK(refused.error.find("5 m/s") != std::string::npos);
   const Outcome right = outcome_of(filled(filled(kRod, "$v", "[0, 0, 0]"), "$assemble", "false"));
   CHECK(right.ended());
+}
+
+TEST_CASE("a start that changes what is stated is reported with figures", "[stability][start]") {
+  const std::string text = R"({"lockstep": 1, "bodies": [
+      {"name": "cart", "box": {"mass": 1, "size": [0.3, 0.1, 0.1]}$stated}, {"name": "pole", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0, 1, 0]}}],
+    "links": [{"name": "rail", "type": "prismatic", "p": "cart", "s": "ground", "at": [0, 0, 0], "axis": "x"},
+              {"name": "hinge", "type": "revolute", "p": "pole", "s": "cart", "at": [0, 0, 0], "start": {"velocity": {"rz": 1}}}],
+    "run": {"until": 0, "record": ["cart.vx"]}})";
+  const auto changed = [&](const std::string& stated) {
+    const Outcome start = outcome_of(filled(text, "$stated", stated));
+    REQUIRE(start.ended());
+    std::vector<Finding> all;
+    for (const Finding& f : start.report.findings)
+      if (f.code() == "start-changed") all.push_back(f);
+    return all;
+  };
+  CHECK(changed("").empty());  // nothing is stated of the cart
+  for (const char* stated : {R"(, "velocity": [0, 0, 0])", R"(, "assembled": "exact")"}) {
+    const std::vector<Finding> all = changed(stated);
+    REQUIRE(all.size() == 1);
+    CHECK(all[0].thing == "body 'cart'");
+    CHECK(all[0].value == Approx(0.25));  // M v + m (v - w l/2) = 0 and the moment about the hinge
+  }
+}
+
+TEST_CASE("drawn poses that assembly moves by more than a thousandth are reported", "[stability][start]") {
+  const std::string text = R"({"lockstep": 1, "planar": "off",
+    "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, $off, 0], "to": [1, $off, 0]}}],
+    "links": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at_p": [0, $off, 0], "at_s": [0, 0, 0]}],
+    "run": {"until": 0, "record": ["rod.x"]}})";
+  const auto moved = [&](const char* off) {
+    const Outcome start = outcome_of(filled(text, "$off", off));
+    REQUIRE(start.ended());
+    return std::ranges::count_if(start.report.findings, [](const Finding& f) { return f.code() == "start-moved"; });
+  };
+  CHECK(moved("0.0002") == 0);
+  CHECK(moved("0.002") == 1);
+}
+
+// Nothing depends on it: without it the shaft is free. Its other joints hold the folded pose.
+TEST_CASE("the constraint of a joint that is folded by nearly 180 degrees is not released", "[stability][start]") {
+  const std::string text = R"({"lockstep": 1, "parameters": {"fold": "$fold deg"},
+    "bodies": [{"name": "in", "mass": 1, "inertia": [0.01, 0.01, 0.01]},
+               {"name": "arm", "mass": 1, "inertia": [0.01, 0.01, 0.01], "orientation": {"axis": "y", "angle": "=fold"}},
+               {"name": "out", "mass": 1, "inertia": [0.01, 0.01, 0.01], "orientation": {"axis": "y", "angle": "=fold"}}],
+    "markers": [{"name": "P", "body": "out"}, {"name": "S", "body": "in"}],
+    "links": [{"name": "I", "type": "revolute", "p": "in", "s": "ground", "at": [0, 0, 0],
+               "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 2}}},
+              {"name": "Y", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0], "axis": "y",
+               "drive": {"axis": "rz", "law": 0}},
+              {"name": "O", "type": "lock", "mask": "e1 e2", "p": "out", "s": "arm", "at": [0, 0, 0],
+               "orientation": {"axis": "y", "angle": "=fold"}},
+              {"name": "J", "type": "homokinetic", "p": "P", "s": "S"}],
+    "forces": [{"name": "load", "type": "applied_torque", "p": "out", "at": [0, 0, 0], "torque": [0, 0, -1], "axes": "body"}],
+    "run": {"until": 1, "output": 1, "record": [{"w": "out.omega_body_z"}]}})";
+  for (const char* fold : {"170", "179.9", "179.99", "179.999"}) {
+    const Outcome run = outcome_of(filled(text, "$fold", fold));
+    CAPTURE(fold, run.error);
+    REQUIRE(run.ended());
+    CHECK(run.table.last("w") == Approx(2).epsilon(1e-6));
+  }
 }
 
 TEST_CASE("links that switch at one instant do not depend on the order of the events", "[stability][start]") {

@@ -24,9 +24,8 @@ Outcome outcome_of(const std::string& text) {
     std::vector<Event> events = make_events(m, *recorder);
     EnergyAudit audit(system_of(m), m.run.limits);
     Dynamics dynamics(system_of(m), make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
-    State start = m.system.start();
     AssemblyReport assembled;
-    if (m.run.assemble) assembled = assemble(dynamics, start, m.start_speeds);
+    State start = assembled_start(dynamics, m, &assembled);
     StepLoop loop(dynamics, make_integrator(m.run, registry),
                   {.step = m.run.step,
                    .tolerance = m.run.tolerance,

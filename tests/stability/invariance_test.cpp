@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A motion depends neither on the frame, the order and the unit in which a mechanism is written, nor on the tree, its
+// closures, the formulation and the solver: through singular positions, and where rows are redundant.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iostream>
+#include <map>
+#include <random>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "tests/stability/invariance.h"
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+
+namespace invariance_test {
+
+using namespace lockstep;
+using namespace lockstep::invariance;
+
+namespace {
+
+constexpr double kTimes = 30, kLeast = 1e-11, kMostGrowth = 1e3;
+
+std::vector<Case> cases() {
+  const std::string source = paths::kSource, scenes = source + "/samples/scenes/", own = source + "/tests/";
+  return {{"change point", own + "stability/scenes/change_point.json", 2},
+          {"slider-crank of equal arms", own + "verification/scenes/slider_crank_equal_arms.json", 1},
+          {"parallelogram", own + "verification/scenes/parallelogram.json", 4},
+          {"two loops on one coupler", own + "stability/scenes/two_loops.json", 1},
+          {"nfourbar_2", scenes + "nfourbar_2.json", 4},
+          {"nfourbar_40", scenes + "nfourbar_40.json", 0.8},
+          {"Bennett", scenes + "overconstrained/bennett.json", 1},
+          {"Sarrus", scenes + "overconstrained/sarrus.json", 0.35},
+          {"spherical four-bar", scenes + "overconstrained/spherical_four_bar.json", 1},
+          {"flyball", scenes + "flyball.json", 0.01, true},
+          {"andrews, flat", scenes + "andrews_a03.json", 0.01, true},
+          {"scissor lift", scenes + "overconstrained/scissor_lift_3.json", 0.3},
+          {"five cranks", scenes + "overconstrained/parallel_cranks_5.json", 0.5}};
+}
+
+/// The motion as written, in the default way and by the referee, and what it makes of a small error.
+struct Truth {
+  Motion motion;
+  double apart = 0;   ///< from that of a second algorithm
+  double growth = 1;  ///< of a change of the start velocities, on the same branch
+};
+
+Truth truth_of(const Case& c) {
+  constexpr double kFaster = 1e-6;
+  const Way way{.tolerance = 1e-12, .in_space = false};
+  Truth truth{move(c, {}, way)};
+  REQUIRE(truth.motion.ok());
+  truth.apart = difference(truth.motion.history, move(c, {}, {.formulation = "omega", .tolerance = 1e-12}).history);
+  double speed = 0;
+  for (const Instant& now : truth.motion.history)
+    for (const Twist& v : now.twists) speed = std::max({speed, v.v.norm(), v.w.norm()});
+  const Motion faster = move(c, {}, way, kFaster);
+  REQUIRE(faster.ok());
+  truth.growth = std::clamp(difference(truth.motion.history, faster.history) / (kFaster * speed), 1.0, kMostGrowth);
+  return truth;
+}
+
+/// A draw: the numbers of its levels, factor by factor.
+constexpr std::size_t kFactors = 7;
+using Draw = std::array<int, kFactors>;
+enum Factor : std::size_t { mechanism, frame, order, exchanged, unit, formulation, accuracy };
+
+const std::vector<std::tuple<const char*, const char*>> kFormulations = {
+    {"joint", "schur"},  {"auto", "schur"},  {"omega", "schur"},       {"omega", "block"},
+    {"omega", "sparse"}, {"omega", "dense"}, {"quaternion", "sparse"}, {"quaternion", "dense"}};
+const std::vector<std::tuple<const char*, double>> kAccuracies = {
+    {"dop853", 1e-4}, {"dop853", 1e-6}, {"dop853", 1e-8},  {"dop853", 1e-10}, {"dop853", 1e-12},
+    {"dopri5", 1e-6}, {"dopri5", 1e-8}, {"dopri5", 1e-10}, {"dopri5", 1e-12}};
+
+Draw levels(std::size_t n_cases) {
+  return {static_cast<int>(n_cases),           5, 4, 2, 3, static_cast<int>(kFormulations.size()),
+          static_cast<int>(kAccuracies.size())};
+}
+
+/// Draws that cover all pairs of levels of any two factors: of forty at random the one with the most new pairs, again
+/// and again.
+std::vector<Draw> planted(const Draw& levels, unsigned seed) {
+  constexpr int kCandidates = 40;
+  std::minstd_rand random(seed);
+  std::set<std::array<std::size_t, 4>> left;
+  const auto for_pairs = [](const Draw& d, auto&& take) {
+    for (std::size_t a = 0; a < kFactors; ++a)
+      for (std::size_t b = a + 1; b < kFactors; ++b)
+        take(std::array{a, static_cast<std::size_t>(d[a]), b, static_cast<std::size_t>(d[b])});
+  };
+  Draw all{};
+  for (std::size_t a = 0; a < kFactors; ++a)
+    for (std::size_t b = a + 1; b < kFactors; ++b)
+      for (all[a] = 0; all[a] < levels[a]; ++all[a])
+        for (all[b] = 0; all[b] < levels[b]; ++all[b])
+          left.insert({a, static_cast<std::size_t>(all[a]), b, static_cast<std::size_t>(all[b])});
+  std::vector<Draw> draws;
+  while (!left.empty()) {
+    Draw best{};
+    int most = 0;
+    for (int k = 0; k < kCandidates || most == 0; ++k) {
+      Draw d{};
+      for (std::size_t f = 0; f < kFactors; ++f) d[f] = static_cast<int>(random() % static_cast<unsigned>(levels[f]));
+      int n = 0;
+      for_pairs(d, [&](const auto& pair) { n += static_cast<int>(left.contains(pair)); });
+      if (n > most) most = n, best = d;
+    }
+    for_pairs(best, [&](const auto& pair) { left.erase(pair); });
+    draws.push_back(best);
+  }
+  return draws;
+}
+
+View view_of(const Draw& d, const Case& c) {
+  std::minstd_rand random(17 + static_cast<unsigned>(d[frame]));
+  std::uniform_real_distribution<double> number(-1, 1);
+  View view;
+  if (d[frame] > 0) {
+    const Vec3 x(number(random), number(random), number(random));
+    view.frame = {3 * x, normalized(Quat{number(random), number(random), number(random), number(random)})};
+  }
+  view.order = static_cast<unsigned>(11 * d[order]), view.exchanged = d[exchanged] == 1;
+  if (!c.has_forces) view.length = std::array{1.0, 1000.0, 0.01}[static_cast<std::size_t>(d[unit])];
+  return view;
+}
+
+Way way_of(const Draw& d) {
+  const auto [name, solver] = kFormulations[static_cast<std::size_t>(d[formulation])];
+  const auto [integrator, tolerance] = kAccuracies[static_cast<std::size_t>(d[accuracy])];
+  return {.formulation = name, .solver = solver, .integrator = integrator, .tolerance = tolerance};
+}
+
+/// The worst error over its bound by mechanism and formulation, and what was refused.
+struct Table {
+  std::map<std::string, std::map<std::string, double>> worst;
+  int runs = 0, stops = 0;
+
+  void print() const {
+    std::cout << runs << " runs, " << stops << " stopped; the worst error over its bound:\n";
+    for (const auto& [name, row] : worst)
+      for (const auto& [way, ratio] : row) std::cout << fmt::format("{:28} {:20} {:.1e}\n", name, way, ratio);
+  }
+};
+
+void check(const Case& c, const Truth& truth, const Draw& d, Table& table) {
+  const View view = view_of(d, c);
+  const Way way = way_of(d);
+  const Motion motion = move(c, view, way);
+  const double bound = kTimes * std::max(way.tolerance, kLeast) * truth.growth;
+  const double error = motion.ok() ? difference(truth.motion.history, motion.history) : HUGE_VAL;
+  double& worst = table.worst[c.name][way.formulation + ", " + way.solver];
+  ++table.runs, table.stops += motion.ok() ? 0 : 1;
+  if (motion.ok()) worst = std::max(worst, error / bound);
+  CAPTURE(c.name, way.words(), d[frame], view.order, view.exchanged, view.length, truth.growth, motion.refusal);
+  CHECK(error <= bound);
+}
+
+}  // namespace
+
+TEST_CASE("a motion is the same in any frame, order, unit, tree and formulation: all pairs", "[stability][long]") {
+  const std::vector<Case> all = cases();
+  std::vector<Truth> truths;
+  for (const Case& c : all) {
+    CAPTURE(c.name);
+    truths.push_back(truth_of(c));
+    std::cout << fmt::format("{:28} growth {:.2g}, two algorithms differ by {:.1e}\n", c.name, truths.back().growth,
+                             truths.back().apart);
+    CHECK(truths.back().apart <= kTimes * kLeast * truths.back().growth);
+  }
+  Table table;
+  for (const Draw& d : planted(levels(all.size()), 1)) {
+    const auto k = static_cast<std::size_t>(d[mechanism]);
+    check(all[k], truths[k], d, table);
+  }
+  table.print();
+}
+
+TEST_CASE("a motion is the same in any frame, order, unit, tree and formulation", "[stability][singular]") {
+  const std::vector<Case> all = cases();
+  Table table;
+  for (const std::size_t k : {std::size_t{0}, std::size_t{1}, std::size_t{3}, std::size_t{6}}) {
+    const Truth truth = truth_of(all[k]);
+    for (int n = 0; n < 4; ++n)
+      check(all[k], truth,
+            {static_cast<int>(k), 1 + n, n, n % 2, n % 3, n, std::array{1, 3, 7, 2}[static_cast<std::size_t>(n)]},
+            table);
+  }
+  CHECK(table.runs == 16);
+}
+
+TEST_CASE("a start at rest in a change point has one answer in every frame", "[stability][singular]") {
+  const std::string source = paths::kSource;
+  const Case c{"at rest", source + "/tests/stability/scenes/change_point.json", 1};
+  for (const char* formulation : {"joint", "omega"}) {
+    std::vector<bool> runs;
+    for (int k = 0; k < 6; ++k) {
+      Draw d{};
+      d[frame] = k, d[order] = k % 4;
+      runs.push_back(move(c, view_of(d, c), {.formulation = formulation}, -1).ok());
+    }
+    CAPTURE(formulation);
+    CHECK(std::ranges::count(runs, runs.front()) == static_cast<std::ptrdiff_t>(runs.size()));
+  }
+}
+
+}  // namespace invariance_test
