@@ -272,6 +272,41 @@ TEST_CASE("import writes a robot as a scene that runs", "[runner]") {
   fs::remove(kRunnerFolder + "/a.stl");
 }
 
+TEST_CASE("import leaves a joint that it cannot convert out only if --without names it", "[runner]") {
+  const auto write = [](const std::string& more) {
+    std::ofstream(kRunnerFolder + "/loop.urdf")
+        << "<robot name='loop'><link name='base'/><link name='arm'><inertial>"
+           "<mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>"
+           "<joint name='hinge' type='continuous'><parent link='base'/><child link='arm'/></joint>" +
+               more + "</robot>";
+  };
+  write("<loop_joint name='close'><link1 link='arm'/><link2 link='base'/></loop_joint><jont name='typo'/><gazebo/>");
+  fs::remove(kRunnerFolder + "/loop.json");
+  check_refused(call("import loop.urdf --out loop.json"), 3,
+                {"loop.urdf: <loop_joint> 'close'", "--without loop_joint", "<jont> 'typo'"});
+  CHECK_FALSE(fs::exists(kRunnerFolder + "/loop.json"));
+  check_refused(call("import loop.urdf --without jont"), 3, {"<loop_joint> 'close'"});
+  const std::string both = "import loop.urdf --out loop.json --without loop_joint --without jont";
+  const Called r = call(both);
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  for (const char* line : {"left out: <loop_joint>: 'close'", "left out: <jont>: 'typo'", "left out: <gazebo>: 'loop'"})
+    CHECK(contains(r.text, line));
+  fs::remove(kRunnerFolder + "/loop.json");
+  check_refused(call(both + " --without loop_jont"), 2,
+                {"--without: no <loop_jont> is left out", "remove it, or correct its name"});
+  check_refused(call(both + " --without link"), 2, {"--without: no <link> is left out"});
+  CHECK_FALSE(fs::exists(kRunnerFolder + "/loop.json"));
+  // Joints of other blocks by their own name, or with the block.
+  write("<gazebo><joint name='back'><parent>arm</parent><child>base</child></joint></gazebo>");
+  check_refused(call("import loop.urdf"), 3, {"<joint> 'back' in <gazebo>"});
+  CHECK(contains(call("import loop.urdf --without joint").text, "left out: <joint>: 'back'"));
+  const Called block = call("import loop.urdf --without gazebo");
+  CHECK(block.exit == 0);
+  CHECK(contains(block.text, "left out: <gazebo>: 'loop'"));
+  CHECK(contains(block.text, "\"hinge\""));
+}
+
 TEST_CASE("describe reports a scene's parameters: value, place, dependent values", "[runner]") {
   const Called crank = call("describe crank --scene '" + kFourBar + "'");
   CHECK(crank.exit == 0);

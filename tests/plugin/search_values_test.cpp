@@ -235,6 +235,37 @@ TEST_CASE("optimize: a four-bar whose coupler point passes ten points", "[plugin
   CHECK(std::abs(sum - j["best"]["value"].get<double>()) <= 1e-4 * sum);
 }
 
+TEST_CASE("searches refuse a name of a column and of a parameter", "[plugin][runner]") {
+  if (is_left_out()) return;
+  // The column falls from 0 to -5 m, the parameter of its name is constant.
+  const std::string members = R"--("gravity": [0, -10, 0], "parameters": {"height": "2 m", "v": "1 m/s"},
+    "bodies": [{"name": "b", "particle": 1, "velocity": ["=v", 0, 0]}],
+    "run": {"until": 1, "output": 0.1, "record": [{"height": "b.y"}, {"x": "b.x"}]})--";
+  const auto scene = [&](const std::string& more) { return scene_file("shared_name", members + more); };
+  const std::string s = scene("");
+  CHECK(call("run " + s + " --no-picture").exit == 0);
+  const std::vector<std::string> words{"\"height\" is both a parameter (", "shared_name.json:2:",
+                                       "and a recorded column (", "shared_name.json:4:", "rename one of them"};
+  const auto check = [&](const std::string& command, const std::string& option, const std::string& formula) {
+    std::vector<std::string> all = words;
+    all.push_back(option + ": ");
+    check_refused(call(command + " " + option + " \"" + formula + "\""), 2, all);
+  };
+  check("find " + s + " --vary height=1:3", "--reach", "min(height) = 2 m");
+  check("optimize " + s + " --vary v=1:3", "--minimize", "min(height)");
+  check("optimize " + s + " --vary v=1:3", "--maximize", "height + x");
+  check("optimize " + s + " --vary v=1:3 --minimize x", "--subject-to", "height > -9 m");
+  check("sensitivity " + s + " --to v", "--of", "min(height)");
+  // In quotes it is the column.
+  const Json j = json_of("optimize " + s + " --vary v=1:3 --minimize \"min('height')*x\" --json");
+  CHECK(std::abs(j["best"]["value"].get<double>() + 5 * 3) <= 1e-4);
+  // A condition of the scene is read in each run.
+  const std::string conditions = scene(R"--(, "require": ["=height > 1 m"])--");
+  check_refused(call("run " + conditions + " --no-picture"), 3, words);
+  check_refused(call("check " + conditions), 3, words);
+  check_refused(call("find " + conditions + " --vary v=1:3 --reach \"x = 2 m\""), 3, words);
+}
+
 TEST_CASE("optimize: a start at which the derivative vanishes may be a maximum", "[plugin][runner]") {
   if (is_left_out()) return;
   // A throw by 10 m/s lands at 10 m sin(2 th).
@@ -309,8 +340,8 @@ TEST_CASE("optimize: no more runs than asked for, and a minimum next to runs tha
   "parameters": {"q": 0.99995, "x": "=sqrt(1 - q)*1 m"}, "gravity": [0, 0, 0],
   "bodies": [{"name": "mass", "mass": 1, "inertia": [1, 1, 1], "position": ["=x", 0, 0]}],
   "joints": [{"name": "A", "type": "fixed", "p": "mass", "s": "ground", "at": [0, 0, 0]}],
-  "run": {"until": 0.1, "output": 0.1, "record": [{"x": "mass.x"}]})--");
-  const Json j = json_of("optimize " + edge + " --vary q=0:2 --minimize \"(x - 0.5 m)^2\" --json");
+  "run": {"until": 0.1, "output": 0.1, "record": [{"arm": "mass.x"}]})--");
+  const Json j = json_of("optimize " + edge + " --vary q=0:2 --minimize \"(arm - 0.5 m)^2\" --json");
   INFO(j.dump());
   CHECK(std::abs(j["best"]["values"]["q"].get<double>() - 0.75) <= 1e-3);
   CHECK(j["failed"].get<long>() > 0);

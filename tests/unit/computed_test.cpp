@@ -85,13 +85,44 @@ TEST_CASE("a column reads the columns above it by their names", "[unit][record]"
   CHECK(t.column("left").unit == "N");
   // F = m g - m c^2 m g/I at the start, and m g + 2 m c^2 m g/I at the lowest point, which the rod passes
   CHECK(t.last("left") + t.last("F") == Approx(3 * 9.81 - 2 * t["F"][0]).epsilon(1e-10));
-  // what the scene defines counts before a column of its name
-  const Table named = run_with(R"~({"plain": "A.rz"}, {"pi": "A.rz"}, {"six": "=2*plain"}, {"turn": "=2*pi"})~");
-  CHECK(named.last("six") == 6);
+  const Table named = run_with(R"~({"pi": "A.rz"}, {"turn": "=2*pi"})~");
   CHECK(named.last("turn") == Approx(2 * std::numbers::pi).epsilon(1e-15));
   check_words(refusal(R"~({"b": "=2*a"}, {"a": "A.rz"})~"), {"run.record", "\"a\""});
   check_words(refusal(R"~({"c": "=c + 1"})~"), {"run.record", "\"c\""});
   check_words(refusal(R"~({"F": "=norm(A.force_on_p_world)"}, "=F + r")~"), {"run.record", "a force and a length"});
+}
+
+TEST_CASE("a name of a column and of a parameter is refused where a formula reads it", "[unit][record]") {
+  const std::string both = R"~({"plain": "A.rz"}, {"Q": "rod.x"}, {"Q.z": "rod.y"})~";
+  const std::vector<std::string> words{
+      "\"plain\" is both a parameter (columns.json:2:41) and a recorded column (columns.json:8:", "rename one of them",
+      "'plain'"};
+  check_words(refusal(both + R"~(, {"six": "=2*plain"})~"), words);
+  check_words(refusal(both + R"~(, "=max(plain)")~"), words);
+  check_words(refusal(R"~({"six": "=2*plain"}, )~" + both), words);  // also above the column
+  check_words(refusal(both + R"~(, {"five": "=norm(Q - [1, 2, 7])"})~"),
+              {"\"Q\" is both a point (columns.json:2:77) and a recorded column"});
+  check_words(refusal(both + R"~(, {"two": "=Q.z"})~"), {"\"Q.z\" is both a point"});
+  // A condition and an event read the same names.
+  const auto with = [&](const std::string& members) {
+    return build_mechanism(scene_from_text(kScene + both + "]}, " + members + "}", "columns.json"), builtin_registry());
+  };
+  const auto refused = [&](const std::string& members) { return message_of<SceneError>([&] { with(members); }); };
+  check_words(refused(R"~("require": ["=plain < 9"])~"), words);
+  check_words(refused(R"~("require": ["=plain*A.rz_d < 9 rad/s"])~"), words);
+  check_words(refused(R"~("events": [{"name": "e", "when": {"channel": "=plain - t"}, "stop": true}])~"), words);
+  // In quotes it is the column, as it is where no formula is; a column has no components.
+  const Table quoted = run_with(both + R"~(, {"double": "=2*'plain'"}, {"y": "=Q.y"})~");
+  CHECK(quoted.last("double") == 2 * quoted.last("plain"));
+  CHECK(quoted.last("y") == 2);
+  Simulation stopped(
+      with(R"~("events": [{"name": "e", "when": {"channel": "plain", "crosses": "-0.5 rad"}, "stop": true}])~"));
+  stopped.run();
+  CHECK(stopped.table().last("plain") == Approx(-0.5).epsilon(1e-9));
+  // The column itself reads the parameter; if it is the parameter, all do.
+  const Table same = run_with(R"~({"plain": "=plain"}, {"six": "=2*plain"}, {"w": "=2*w"})~");
+  CHECK(same.last("six") == 6);
+  CHECK(same.last("w") == 8);
 }
 
 TEST_CASE("a peak inside a step is found to round-off, also late and in short steps", "[unit][record]") {

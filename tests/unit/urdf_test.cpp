@@ -194,6 +194,69 @@ TEST_CASE("a robot that is no tree, or has impossible sizes, is rejected by name
               {"link 'b': it has a mass and no <inertia>", "give it one"});
 }
 
+// A base and an arm on a hinge, with more elements in the robot, in the arm and in its hinge.
+std::string arm_with(const std::string& in_robot, const std::string& in_link = "", const std::string& in_joint = "") {
+  return "<robot name='r'><link name='base'/><link name='arm'><inertial><mass value='1'/><inertia ixx='1' ixy='0' "
+         "ixz='0' iyy='1' iyz='0' izz='1'/></inertial>" +
+         in_link + "</link><joint name='hinge' type='continuous'><parent link='base'/><child link='arm'/>" + in_joint +
+         "</joint>" + in_robot + "</robot>";
+}
+
+TEST_CASE("elements of a robot that are not used are listed by kind, on every level", "[unit][scene]") {
+  const auto left_out = [](const std::string& text) { return read_urdf(text, "r.urdf", false).left_out; };
+  using Lines = std::vector<std::string>;
+  CHECK(left_out(arm_with("")).empty());
+  CHECK(left_out(arm_with("<gazebo reference='arm'><mu1>0.2</mu1></gazebo><gazebo reference='base'/><gazebo/>"
+                          "<gazebo reference='arm'/><sensor name='camera'><ray/></sensor>")) ==
+        Lines{"<gazebo>: 'arm', 'base', 'r' and 1 more", "<sensor>: 'camera'"});
+  CHECK(left_out(arm_with("", "<self_collide>1</self_collide>", "<safety_controller k_velocity='1'/><calibration/>")) ==
+        Lines{"<calibration>: 'hinge'", "<safety_controller>: 'hinge'", "<self_collide>: 'arm'"});
+  CHECK(left_out(arm_with("", "<visual><geometry><capsule radius='1'/></geometry><verbose/></visual>")) ==
+        Lines{"<capsule>: 'arm'", "<verbose>: 'arm'", "visual shapes: 'arm'"});
+  CHECK(left_out(arm_with("<material name='red'><texture filename='a.png'/></material>")) == Lines{"<texture>: 'red'"});
+  CHECK(left_out(arm_with("", "<inertial><origin xyz='0 0 0'><note/></origin></inertial>")) ==
+        Lines{"further <inertial>: 'arm'"});
+  CHECK(left_out(arm_with("", "", "<axis xyz='1 0 0'><note/></axis><axis xyz='0 1 0'/>")) ==
+        Lines{"<note>: 'hinge'", "further <axis>: 'hinge'"});
+  CHECK(left_out(arm_with("", "<visual><geometry><sphere radius='1'/><box size='1 1 1'/></geometry></visual>")) ==
+        Lines{"further <sphere>: 'arm'"});
+  // What is left out under a name of its own is listed once, and what it holds is not.
+  CHECK(
+      left_out(arm_with("<transmission name='t'><joint name='hinge'/><actuator name='m'/></transmission>",
+                        "<collision><geometry><box size='1 1 1'/></geometry></collision>", "<mimic joint='hinge'/>")) ==
+      Lines{"collision shapes: 'arm'", "mimic relations: 'hinge'", "transmissions: 't'"});
+  // Joints that are only named, as in ros2_control and in plugins of Gazebo, hold nothing.
+  CHECK(left_out(
+            arm_with("<ros2_control name='c'><joint name='hinge'><command_interface name='effort'/></joint>"
+                     "</ros2_control><gazebo><plugin name='drive'><left_joint>hinge</left_joint></plugin></gazebo>")) ==
+        Lines{"<gazebo>: 'r'", "<ros2_control>: 'c'"});
+}
+
+TEST_CASE("joints that a robot holds elsewhere, and misspelt elements, are rejected by name", "[unit][scene]") {
+  const auto said = [](const std::string& in_robot, const std::string& in_link = "", const std::string& in_joint = "") {
+    return message_of<SceneError>([&] { read_urdf(arm_with(in_robot, in_link, in_joint), "r.urdf", false); });
+  };
+  check_words(said("<loop_joint name='close' type='continuous'><link1 link='arm'/><link2 link='base'/></loop_joint>"),
+              {"r.urdf: <loop_joint> 'close'", "joint", "--without loop_joint"});
+  check_words(said("<constraint name='c' type='spherical'/>"), {"<constraint> 'c'", "--without constraint"});
+  check_words(
+      said("<gazebo><joint name='back' type='revolute'><parent>arm</parent><child>base</child></joint></gazebo>"),
+      {"<joint> 'back'", "in <gazebo>", "--without joint"});
+  check_words(said("", "<own><deep><weld name='w'><link1>arm</link1><link2>base</link2></weld></deep></own>"),
+              {"<weld> 'w'", "in <own>", "--without weld"});
+  check_words(said("<drake:ball_constraint name='b'/>"),
+              {"<drake:ball_constraint> 'b'", "--without drake:ball_constraint"});
+  check_words(said("<jont name='typo' type='fixed'/>"),
+              {"r.urdf: <jont> 'typo'", "did you mean \"joint\"?", "--without jont"});
+  check_words(said("", "<visuel/>"), {"<visuel> of 'arm'", "\"visual\"", "--without visuel"});
+  check_words(said("", "", "<Axis xyz='1 0 0'/>"), {"<Axis> of 'hinge'", "\"axis\""});
+  check_words(said("", "<visual><geometry><spere radius='1'/></geometry></visual>"),
+              {"<spere> of 'arm'", "\"sphere\""});
+  check_words(said("<material name='red'><colour rgba='1 0 0 1'/></material>"), {"<colour> of 'red'", "\"color\""});
+  // All of a file at once.
+  check_words(said("<loop_joint name='l'/><jont name='k'/>", "", "<limits/>"), {"loop_joint", "jont", "limits"});
+}
+
 TEST_CASE("shapes of a robot's parts move with their bodies", "[unit][scene]") {
   // The tip has no mass: its sphere moves with the lower arm or the load, which are one. The world has a box.
   std::string text =

@@ -74,7 +74,8 @@ LOCKSTEP_API void rename_joints(std::string& path);
 /// The settings of a scene, with defaults for what it leaves out (or null). Throws SceneError.
 LOCKSTEP_API RunSettings read_run(const Value&);
 /// The channel of a column, or a formula with channels, or their formulas, in place of the names of columns: of the first n
-/// that the scene records, except of names that it defines. Throws ModelError.
+/// that the scene records. A parameter or point of the same name is read by column n itself, or if the column records that
+/// parameter; any other formula must have the name in quotes, for the column. Throws ModelError.
 LOCKSTEP_API std::string without_columns(std::string column, const Scene&, std::size_t n = SIZE_MAX);
 /// Lets each formula of "record" read the columns above it by their names, and the conditions "require" all; checks these.
 void read_columns(Scene&);

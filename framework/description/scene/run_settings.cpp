@@ -225,22 +225,44 @@ RunSettings read_run(const Value& v) {
   return run;
 }
 
+namespace {
+
+// The parameter or point that a formula reads by a name, or by that of a component; null if there is none.
+const SceneParameter* parameter_named(const std::string& name, const Scene& scene) {
+  for (const SceneParameter& p : scene.parameters) {
+    const std::size_t component = p.value.list() != nullptr && name.starts_with(p.name + ".") ? 2 : 0;  // ".x"
+    if (name.size() == p.name.size() + component && name.starts_with(p.name)) return &p;
+  }
+  return nullptr;
+}
+
+std::string is_both(const ChannelRequest& r, const SceneParameter& p) {
+  const auto at = [](const SourceLocation& where) { return where.line > 0 ? " (" + where.text() + ")" : ""; };
+  return "\"" + r.column() + "\" is both a " + (p.is_point ? "point" : "parameter") + at(p.written.where) +
+         " and a recorded column" + at(r.where) + "; rename one of them, or read the column as '" + r.column() + "'";
+}
+
+}  // namespace
+
 std::string without_columns(std::string column, const Scene& scene, std::size_t n) {
   static const std::vector<std::string> kTime{"t"};
-  const auto channel_of = [&](const std::string& name) {
-    const bool is_own =
-        name == "pi" || std::ranges::find(scene.parameters, name, &SceneParameter::name) != scene.parameters.end();
-    for (std::size_t k = 0; !is_own && k < std::min(n, scene.run.record.size()); ++k)
-      if (scene.run.record[k].column() == name) return scene.run.record[k].channel;
-    return name;
+  const std::vector<ChannelRequest>& record = scene.run.record;
+  const auto named = [&](const std::string& name) {
+    return std::size_t(std::ranges::find(record, name, &ChannelRequest::column) - record.begin());
   };
-  if (!column.starts_with('=')) return channel_of(column);
-  std::vector<expression::Node> names = expression::Expression(column, kTime, expression::Naming::channels).nodes();
+  if (!column.starts_with('=')) return named(column) < record.size() ? record[named(column)].channel : column;
+  const expression::Expression e(column, kTime, expression::Naming::channels);
+  std::vector<expression::Node> names = e.nodes();
   std::erase_if(names, [](const expression::Node& node) { return node.operation != expression::Operation::name; });
   std::ranges::sort(names, std::greater(), &expression::Node::at);
   for (const expression::Node& node : names) {
-    const std::string name = expression::without_quotes(node.name), channel = channel_of(name);
-    if (channel != name)
+    const std::string name = expression::without_quotes(node.name);
+    const std::size_t k = named(name);
+    if (k == record.size() || name == "pi") continue;
+    const std::string& channel = record[k].channel;
+    const SceneParameter* const own = node.name == name ? parameter_named(name, scene) : nullptr;
+    if (own != nullptr && k != n && channel != "=" + name) e.refuse(node, is_both(record[k], *own));
+    if (own == nullptr && k < n && channel != name)
       column.replace(node.at, node.name.size(),
                      channel.starts_with('=') ? "(" + channel.substr(1) + ")" : "'" + channel + "'");
   }

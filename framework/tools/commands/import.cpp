@@ -2,6 +2,7 @@
 // The command import: a robot in URDF becomes a scene.
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -60,8 +61,12 @@ Result import_robot(const Arguments& args) {
   const std::string file = args["file"] == "-" ? "standard input" : args["file"];
   const std::string robots = folder_of(args["file"] == "-" ? "" : args["file"]);
   MeshFinder meshes{robots, args["--out"].empty() ? robots : folder_of(args["--out"])};
-  const ImportedRobot robot = read_urdf(text_of_robot(args["file"]), file, args.has("--floating"),
-                                        [&](const std::string& name) { return meshes.find(name); });
+  const ImportedRobot robot = read_urdf(
+      text_of_robot(args["file"]), file, args.has("--floating"),
+      [&](const std::string& name) { return meshes.find(name); }, args.all("--without"));
+  for (const std::string& kind : args.all("--without"))
+    if (std::ranges::none_of(robot.left_out, [&](const auto& line) { return line.starts_with("<" + kind + ">: "); }))
+      throw UsageError("--without: no <" + kind + "> is left out; remove it, or correct its name");
   const std::string text = write_json(robot.scene);
   build_mechanism(
       scene_from_text(text, (fs::path(meshes.folder) / (fs::path(file).filename().string() + ", as a scene")).string()),
@@ -87,15 +92,16 @@ Result import_robot(const Arguments& args) {
 }  // namespace
 
 Command import_command() {
-  return {
-      "import",
-      {Option{"file", "FILE.urdf", "the robot; -: standard input, as in `xacro robot.xacro | lockstep import -`"}
-           .needed(),
-       {"--out", "FILE.json", "the scene; default: standard output"},
-       {"--floating", "", "the base link moves freely; default: it is fixed to the world"}},
-      import_robot,
-      "Limits become stops, damping becomes forces. Parts that are not converted (mimic, friction) are reported.\n\n"
-      "Example:\n  lockstep import robot.urdf --out robot.json"};
+  return {"import",
+          {Option{"file", "FILE.urdf", "the robot; -: standard input, as in `xacro robot.xacro | lockstep import -`"}
+               .needed(),
+           {"--out", "FILE.json", "the scene; default: standard output"},
+           {"--floating", "", "the base link moves freely; default: it is fixed to the world"},
+           Option{"--without", "KIND", "leave elements <KIND> out, even joints; may be repeated"}.repeated()},
+          import_robot,
+          "Limits become stops, damping becomes forces. Parts that are not converted (mimic, friction) are reported.\n"
+          "Joints that are not converted (loop_joint) and misspelt elements are errors without --without.\n\n"
+          "Example:\n  lockstep import robot.urdf --out robot.json"};
 }
 
 }  // namespace lockstep

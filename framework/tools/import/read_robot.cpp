@@ -13,12 +13,14 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/json.h"
+#include "framework/mechanism/params/refusals.h"
 #include "framework/tools/import/robot.h"
 
 namespace lockstep::urdf {
 namespace {
 
 using Tree = boost::property_tree::ptree;
+using Words = std::vector<std::string>;
 
 constexpr int kMostTags = 200;  // nested: the parser calls itself
 
@@ -46,14 +48,44 @@ bool is_utf8(const std::string& text) {
   }
 }
 
+bool has(const Words& words, const std::string& word) { return std::ranges::find(words, word) != words.end(); }
+
+// What is read in an element, or left out under a name of its own; "*": all that it holds is left out with it.
+Words known_in(const std::string& element) {
+  static const std::map<std::string, Words> known{
+      {"robot", {"link", "joint", "material", "transmission"}},
+      {"link", {"inertial", "visual", "collision"}},
+      {"inertial", {"origin", "mass", "inertia"}},
+      {"visual", {"origin", "geometry", "material"}},
+      {"geometry", {"box", "cylinder", "sphere", "mesh"}},  // the first of these
+      {"material", {"color"}},
+      {"joint", {"parent", "child", "origin", "axis", "limit", "dynamics", "mimic"}},
+      {"collision", {"*"}},
+      {"transmission", {"*"}}};
+  return known.contains(element) ? known.at(element) : Words();
+}
+
+// Whether an element that is not read is a joint: by its name without the prefix of a program ("drake:"), or its ends.
+bool is_joint(const std::string& element, const Tree& tree) {
+  static const Words joints{"loop_joint", "constraint", "ball_constraint", "equality"};
+  const auto holds = [&](const char* a, const char* b) { return tree.count(a) > 0 && tree.count(b) > 0; };
+  return has(joints, element.substr(element.find(':') + 1)) || holds("parent", "child") || holds("link1", "link2");
+}
+
+std::string name_of(const Tree& tree, const std::string& of) {
+  return tree.get("<xmlattr>.name", tree.get("<xmlattr>.reference", of));
+}
+
 /// Reads a robot, and keeps the place for messages.
 class Reader {
  public:
-  explicit Reader(std::string file) { robot_.file = std::move(file); }
+  Reader(std::string file, const Words& without) : without_(without) { robot_.file = std::move(file); }
 
   Robot read(const std::string& text) {
     const Tree tree = tree_of(text);
     robot_.name = tree.get<std::string>("<xmlattr>.name", "robot");
+    note_unread("robot", tree, robot_.name);
+    wrong_.raise();
     read_colors(tree);
     for (const auto& [tag, child] : tree) {
       if (tag == "link") read_link(child);
@@ -84,6 +116,39 @@ class Reader {
     if (robot == tree.not_found())
       fail("it has no <robot>, so it is not URDF; convert a xacro file by `xacro robot.xacro`");
     return robot->second;
+  }
+
+  // The elements that are not read, in one that is; `of`: the innermost name around them.
+  void note_unread(const std::string& in, const Tree& tree, const std::string& of) {
+    const Words known = known_in(in);
+    const auto first = std::ranges::find_if(known, [&](const std::string& kind) { return tree.count(kind) > 0; });
+    for (const auto& [kind, child] : tree) {
+      const bool repeats = in == "robot" || kind == "visual" || kind == "collision";
+      if (kind == "<xmlattr>" || has(known, "*")) continue;
+      if (!has(known, kind))
+        leave_out_element(kind, child, of, known, "");
+      else if (repeats || &child == &tree.get_child(in == "geometry" ? *first : kind))
+        note_unread(kind, child, name_of(child, of));
+      else
+        leave_out("further <" + kind + ">", of);
+    }
+  }
+
+  // `known`: what it may be misspelt for. `inside`: "", or where it is, if that is not read either.
+  void leave_out_element(const std::string& kind, const Tree& tree, const std::string& of, const Words& known,
+                         const std::string& inside) {
+    const std::string name = name_of(tree, of), near = text::closest_name(kind, known);
+    if (inside.empty() || has(without_, kind)) leave_out("<" + kind + ">", name);
+    if (has(without_, kind)) return;
+    const std::string whose = tree.get_child_optional("<xmlattr>.name") ? " '" : " of '",
+                      called = "<" + kind + ">" + whose + name + "'" + inside, by = " --without " + kind;
+    if (!near.empty())
+      wrong_.attempt([&] { fail(called + " is unknown; did you mean \"" + near + "\"? Else leave it out by" + by); });
+    else if (is_joint(kind, tree))
+      wrong_.attempt([&] { fail(called + " is a joint that is not read; add it to the scene, and give" + by); });
+    for (const auto& [below, child] : tree)
+      if (below != "<xmlattr>")
+        leave_out_element(below, child, name, {}, inside.empty() ? " in <" + kind + ">" : inside);
   }
 
   template <int N>
@@ -304,13 +369,17 @@ class Reader {
     return all;
   }
 
+  const Words& without_;
   Robot robot_;
+  Refusals wrong_;
   std::map<std::string, std::string> colors_;
   std::map<std::string, std::size_t> parts_, joints_;
 };
 
 }  // namespace
 
-Robot read_robot(const std::string& text, const std::string& file) { return Reader(file).read(text); }
+Robot read_robot(const std::string& text, const std::string& file, const Words& without) {
+  return Reader(file, without).read(text);
+}
 
 }  // namespace lockstep::urdf

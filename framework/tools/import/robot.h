@@ -59,8 +59,9 @@ struct Robot {
   std::map<std::string, std::vector<std::string>> left_out;  ///< what: names of links and joints
 };
 
-/// Reads a file of URDF. Throws SceneError.
-Robot read_robot(const std::string& text, const std::string& file);
+/// Reads a file of URDF; `without`: kinds of elements that are left out even if they are joints or misspelt. Throws
+/// SceneError.
+Robot read_robot(const std::string& text, const std::string& file, const std::vector<std::string>& without);
 
 /// The file of a mesh as the scene names it, for the name in the robot; "" if there is no such file.
 using FindMesh = std::function<std::string(const std::string&)>;

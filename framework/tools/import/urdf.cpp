@@ -19,8 +19,9 @@ std::string line_of(const std::string& what, const std::vector<std::string>& of)
 }  // namespace
 
 ImportedRobot read_urdf(const std::string& text, const std::string& name, bool floating,
-                        const std::function<std::string(const std::string&)>& find_mesh) {
-  urdf::Robot robot = urdf::read_robot(text, name);
+                        const std::function<std::string(const std::string&)>& find_mesh,
+                        const std::vector<std::string>& without) {
+  urdf::Robot robot = urdf::read_robot(text, name, without);
   ImportedRobot imported{urdf::scene_of(robot, floating, find_mesh)};
   for (const auto& [what, of] : robot.left_out) imported.left_out.push_back(line_of(what, of));
   return imported;

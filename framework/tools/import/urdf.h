@@ -22,9 +22,11 @@ struct ImportedRobot {
 /// root is the ground, unless it has a mass: it is then fixed, or free if `floating`. `name`: the file's, for messages.
 /// Shapes are kept: boxes, cylinders, spheres, and meshes for which `find_mesh` returns the file name in the scene, from
 /// the name in the robot ("package://arm/meshes/a.stl"); "": the mesh is left out. Throws SceneError with the names of link
-/// and joint: invalid XML, no or several roots, joints of unknown types or between unknown links, moving links without mass.
+/// and joint: invalid XML, no or several roots, joints of unknown types or between unknown links, moving links without mass;
+/// and elements that are not read, but are joints or misspelt, unless `without` has their kind ("loop_joint").
 LOCKSTEP_API ImportedRobot read_urdf(const std::string& text, const std::string& name, bool floating,
-                                     const std::function<std::string(const std::string&)>& find_mesh = {});
+                                     const std::function<std::string(const std::string&)>& find_mesh = {},
+                                     const std::vector<std::string>& without = {});
 
 /// The file of a robot's mesh name, for a robot in `folder`: for "package://arm/meshes/a.stl" the first meshes/a.stl in a
 /// folder arm that contains `folder`, or is next to a folder that does; for "file:///x" x; else the path from `folder`.
