@@ -169,6 +169,13 @@ std::vector<Provoked> all() {
           "links": [{"name": "A", "type": "revolute", "p": "door", "s": "ground", "at": [0, 0, 0]},
           {"name": "B", "type": "revolute", "p": "door", "s": "ground", "at": [0, 0, 1]}])" +
            until + R"("record": ["A.force_on_p_world_x"]})"},
+      {"depends-on-share", kRun,
+       R"("gravity": [0, 0, -9.81],
+          "bodies": [{"name": "door", "mass": 2, "inertia": [0.1, 0.2, 0.25], "position": [0.5, 0, 0]}],
+          "links": [{"name": "A", "type": "revolute", "p": "door", "s": "ground", "at": [0, 0, 0],
+                     "friction": {"mu": 0.1, "radius": "10 mm"}},
+          {"name": "B", "type": "revolute", "p": "door", "s": "ground", "at": [0, 0, 1]}])" +
+           until + R"("record": ["door.x"]})"},
       {"nearly-redundant", kRun,
        R"("gravity": [0, 0, 0], "bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 1]}],
           "links": [{"name": "A", "type": "prismatic", "p": "b", "s": "ground", "at": [0, 0, 0], "axis": "x"},

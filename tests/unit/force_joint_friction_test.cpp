@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/forces.h>
 
+#include <lockstep/author/phi_links.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
 #include <lockstep/solvers.h>
@@ -110,6 +111,29 @@ TEST_CASE("joint friction: action, reaction, power and tangent in every joint th
   check_all<PointOnPlane>();
   check_all<PlaneOnPlane>();
   check_all<PointOnLine>();
+}
+
+namespace {
+
+/// A guide that also keeps the two bodies at a distance.
+struct Kept {
+  static constexpr PhiSpec spec{.reads = Reads::translation};
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    return y.x * y.x + y.y * y.y + y.z * y.z - 1.0;
+  }
+};
+struct KeptGuide final : PhiLock<Kept> {
+  KeptGuide(std::string name, Marker& p, Marker& s) : PhiLock(std::move(name), p, s, Mask::x | Mask::e123, Kept{}) {}
+  std::string_view type() const override { return "kept_guide"; }
+};
+
+}  // namespace
+
+TEST_CASE("joint friction: a host's joint with a function besides its mask is rejected", "[unit][force]") {
+  JointFriction::Options o = rough();
+  testing::check_words(testing::message_of<ModelError>([&] { Pair<KeptGuide>{o}; }),
+                       {"force 'rub'", "joint 'link' (kept_guide)", "revolute, prismatic"});
 }
 
 // The load of a bearing: the reaction by the rows x y z, seen in S axes.

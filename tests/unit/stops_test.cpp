@@ -126,6 +126,27 @@ TEST_CASE("scene: stops without effect are rejected", "[unit][scene]") {
               {"force 'F', link", "does not act in a joint"});
 }
 
+// Their reaction has a part by the function, which is not the load on a surface that slides.
+TEST_CASE("scene: friction of a joint that also holds a function is rejected", "[unit][scene]") {
+  const std::string friction = R"("friction": {"mu": 0.3, "radius": 0.02})";
+  const std::vector<std::pair<std::string, std::string>> types = {
+      {"screw", R"("lead": 0.1)"},
+      {"rack_and_pinion", R"("radius": -0.1)"},
+      {"function", R"("mask": "y e1 e2 e3", "phi": "=z - x")"},
+      {"function", R"~("mask": "x y z e1 e2", "phi": "=rz - sin(t)")~"}};
+  const std::string by_force =
+      R"("forces": [{"name": "rub", "type": "joint_friction", "link": "A", "mu": 0.3, "radius": 0.02}])";
+  for (const auto& [type, keys] : types) {
+    std::string joint = "joint 'A' (";
+    joint += type + ")";
+    check_words(refusal(arm(keys + ", " + friction, "", "z", type)),
+                {"arm.json:", "force 'A.friction'", joint, "use joints such as revolute, prismatic"});
+    check_words(refusal(arm(keys, by_force, "z", type)), {"arm.json:", "force 'rub'", joint, "revolute, prismatic"});
+  }
+  CHECK(made(arm(R"("mask": "x y z e1 e2", )" + friction, "", "z", "lock")).system.forces().size() == 1);
+  CHECK(made(arm(friction + R"(, "drive": {"axis": "rz", "law": 1})")).system.forces().size() == 1);
+}
+
 TEST_CASE("scene: friction is rejected if a law rotates the axis away", "[unit][scene]") {
   check_words(refusal(arm(R"("turn": {"type": "constant", "orientation": {"axis": "x", "angle": 1}},
                              "friction": {"mu": 0.1, "radius": 0.01})")),

@@ -188,7 +188,7 @@ low | number; quantity | | lower limit, m or rad; required, or "high", or both
 high | number; quantity | | upper limit, m or rad; required, or "low", or both
 restitution | number | 0 | ratio of the speed after an impact to the speed before, from 0 to 1
 rest_speed | number; quantity | 0.001 | an impact with a lower rebound speed ends at rest, m/s or rad/s
-## friction | | dry and viscous friction in a joint, from its present reaction
+## friction | | dry and viscous friction from the present reaction of a revolute, prismatic, cylindrical, point_on_line, point_on_plane, plane_on_plane, oldham or lock; other joints have none
 < friction
 ## event | | a change of the active joints and forces between two steps
 name | text | ! | name, unique among events

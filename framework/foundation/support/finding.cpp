@@ -23,13 +23,14 @@ const char* to_string(Severity severity) {
 std::span<const FindingKind* const> finding_kinds() {
   using namespace finding;
   constexpr auto all = [](auto&... kind) { return std::array{&kind...}; };
-  static constexpr auto kinds = all(
-      energy_not_conserved, constraints_drifted, requirement_broken, tolerance_not_reached, singular_passed,
-      reactions_uncertain, inertia_lost, not_certified, units_ignored, start_far, implausible, not_included, held_turn,
-      quaternion_length, negative_stiffness, outputs_beyond_end, setting_unused, length_repeated, switches_unresolved,
-      turns_uncertain, start_moved, start_speed_lost, start_changed, start_missed, singular_start, no_freedom,
-      violated_in_run, long_turn, long_steps, event_at_zero, stop_passed, friction_damps, energy_not_judged,
-      energy_suspect, event_missed, stiff, reactions_not_unique, nearly_redundant, units_assumed, analysis_note);
+  static constexpr auto kinds =
+      all(energy_not_conserved, constraints_drifted, requirement_broken, tolerance_not_reached, singular_passed,
+          reactions_uncertain, inertia_lost, depends_on_share, not_certified, units_ignored, start_far, implausible,
+          not_included, held_turn, quaternion_length, negative_stiffness, outputs_beyond_end, setting_unused,
+          length_repeated, switches_unresolved, turns_uncertain, start_moved, start_speed_lost, start_changed,
+          start_missed, singular_start, no_freedom, violated_in_run, long_turn, long_steps, event_at_zero, stop_passed,
+          friction_damps, energy_not_judged, energy_suspect, event_missed, stiff, reactions_not_unique,
+          nearly_redundant, units_assumed, analysis_note);
   return kinds;
 }
 

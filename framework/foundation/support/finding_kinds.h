@@ -39,6 +39,10 @@ inline constexpr FindingKind inertia_lost{
     "inertia-lost", Severity::doubt,
     "The inertia of a body about an axis is below what rounding leaves of its mass times the square of its length.",
     "Give it the inertia of a real body about that axis."};
+inline constexpr FindingKind depends_on_share{
+    "depends-on-share", Severity::doubt,
+    "Friction, an event or a requirement reads a reaction that is not unique: the solver chooses how loads are shared.",
+    "Release the redundant constraints, or add the compliance that determines the reactions."};
 inline constexpr FindingKind not_certified{
     "not-certified", Severity::doubt,
     "A second run with a tighter tolerance or another method does not agree in any digit of a recorded column.",

@@ -119,6 +119,7 @@ struct UniquenessReport {
   int undetermined = 0;               ///< number of independent vectors n: the redundant constraints
   std::vector<std::string> rows;      ///< constraints whose multipliers are not unique: "A.z", in order
   std::vector<std::string> channels;  ///< channels that are not unique: "A.force_on_p_world_z", "A.lambda_z"
+  std::vector<std::string> readers;   ///< forces that such a vector changes: "force 'A.friction' (joint A)"
 
   bool all_unique() const { return undetermined == 0; }  ///< whether every reaction is unique
   /// Whether the channel of this name is unique; true for channels that are no reactions.

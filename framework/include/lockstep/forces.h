@@ -179,8 +179,8 @@ class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
 ///     |F|       = sqrt(F.F + e^2) - e, smooth as the reaction passes zero
 ///
 /// Everything is odd in u and w and smooth at rest: below v_0 a joint creeps instead of sticking. In mu of the torque,
-/// r_a replaces r when r is zero. Not supported: joints that are not locks of two markers, markers that move on their
-/// bodies by laws, and joints with a law `turn`.
+/// r_a replaces r when r is zero. Not supported: joints that hold more than a mask, such as screws, racks and functions,
+/// markers that move on their bodies by laws, and joints with a law `turn`.
 class LOCKSTEP_API JointFriction final : public Force, public Reacting {
  public:
   /// Coefficients and dimensions of the friction.
@@ -206,7 +206,8 @@ class LOCKSTEP_API JointFriction final : public Force, public Reacting {
   /// direction), sliding_speed; radial_force, axial_force, friction_torque (on P about the axis), turning_rate.
   std::vector<Quantity> quantities() const override;
   double reacting_quantity(int k, const Inputs&, const Reactions&) const override;
-  /// Throws ModelError for markers that move on their bodies by laws, and for a joint with a law `turn`.
+  /// Throws ModelError for a joint with a function, for markers that move on their bodies by laws, and for a joint with a
+  /// law `turn`.
   void setup() override;
   bool stays_in_plane(Plane) const override { return true; }  ///< it acts along the motion that there is
   void apply(const Inputs&, WrenchSum&) const override {}     ///< nothing: all of it is in react()

@@ -13,6 +13,15 @@
 
 namespace lockstep {
 
+namespace {
+
+[[noreturn]] void refuse_friction(const Force& force, const Lock& link, const std::string& why) {
+  throw ModelError("force '" + force.name() + "': joint '" + link.name() + "' (" + std::string(link.type()) + ") " +
+                   why + "; use joints such as revolute, prismatic, cylindrical, point_on_plane");
+}
+
+}  // namespace
+
 /// The loads on the rubbing surfaces, N: normal to the sliding, radial and axial to the turning. All zero while the
 /// joint is not in force.
 struct JointFriction::Pressing {
@@ -23,12 +32,7 @@ struct JointFriction::Pressing {
 JointFriction::JointFriction(std::string name, const Lock& link, Options options)
     : Force(std::move(name)), Reacting(static_cast<const Force&>(*this)), link_(&link), options_(options) {
   const Jointed* joint = link.jointed();
-  const std::string who =
-      "force '" + this->name() + "': joint '" + link.name() + "' (" + std::string(link.type()) + ") ";
-  if (joint == nullptr)
-    throw ModelError(who +
-                     "is not a joint of two markers; use friction in joints such as revolute, prismatic, "
-                     "cylindrical, point_on_plane");
+  if (joint == nullptr) refuse_friction(*this, link, "is not a joint of two markers");
   std::tie(p_, s_) = link.pairs().front();
   check_numbers();
   const Mask mask = joint->mask();
@@ -45,9 +49,7 @@ JointFriction::JointFriction(std::string name, const Lock& link, Options options
   if (turning_ >= 0) axial_[turning_] = held[turning_], radial_ = held - axial_;
   arm_ = options_.radius > 0 ? options_.radius : options_.axial_radius;
   if (sliding_.isZero(0) && turning_ < 0)
-    throw ModelError(who +
-                     "has no free direction or axis on which its reaction causes friction; use joints "
-                     "such as revolute, prismatic, cylindrical, point_on_plane");
+    refuse_friction(*this, link, "has no free direction or axis on which its reaction causes friction");
   if (sliding_.isZero(0) && arm_ == 0 && options_.viscous_turn == 0)
     throw ParameterError({.kind = "force", .name = this->name()}, "radius",
                          "is missing; joint '" + link.name() + "' only rotates, so give its friction radius");
@@ -112,6 +114,8 @@ std::unique_ptr<Force> JointFriction::make(const Attachment& attachment, const P
 }
 
 void JointFriction::setup() {
+  if (link_->row_count() != count_rows(link_->jointed()->rows()))
+    refuse_friction(*this, *link_, "also holds a function, whose contact surfaces are not known");
   for (const Marker* m : {p_, s_})
     if (m->translation_law || m->rotation_law)
       throw ModelError("force '" + name() + "': marker '" + m->name + "' of joint '" + link_->name() +

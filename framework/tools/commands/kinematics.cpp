@@ -140,11 +140,12 @@ Result follow_scene(const Arguments& args, bool inverse) {
   note_near(near.all, m.run.nearly_redundant);
   const AssemblyReport assembled = assemble_scene(dynamics, m, start, near);
   refuse_driven_lock(dynamics, start);
+  if (inverse) CommandFindings::add(share_findings(dynamics, m, start));
 
   const auto begun = std::chrono::steady_clock::now();
   DrivenMotion motion(dynamics, std::move(start));
   RunRows rows(file, *recorder, true, outputs.units);
-  Doubts doubts(!args.has("--quiet") && records_reactions(m.run), 0);
+  Doubts doubts(!args.has("--quiet") && are_of_reactions(m.run.record), 0);
   PassedStops stops(m);
   std::vector<Observer*> observers{requirements.get(), recorder.get(), details.get()};
   std::erase(observers, nullptr);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/foundation/support/finding_kinds.h"
-#include "framework/mechanism/expression/expression.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -60,15 +59,6 @@ void note_not_unique(const UniquenessReport& reactions) {
   CommandFindings::add({&finding::reactions_not_unique, by_joint(reactions.rows),
                         "individual reactions are not unique, because constraints are redundant or left out",
                         "see the table \"reactions not unique\" of lockstep check --verbose"});
-}
-
-std::vector<std::string> columns_not_unique(const RunSettings& run, const UniquenessReport& reactions) {
-  std::vector<std::string> names;
-  for (const ChannelRequest& request : run.record)
-    if (!std::ranges::all_of(expression::channels_in(request.channel),
-                             [&](const std::string& channel) { return reactions.unique(channel); }))
-      names.push_back(request.column());
-  return names;
 }
 
 }  // namespace lockstep

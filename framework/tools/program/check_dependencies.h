@@ -38,7 +38,5 @@ inline const Fields<Dependency> kDependencyFields{{"rows", "", "constraints", &D
                                                   {"pivot", "", "", &Dependency::pivot}};
 /// Adds the finding that reactions are not unique, if some are not.
 void note_not_unique(const UniquenessReport&);
-/// Names of the recorded columns that hold reactions which are not unique.
-std::vector<std::string> columns_not_unique(const RunSettings&, const UniquenessReport&);
 
 }  // namespace lockstep

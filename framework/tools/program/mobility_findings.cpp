@@ -43,6 +43,7 @@ State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, Mobili
     run.set_state(start), run.run_until(start.t);  // as a run begins
     found.position = warn_of_branches(dynamics, run);
     warn_of_no_freedom(m, dynamics, run, kManyVelocities);
+    CommandFindings::add(share_findings(dynamics, m, run.state()));
     evaluate_first(dynamics, run.state());
   } catch (const Error& error) {
     found.error = in_lines(error), found.exit_code = exit_code_of(error);
@@ -91,7 +92,7 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
     if (r.redundant > 0) found.reactions = uniqueness(dynamics, at);
   }
   r.freedoms = in_space.freedoms, r.driven = in_space.driven, r.drives = in_space.drives;
-  found.columns_not_unique = columns_not_unique(m.run, found.reactions);
+  found.columns_not_unique = columns_not_unique(m.run.record, found.reactions);
   if (r.freedoms + r.driven == 0 && r.drives.empty() && found.error.empty())
     found.laws = moved_by_laws(dynamics, at, m.run.until > 0 ? m.run.until : 1).value_or(std::vector<std::string>());
   if (r.freedoms > 0 && r.freedoms <= kMostMotions && in_space.unknowns <= kDenseUnknowns)

@@ -102,7 +102,7 @@ class ProgramRun {
         audit_(system_of(m_), m_.run.limits),
         dynamics_(make_dynamics(m_, loaded_.registry)),
         sim_(dynamics_, make_integrator(m_.run, loaded_.registry), loop_options(m_.run)),
-        doubts_(records_reactions(m_.run), sim_.integrator().info().adaptive ? m_.run.tolerance.relative : 0.0) {}
+        doubts_(are_of_reactions(m_.run.record), sim_.integrator().info().adaptive ? m_.run.tolerance.relative : 0.0) {}
 
   Result go() {
     checkpoints_.refuse_unsaved(sim_.integrator());
@@ -119,6 +119,7 @@ class ProgramRun {
     end_.missed = missed_events(m_, sim_);
     end_.findings = run_findings(sim_, end_.audit, doubts_, singular_);
     for (Finding& f : broken_requirements(m_, requirements_.get())) end_.findings.push_back(std::move(f));
+    for (Finding& f : share_findings(dynamics_, m_, started_)) end_.findings.push_back(std::move(f));
     end_.near = decided(near_.all, m_.run.nearly_redundant);
     for (const MissedEvent& e : end_.missed) end_.findings.push_back(finding_of(e));
     for (Finding& f : suspects_of(end_, system_of(m_), singular_.n_passed())) end_.findings.push_back(std::move(f));
@@ -150,7 +151,8 @@ class ProgramRun {
     if (m_.system.n_velocities() <= kFewVelocities) refuse_driven_lock(dynamics_, start);
     refuse_short_laws(m_, dynamics_, start);
     if (args_.has("--quiet")) return start;
-    if (records_reactions(m_.run)) end_.not_unique = columns_not_unique(m_.run, uniqueness(dynamics_, start));
+    if (are_of_reactions(m_.run.record))
+      end_.not_unique = columns_not_unique(m_.run.record, uniqueness(dynamics_, start));
     if (!end_.not_unique.empty()) {
       const std::string names = first_of(end_.not_unique);
       CommandFindings::add({&finding::reactions_not_unique, names,

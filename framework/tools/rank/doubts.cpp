@@ -13,6 +13,7 @@
 #include <lockstep/dynamics.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/mechanism/expression/expression.h"
 
 namespace lockstep {
 
@@ -102,12 +103,22 @@ std::string by_joint(const std::vector<std::string>& constraints) {
   return words;
 }
 
-bool records_reactions(const RunSettings& run) {
+bool are_of_reactions(const std::vector<ChannelRequest>& channels) {
   constexpr std::string_view kParts[] = {"_on_p_", "_on_s_", ".lambda_", "friction", ".normal_force", ".drive"};
-  return std::ranges::any_of(run.record, [&](const ChannelRequest& r) {
+  return std::ranges::any_of(channels, [&](const ChannelRequest& r) {
     return std::ranges::any_of(kParts,
                                [&](std::string_view part) { return r.channel.find(part) != std::string::npos; });
   });
+}
+
+std::vector<std::string> columns_not_unique(const std::vector<ChannelRequest>& channels,
+                                            const UniquenessReport& reactions) {
+  std::vector<std::string> names;
+  for (const ChannelRequest& request : channels)
+    if (!std::ranges::all_of(expression::channels_in(request.channel),
+                             [&](const std::string& channel) { return reactions.unique(channel); }))
+      names.push_back(request.column());
+  return names;
 }
 
 }  // namespace lockstep

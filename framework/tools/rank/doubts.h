@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/analysis.h>
 #include <lockstep/scene.h>
 #include <lockstep/step_loop.h>
 
@@ -46,7 +47,9 @@ LOCKSTEP_API std::string first_of(const std::vector<std::string>& names, std::si
 /// Constraints "A.x", "A.y" and "B.e1", grouped: "A and C (each x y); B (e1)".
 LOCKSTEP_API std::string by_joint(const std::vector<std::string>& constraints);
 
-/// Whether columns are recorded that depend on reactions.
-LOCKSTEP_API bool records_reactions(const RunSettings&);
+/// Whether some of these channels depend on reactions, by their names.
+LOCKSTEP_API bool are_of_reactions(const std::vector<ChannelRequest>&);
+/// The columns of those that hold reactions which are not unique.
+LOCKSTEP_API std::vector<std::string> columns_not_unique(const std::vector<ChannelRequest>&, const UniquenessReport&);
 
 }  // namespace lockstep

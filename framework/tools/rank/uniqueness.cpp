@@ -6,16 +6,22 @@
 #include <iterator>
 
 #include "framework/dynamics/evaluate/row_space.h"
+#include "framework/foundation/support/thrown.h"
+#include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/rank/loop_rows.h"
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep {
 namespace {
 
+// Numbers that do not cancel one another.
+VecX some_numbers(Eigen::Index n) { return VecX::LinSpaced(n, 1, kPi); }
+
 /// Vectors of multipliers that change no motion, loop by loop; of unit size where rows have length 1.
 class Undetermined {
  public:
-  Undetermined(const System& system, const RowTable& table) : numbers_(static_cast<std::size_t>(table.n_rows)) {
+  Undetermined(const System& system, const RowTable& table)
+      : share(VecX::Zero(table.n_rows)), numbers_(static_cast<std::size_t>(table.n_rows)) {
     for (const std::vector<int>& entries : loops_of(system, table)) {
       const LoopRows rows(system, table, entries);
       const Dependencies found(rows.Jt, leaves_near_rows_out(system, table, entries) ? kNearlyDependent : kDependent);
@@ -23,11 +29,14 @@ class Undetermined {
       n += rows.n() - found.rank;
       round_off = std::max(round_off, found.round_off);
       for (int k = 0; k < rows.n(); ++k) numbers_[rows.numbers[k]] = found.circuits.row(k);
+      const MatX parts = (found.circuits.array().abs() > found.round_off).select(found.circuits, 0);
+      share(rows.numbers) = parts * some_numbers(parts.cols());
     }
   }
 
   int n = 0;             ///< how many there are
   double round_off = 0;  ///< numbers up to this are zero
+  VecX share;            ///< one vector that has a part of each
 
   /// The numbers of a row, one for each vector of its loop.
   const VecX& numbers(int row) const { return numbers_[row]; }
@@ -75,6 +84,21 @@ void add_channels_of(const Lock& link, const System& system, const Inputs& in, c
   }
 }
 
+// Adds the forces whose load by some multipliers is another with a share on top of them.
+void add_readers(const System& system, const Inputs& in, const RowTable& t, const VecX& share, UniquenessReport& out) {
+  const auto load = [&](const Force& force, const VecX& lambda) {
+    const Reactions reactions(t, {lambda.data(), static_cast<std::size_t>(lambda.size())});
+    return wrench_of(system, in, force, &reactions);
+  };
+  const VecX one = VecX::Ones(share.size()), other = one + share;
+  for (const auto& force : system.forces())
+    for (const Lock* read : force->reacting() ? force->reacting()->reads() : std::vector<const Lock*>())
+      if (const RowEntry* e = channels::entry_of(*read, t); e && !share.segment(e->first_row, e->m).isZero(0))
+        if (VecX a, b; succeeds([&] { a = load(*force, one), b = load(*force, other); }) &&
+                       (b - a).norm() > kNegligible * b.norm())
+          out.readers.push_back("force '" + force->name() + "' (joint " + read->name() + ")");
+}
+
 }  // namespace
 
 bool UniquenessReport::unique(const std::string& channel) const {
@@ -82,10 +106,14 @@ bool UniquenessReport::unique(const std::string& channel) const {
 }
 
 UniquenessReport uniqueness(Dynamics& dynamics, const State& state) {
-  const Evaluation& e = dynamics.gather_rows(state);
   const System& system = dynamics.system();
+  State moving = dynamics.in_slots(state);  // no row depends on velocities, but friction does
+  moving.v = some_numbers(moving.v.size());
+  for (const auto& force : system.forces())
+    if (force->switch_memory() >= 0) moving.z[force->switch_memory()] = 1;  // an event may do so later
+  const Evaluation& e = dynamics.gather_rows(moving);
   RowTable room;
-  const RowTable& table = all_rows(e, state, room);  // those that were left out would take a share
+  const RowTable& table = all_rows(e, moving, room);  // those that were left out would take a share
   const Undetermined u(system, table);
   UniquenessReport report;
   report.undetermined = u.n;
@@ -100,6 +128,7 @@ UniquenessReport uniqueness(Dynamics& dynamics, const State& state) {
     report.rows.push_back(named.name());
     report.channels.push_back(named.link->name() + ".lambda_" + std::string(named.link->row_name(named.own)));
   }
+  add_readers(system, e.inputs(), table, u.share, report);
   return report;
 }
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <lockstep/text.h>
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/system/diagnose.h"
+#include "framework/tools/rank/branch_point.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/rank/singular_watch.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -34,6 +36,23 @@ void add_energy(std::vector<Finding>& all, const Audit& audit, bool adaptive, co
 }
 
 }  // namespace
+
+std::vector<Finding> share_findings(Dynamics& dynamics, const Mechanism& m, const State& start) {
+  std::vector<ChannelRequest> read = m.run.require;
+  for (ChannelRequest& r : read)
+    r.name = "requirement " + (r.name.empty() ? "" : "'" + r.name + "' ") + "(" + r.channel.substr(1) + ")";
+  for (const EventRequest& e : m.events)
+    read.push_back({e.channel, "event '" + e.event.name + "' (" + e.channel + ")"});
+  const bool reacts = std::ranges::any_of(m.system.forces(), [](const auto& f) { return f->reacting() != nullptr; });
+  if (!reacts && !are_of_reactions(read)) return {};
+  UniquenessReport found = uniqueness(dynamics, start);
+  for (std::string& name : columns_not_unique(read, found)) found.readers.push_back(std::move(name));
+  if (found.readers.empty() || branch_point(dynamics, start).singular) return {};  // there reactions have no value
+  return {
+      {&finding::depends_on_share, "",
+       "the result depends on how redundant constraints share a load, by " + first_of(found.readers),
+       "release the redundant constraints, which lockstep check --verbose lists, or add the compliance of the joints"}};
+}
 
 std::vector<Finding> run_findings(StepLoop& run, const Audit& audit, const Doubts& doubts,
                                   const SingularWatch& singular) {

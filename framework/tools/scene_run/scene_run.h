@@ -75,6 +75,10 @@ inline State assembled_start(Dynamics& dynamics, Mechanism& m, AssemblyReport* r
   return start;
 }
 
+/// What depends at this start on how redundant constraints share a load: forces such as friction, events, requirements. One
+/// finding that names them, or none.
+LOCKSTEP_API std::vector<Finding> share_findings(Dynamics&, const Mechanism&, const State& start);
+
 class Doubts;
 class SingularWatch;
 

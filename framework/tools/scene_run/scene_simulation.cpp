@@ -41,16 +41,18 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
     if (requirements) run.add_observer(*requirements);
     run.add_observer(*audit);
     const bool adaptive = run.integrator().info().adaptive;
-    doubts = std::make_unique<Doubts>(records_reactions(settings), adaptive ? settings.tolerance.relative : 0.0);
+    doubts = std::make_unique<Doubts>(are_of_reactions(settings.record), adaptive ? settings.tolerance.relative : 0.0);
     run.add_observer(*doubts);
     if (SingularWatch::is_needed(by, start, run.integrator().info())) run.add_observer(singular);
     for (const Event& event : events) run.add_event(event);
+    at_start = share_findings(by, mechanism, start);
     return start;
   }
   RunVerdict verdict() const override {
     if (!loop) throw ModelError("simulation: verdict() was called before the start of the run; call it after run()");
     RunVerdict found{audit->result(), run_findings(*loop, audit->result(), *doubts, singular)};
     for (Finding& f : broken_requirements(mechanism, requirements.get())) found.findings.push_back(std::move(f));
+    found.findings.insert(found.findings.end(), at_start.begin(), at_start.end());
     found.right =
         std::ranges::none_of(found.findings, [](const Finding& f) { return f.severity() == Severity::wrong; });
     return found;
@@ -66,6 +68,7 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
   std::unique_ptr<Requirements> requirements;  // null: none
   std::unique_ptr<EnergyAudit> audit;
   std::unique_ptr<Doubts> doubts;
+  std::vector<Finding> at_start;
 };
 
 }  // namespace

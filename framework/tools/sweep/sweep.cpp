@@ -45,7 +45,7 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   if (at_jumps != nullptr) sim.add_observer(*at_jumps);
   if (requirements) sim.add_observer(*requirements);
   sim.add_observer(audit);
-  Doubts doubts(records_reactions(m.run), sim.integrator().info().adaptive ? m.run.tolerance.relative : 0.0);
+  Doubts doubts(are_of_reactions(m.run.record), sim.integrator().info().adaptive ? m.run.tolerance.relative : 0.0);
   sim.add_observer(doubts);
   SingularWatch singular(system_of(m));
   if (SingularWatch::is_needed(dynamics, start, sim.integrator().info())) sim.add_observer(singular);
@@ -68,6 +68,7 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   if (!singular.passed().empty())
     result.passed = singular.n_passed(), result.first_passed = singular.passed().front().t;
   result.findings = doubts.findings(report.steps, sim.state().t);
+  for (Finding& f : share_findings(dynamics, m, started)) result.findings.push_back(std::move(f));
   judge(audit.result(), result);
   for (Finding& f : broken_requirements(m, requirements.get()))
     result.findings.push_back(std::move(f)), result.wrong = true;
