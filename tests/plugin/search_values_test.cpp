@@ -235,7 +235,7 @@ TEST_CASE("optimize: a four-bar whose coupler point passes ten points", "[plugin
   CHECK(std::abs(sum - j["best"]["value"].get<double>()) <= 1e-4 * sum);
 }
 
-TEST_CASE("searches refuse a name of a column and of a parameter", "[plugin][runner]") {
+TEST_CASE("searches reject a name of a column and of a parameter", "[plugin][runner]") {
   if (is_left_out()) return;
   // The column falls from 0 to -5 m, the parameter of its name is constant.
   const std::string members = R"--("gravity": [0, -10, 0], "parameters": {"height": "2 m", "v": "1 m/s"},

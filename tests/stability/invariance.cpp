@@ -117,10 +117,10 @@ std::string Way::words() const {
                      stages == "auto" ? "" : ":" + stages, tolerance);
 }
 
-Motion move(const Case& c, const View& view, const Way& way, double faster) {
+Trace follow(const Case& c, const View& view, const Way& way, double faster) {
   static const Registry registry = builtin_registry();
   logger()->set_level(spdlog::level::off);
-  Motion motion;
+  Trace motion;
   try {
     Mechanism m = build_mechanism(written(c, view, way), registry);
     System& system = system_of(m);

@@ -33,7 +33,7 @@ struct Instant {
 };
 
 /// A history, or the words of an error.
-struct Motion {
+struct Trace {
   std::vector<Instant> history;
   std::string refusal;
   long steps = 0;
@@ -48,7 +48,7 @@ struct Case {
 };
 
 /// `faster`: all velocities of the start grow by this share.
-Motion move(const Case&, const View&, const Way&, double faster = 0);
+Trace follow(const Case&, const View&, const Way&, double faster = 0);
 
 /// Largest difference of two histories: distance, m, angle, rad, and a tenth of those of the rates; infinite where they
 /// are not of the same times and bodies, or not finite.

@@ -46,7 +46,7 @@ std::vector<Case> cases() {
 
 /// The motion as written, in the default way and by the referee, and what it makes of a small error.
 struct Truth {
-  Motion motion;
+  Trace motion;
   double apart = 0;   ///< from that of a second algorithm
   double growth = 1;  ///< of a change of the start velocities, on the same branch
 };
@@ -54,13 +54,13 @@ struct Truth {
 Truth truth_of(const Case& c) {
   constexpr double kFaster = 1e-6;
   const Way way{.tolerance = 1e-12, .in_space = false};
-  Truth truth{move(c, {}, way)};
+  Truth truth{follow(c, {}, way)};
   REQUIRE(truth.motion.ok());
-  truth.apart = difference(truth.motion.history, move(c, {}, {.formulation = "omega", .tolerance = 1e-12}).history);
+  truth.apart = difference(truth.motion.history, follow(c, {}, {.formulation = "omega", .tolerance = 1e-12}).history);
   double speed = 0;
   for (const Instant& now : truth.motion.history)
     for (const Twist& v : now.twists) speed = std::max({speed, v.v.norm(), v.w.norm()});
-  const Motion faster = move(c, {}, way, kFaster);
+  const Trace faster = follow(c, {}, way, kFaster);
   REQUIRE(faster.ok());
   truth.growth = std::clamp(difference(truth.motion.history, faster.history) / (kFaster * speed), 1.0, kMostGrowth);
   return truth;
@@ -151,7 +151,7 @@ struct Table {
 void check(const Case& c, const Truth& truth, const Draw& d, Table& table) {
   const View view = view_of(d, c);
   const Way way = way_of(d);
-  const Motion motion = move(c, view, way);
+  const Trace motion = follow(c, view, way);
   const double bound = kTimes * std::max(way.tolerance, kLeast) * truth.growth;
   const double error = motion.ok() ? difference(truth.motion.history, motion.history) : HUGE_VAL;
   double& worst = table.worst[c.name][way.formulation + ", " + way.solver];
@@ -202,7 +202,7 @@ TEST_CASE("a start at rest in a change point has one answer in every frame", "[s
     for (int k = 0; k < 6; ++k) {
       Draw d{};
       d[frame] = k, d[order] = k % 4;
-      runs.push_back(move(c, view_of(d, c), {.formulation = formulation}, -1).ok());
+      runs.push_back(follow(c, view_of(d, c), {.formulation = formulation}, -1).ok());
     }
     CAPTURE(formulation);
     CHECK(std::ranges::count(runs, runs.front()) == static_cast<std::ptrdiff_t>(runs.size()));

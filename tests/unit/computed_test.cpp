@@ -92,7 +92,7 @@ TEST_CASE("a column reads the columns above it by their names", "[unit][record]"
   check_words(refusal(R"~({"F": "=norm(A.force_on_p_world)"}, "=F + r")~"), {"run.record", "a force and a length"});
 }
 
-TEST_CASE("a name of a column and of a parameter is refused where a formula reads it", "[unit][record]") {
+TEST_CASE("a name of a column and of a parameter is rejected if a formula reads it", "[unit][record]") {
   const std::string both = R"~({"plain": "A.rz"}, {"Q": "rod.x"}, {"Q.z": "rod.y"})~";
   const std::vector<std::string> words{
       "\"plain\" is both a parameter (columns.json:2:41) and a recorded column (columns.json:8:", "rename one of them",

@@ -176,7 +176,9 @@ double Dynamics::violation_v(const State& state) {
   return e.norm(Cd_);
 }
 
-ProjectReport Dynamics::project(State& state) { return project(state, position_goal_of(options_.stabilization.tolerance)); }
+ProjectReport Dynamics::project(State& state) {
+  return project(state, position_goal_of(options_.stabilization.tolerance));
+}
 
 ProjectReport Dynamics::project(State& state, double goal) {
   check_state(system_, state);

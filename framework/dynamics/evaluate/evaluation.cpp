@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/scales.h"
@@ -88,6 +89,7 @@ double Evaluation::norm(const VecX& c) const {
 double Evaluation::least_pivot() const {
   MatX& rest = rest_;
   const int n = rows_.n_rows;
+  if (redundant_ <= 0 || n > kDenseRows) return HUGE_VAL;
   const double per_turn = 1 / system_.length();
   rest.setZero(f_.size(), n);
   for_each_jacobian(rows_, [&](int row, int slot, const auto& J) {

@@ -81,7 +81,7 @@ void Factor::check(const Evaluation& e, const VecX& a, const VecX& lambda, const
                              kShorterStep,
                          {.thing = {.kind = "mechanism"}, .t = t});
   }
-  if (!report.contradictory) return;
+  if (!report.contradictory || e.least_pivot() < kSmallPivot) return;
   VecX C, Cd;
   e.residuals(C, Cd);
   const double off = e.norm(C), relative = off / e.system().length();

@@ -155,7 +155,8 @@ SolveReport NewtonMatrix::solve(const VecXc& f, const VecXc& r, VecXc& x, VecXc&
 
 void NewtonMatrix::add_M_times(const VecX& x, VecX& y) const {
   work_->check_slots(x.size()), work_->check_slots(y.size());
-  for (std::size_t k = 0; k < work_->mass.size(); ++k) work_->mass[k].add_times(x.segment<6>(6 * k), y.segment<6>(6 * k));
+  for (std::size_t k = 0; k < work_->mass.size(); ++k)
+    work_->mass[k].add_times(x.segment<6>(6 * k), y.segment<6>(6 * k));
 }
 void NewtonMatrix::add_D_times(const VecX& x, VecX& y) const { work_->add_times(&TangentSum::D, x, y); }
 void NewtonMatrix::add_K_times(const VecX& x, VecX& y) const { work_->add_times(&TangentSum::K, x, y); }

@@ -123,7 +123,7 @@ void KktAssembler::update(const RowTable& rows, std::span<const Motion> motions)
 }
 
 void KktAssembler::load(const VecX& f6, const VecX& c6, std::span<const Motion> motions, bool moving, VecX& f,
-                  VecX& c) const {
+                        VecX& c) const {
   const KktPattern& p = kkt_.pattern;
   f.resize(p.n);
   c.resize(p.m);
@@ -156,7 +156,7 @@ void KktAssembler::load(const VecX& f6, const VecX& c6, std::span<const Motion> 
 }
 
 void KktAssembler::unload(const VecX& a, const VecX& lambda, std::span<const Motion> motions, int n_rows, VecX& a6,
-                    VecX& lambda6) const {
+                          VecX& lambda6) const {
   const KktPattern& p = kkt_.pattern;
   lambda6 = lambda.head(n_rows);
   const std::array<int, 6> columns = unknown_velocities(system_.plane());

@@ -86,7 +86,7 @@ SolveReport Dynamics::pivots(const State& state) {
   e.check();
   factor_.compute(e);
   factor_.complete(report);
-  if (e.redundant() > 0 && e.rows().n_rows <= kDenseRows) report.detector = e.least_pivot();
+  if (const double least = e.least_pivot(); least < HUGE_VAL) report.detector = least;
   return report;
 }
 

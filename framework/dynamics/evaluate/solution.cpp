@@ -7,7 +7,6 @@
 #include <exception>
 
 #include <lockstep/error.h>
-#include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/evaluate/singular_rate.h"
 #include "framework/foundation/math/limits.h"
 
@@ -22,7 +21,7 @@ constexpr double kUseless = 1e-2;  // relative: a multiplier that is so uncertai
 SolveReport Solution::full_report() const {
   SolveReport full = report;
   factor.complete(full);
-  if (evaluation.redundant() > 0 && evaluation.rows().n_rows <= kDenseRows) full.detector = evaluation.least_pivot();
+  if (const double least = evaluation.least_pivot(); least < HUGE_VAL) full.detector = least;
   return full;
 }
 

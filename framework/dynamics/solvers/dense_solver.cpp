@@ -147,10 +147,10 @@ class DenseFactorization final : public Factorization {
       for (Eigen::Index k = 0; k < Bt_.cols(); ++k) {
         const double own = square_[outer_.colsPermutation().indices()[k]];
         const double R = k < Rt_.cols() ? outer_.matrixQR()(k, k) : 0.0;
-        row(own > 0.0 ? R * R : 0.0, own > 0.0 ? own : 1.0, 0);
+        row(own > 0.0 ? R * R : 0.0, own > 0.0 ? own : 1.0);
       }
     };
-    watch_.see(redundant, each, [] { return std::array<double, 3>{}; });
+    watch_.see(redundant, each);
   }
 
   // With t = P1^T c~:

@@ -82,9 +82,9 @@ class SchurFactorization final : public Factorization {
 
   void see_pivots() {
     const auto each = [&](auto&& row) {
-      for (const Row& r : order_) row(1.0 / p_[r.at], diagonal_[r.at], r.kind);
+      for (const Row& r : order_) row(1.0 / p_[r.at], diagonal_[r.at]);
     };
-    watch_.see(redundant_, each, [&] { return plan_.tree ? std::array<double, 3>{} : pivot_floors(); });
+    watch_.see(redundant_, each);
   }
 
   // a_f = M^-1 f
@@ -190,23 +190,6 @@ class SchurFactorization final : public Factorization {
       energy = std::max(energy, slot_mass_times<X>(&mass_[X::mass * s], &a_[X::a * s], force));
     const std::array<double, 3> S = largest_of(diagonal_);
     for (std::size_t k = 0; k < 3; ++k) floors_[k] = residual_floor(largest_[k], S[k], energy_f_ + energy);
-  }
-
-  /// What E leaves of the pivots of rows, were they redundant, by kind.
-  std::array<double, 3> pivot_floors() const {
-    PivotFloors floors;
-    for (const Row& r : order_) floors.add(static_cast<RowKind>(r.kind), E_[r.at]);
-    const int nv = plane_ ? 2 : 3, nw = plane_ ? 1 : 3;
-    for (const schur::Node& node : plan_.nodes)
-      for (const schur::Side& side : plan_.sides_of(node))
-        for (int k = 0; k < node.m; ++k) {
-          if (node.kinds.of(k) != RowKind::translation) continue;
-          const double* arm = z_.rows + side.J + (side.turned ? 0 : nv) * node.ld() + k;
-          double arm2 = 0;
-          for (int c = 0; c < nw; ++c) arm2 += arm[c * node.ld()] * arm[c * node.ld()];
-          floors.arm2 = std::max(floors.arm2, arm2);
-        }
-    return floors.by_kind();
   }
 
   /// The largest value of the rows of each kind.

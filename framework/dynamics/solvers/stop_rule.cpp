@@ -15,24 +15,6 @@ void for_each_unknown(const KktPattern& pattern, Visit&& visit) {
 
 }  // namespace
 
-std::array<double, 3> pivot_floors(const Kkt& kkt, double eps) {
-  PivotFloors floors;
-  for_each_row(kkt.pattern, [&](int j, std::size_t kind) { floors.add(static_cast<RowKind>(kind), eps * kkt.E[j]); });
-  const int first = kkt.pattern.plane ? 2 : 3;  // of the turns among the unknowns of a slot
-  for_each_jacobian(kkt.pattern, [&](const KktLink& link, int, int width, std::size_t at) {
-    for (int j = 0; j < link.m; ++j) {
-      if (kind_of(link, j) != RowKind::translation) continue;
-      double arm2 = 0;
-      for (int i = first; i < width; ++i) {
-        const double a = kkt.J[at + (j * width + i)];
-        arm2 += a * a;
-      }
-      floors.arm2 = std::max(floors.arm2, arm2);
-    }
-  });
-  return floors.by_kind();
-}
-
 void StopRule::analyse(const KktPattern& pattern, double eps) {
   eps_ = eps;
   for (VecX* v : {&r_f_, &size_n_, &da_, &zero_}) v->setZero(pattern.n);

@@ -35,42 +35,6 @@ inline constexpr double kClosureProximal = 1e-9, kProximalOfMatrix = 1e-8;
 inline constexpr double kFalling = 0.5;
 inline constexpr double kSmallPivot = 1e-6;     ///< relative; smaller ones count as redundant or singular
 inline constexpr double kRedundantPivot = 100;  ///< in proximal terms: pivots of redundant rows are smaller
-inline constexpr double kMostLeft = 1e-3;       ///< of the diagonal: larger pivots are regular for any proximal terms
-
-/// Pivots of a row below this count as small. `diagonal`: of the row before the elimination; `left`: what proximal terms
-/// leave of the pivot of a redundant row.
-template <class T>  // double, or a pack of them
-LOCKSTEP_INLINE T what_counts_as_small(const T& diagonal, const T& left) {
-  const T most = kMostLeft * diagonal, least = kSmallPivot * diagonal;
-  const T kept = left < most ? left : most;
-  return kept < least ? least : kept;
-}
-/// What proximal terms leave, by kind of row. The pivot of a redundant row j is n' E n / n_j^2, with n the dependency:
-/// its own proximal term and those of the rows that it depends on. Those are measured in the scales of their links, and
-/// moments become forces by lever arms: near slender rods, whose moments about their axes have a scale a thousand times
-/// as large as others, a redundant force row leaves a thousand times its own term.
-struct PivotFloors {
-  std::array<double, 3> E{};  ///< largest proximal term by RowKind
-  double arm2 = 0;            ///< square of the longest lever arm, m^2
-  void add(RowKind kind, double e) {
-    double& most = E[static_cast<std::size_t>(kind)];
-    most = std::max(most, e);
-  }
-  double of(RowKind kind) const {
-    const double t = E[static_cast<std::size_t>(RowKind::translation)],
-                 r = E[static_cast<std::size_t>(RowKind::rotation)];
-    if (kind == RowKind::translation) return kRedundantPivot * (t + arm2 * r);
-    if (kind == RowKind::rotation)
-      return kRedundantPivot * (r + (arm2 > 0 ? std::min(t / arm2, kRedundantPivot * r) : 0.0));
-    return kRedundantPivot * E[static_cast<std::size_t>(RowKind::function)];
-  }
-  std::array<double, 3> by_kind() const {
-    return {of(RowKind::translation), of(RowKind::rotation), of(RowKind::function)};
-  }
-};
-
-/// What proximal terms of eps s_j leave of the pivots of rows, were they redundant, by RowKind.
-std::array<double, 3> pivot_floors(const Kkt&, double eps);
 
 /// The residual floor of one kind of row: no scale is smaller. `largest`: the largest scale of that kind. Where all
 /// scales of a unit vanish (a mechanism driven in other directions only, or held at rest), r is rounding from other
@@ -93,57 +57,39 @@ bool refine(int& corrections, Measure&& measure, Within&& within, Raise&& raise,
   return done;
 }
 
-/// Counts the small pivots of the rows of one matrix. As many as rows are redundant are usual (Kkt::redundant); more than
-/// that indicate a singular position.
+/// The small pivots of the rows of one matrix. As many as rows are redundant are usual (Kkt::redundant); one more that is small
+/// indicates a singular position.
 class PivotWatch {
  public:
   void begin(int n_rows) { pivots_.reserve(n_rows); }
-  /// `each` calls its argument with the pivot of every row, its diagonal, and its RowKind. floors(): what proximal terms
-  /// would leave of a redundant row by kind, as in what_counts_as_small(); asked only if it matters.
-  template <class Each, class Floors>
-  void see(int redundant, Each&& each, Floors&& floors) {
-    int below = 0;
-    smallest_ = regular_ = std::numeric_limits<double>::infinity();
-    each([&](double pivot, double diagonal, std::size_t) {
-      const double relative = pivot / diagonal;
-      smallest_ = std::min(smallest_, relative);
-      if (relative < kMostLeft)
-        ++below;
-      else
-        regular_ = std::min(regular_, relative);
-    });
-    small_ = redundant_ = below;
-    if (below == redundant || (below == 0 && redundant < 0)) return;
-    const std::array<double, 3> left = floors();
+  /// `each` calls its argument with the pivot of every row and its diagonal.
+  template <class Each>
+  void see(int redundant, Each&& each) {
     pivots_.clear();
-    each([&](double pivot, double diagonal, std::size_t kind) {
-      pivots_.push_back(
-          {pivot / diagonal, pivot / what_counts_as_small(diagonal, left[static_cast<std::size_t>(kind)])});
-    });
-    small_ = static_cast<int>(std::ranges::count_if(pivots_, [](const Pivot& p) { return p.share < 1; }));
-    redundant_ = std::min(redundant < 0 ? small_ : redundant, static_cast<int>(pivots_.size()));
-    const auto at = pivots_.begin() + redundant_;
-    std::ranges::nth_element(pivots_, at, {}, &Pivot::share);
-    regular_ = std::numeric_limits<double>::infinity();
-    for (auto p = at; p != pivots_.end(); ++p) regular_ = std::min(regular_, p->relative);
+    each([&](double pivot, double diagonal) { pivots_.push_back(pivot / diagonal); });
+    small_ = static_cast<int>(std::ranges::count_if(pivots_, [](double p) { return p < kSmallPivot; }));
+    const int out = std::min(redundant < 0 ? small_ : redundant, static_cast<int>(pivots_.size()));
+    const auto at = pivots_.begin() + out;
+    std::ranges::nth_element(pivots_, at);
+    smallest_ = regular_ = std::numeric_limits<double>::infinity();
+    for (auto p = pivots_.begin(); p != pivots_.end(); ++p)
+      (p < at ? smallest_ : regular_) = std::min(p < at ? smallest_ : regular_, *p);
+    smallest_ = std::min(smallest_, regular_);
   }
   /// Writes what it saw.
   void report(SolveReport& out) const {
     out.smallest_pivot = smallest_, out.small_pivots = small_, out.detector = regular_;
   }
-  /// Whether rows contradict each other: their residual stalled at the order of its scale. Contradictory rows are
-  /// always dependent; more small pivots than usual indicate a singular position, which may be passed.
+  /// Whether rows contradict each other: their residual stalled at the order of its scale, and no position is singular,
+  /// which may be passed. Contradictory rows are always dependent.
   bool contradictory(double residual, double before) const {
-    return residual > kContradiction && residual > kFalling * before && small_ <= redundant_;
+    return residual > kContradiction && residual > kFalling * before && regular_ >= kSmallPivot;
   }
 
  private:
-  struct Pivot {
-    double relative, share;  // of the diagonal, and of what counts as small
-  };
-  std::vector<Pivot> pivots_;  // if it is not plain which are small
+  std::vector<double> pivots_;  // of the diagonals
   double smallest_ = std::numeric_limits<double>::infinity(), regular_ = smallest_;
-  int small_ = 0, redundant_ = 0;
+  int small_ = 0;
 };
 
 /// The rule for a matrix in blocks.
@@ -202,9 +148,9 @@ class StopRule {
   void show_pivots(const Kkt& kkt, PivotWatch& watch, Pivot&& pivot) {
     row_diagonal(kkt, S_);
     const auto each = [&](auto&& row) {
-      for_each_row(kkt.pattern, [&](int j, std::size_t kind) { row(pivot(j), S_[j] + eps_ * kkt.E[j], kind); });
+      for (int j = 0; j < kkt.pattern.m; ++j) row(pivot(j), S_[j] + eps_ * kkt.E[j]);
     };
-    watch.see(kkt.redundant, each, [&] { return pivot_floors(kkt, eps_); });
+    watch.see(kkt.redundant, each);
   }
 
   const VecX& force_residual() const { return r_f_; }  ///< f - M a - J^T lambda

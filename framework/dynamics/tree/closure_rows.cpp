@@ -29,10 +29,9 @@ void ClosureRows::begin(ClosureFronts fronts, double length, double mass_ratio) 
   watch_.begin(static_cast<int>(n));
 }
 
-void ClosureRows::measure_scales(const RowTable& table, double arm2) {
+void ClosureRows::measure_scales(const RowTable& table) {
   scale_ = diagonal_;
   for (const RowEntry& e : table.entries) average_scales(scale_.data() + e.first_row, e.m, KindBits(e.kind, e.m));
-  arm2_ = arm2;
 }
 
 void ClosureRows::subtract(const VecX& x) {
@@ -90,15 +89,9 @@ bool ClosureRows::is_left_by_redundant_rows(double before) const {
 
 void ClosureRows::complete(SolveReport& report) {
   const auto each = [&](auto&& row) {
-    for (Eigen::Index j = 0; j < d_.size(); ++j)
-      row(d_[j], diagonal_[j], static_cast<std::size_t>(fronts_.sources[j].kind));
+    for (Eigen::Index j = 0; j < d_.size(); ++j) row(d_[j], diagonal_[j]);
   };
-  watch_.see(redundant_, each, [&] {
-    PivotFloors floors;
-    floors.arm2 = arm2_;
-    for (Eigen::Index j = 0; j < scale_.size(); ++j) floors.add(fronts_.sources[j].kind, kClosureProximal * scale_[j]);
-    return floors.by_kind();
-  });
+  watch_.see(redundant_, each);
   report.residual = worst_, report.worst_row = worst_row_;
   watch_.report(report);
 }

@@ -40,8 +40,8 @@ class LOCKSTEP_API ClosureRows {
   ~ClosureRows() = default;
   /// mass_ratio: of the heaviest slot to the lightest.
   void begin(ClosureFronts, double length, double mass_ratio);
-  /// From diagonal_; arm2: as in PivotFloors.
-  void measure_scales(const RowTable&, double arm2);
+  /// From diagonal_.
+  void measure_scales(const RowTable&);
   /// From r_ and size_: whether the residuals are small enough. `corrected`: they are those of a correction.
   bool is_met(bool corrected);
 
@@ -53,7 +53,7 @@ class LOCKSTEP_API ClosureRows {
 
  private:
   PivotWatch watch_;
-  double length_ = 1, arm2_ = 0, worst_ = 0;
+  double length_ = 1, worst_ = 0;
   int worst_row_ = -1, redundant_ = Kkt::kUnknown;
   bool regular_met_ = false, differ_in_mass_ = false;
 };

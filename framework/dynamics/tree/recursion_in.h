@@ -49,7 +49,6 @@ class LoopClosures final : public ClosureRows {
     OpenRows<Space> open = rows();
     open.clear();
     diagonal_.setZero();
-    double arm2 = 0;
     for (const RowEntry& e : table.entries) {
       const RowView block = table.block(e);
       for (int k = 0; k < e.m; ++k) {
@@ -64,7 +63,6 @@ class LoopClosures final : public ClosureRows {
           const Motion& motion = motions[e.slots[i] + 1];
           Wrench& J = J_[at];
           J = slots.read_side(block, i, k, node, motion, diagonal_[row]);
-          if (source.kind == RowKind::translation) arm2 = std::max(arm2, squares(J).second);
           Wrench K = J;
           l += slots.move_to_joint(node, K);
           K_[side.place] += K;
@@ -72,7 +70,7 @@ class LoopClosures final : public ClosureRows {
         open.l_of(static_cast<std::size_t>(row)) = l;
       }
     }
-    measure_scales(table, arm2);
+    measure_scales(table);
   }
 
   /// After the recursion, or a correction: measures J a - c, and returns whether it is small enough.

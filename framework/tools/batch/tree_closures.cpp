@@ -162,36 +162,15 @@ const double* TreeClosures::correct(std::span<const double> r, const Flags8& wan
 }
 
 void TreeClosures::see_pivots() {
-  if (!floors_known_) measure_floors();
   n_small_.fill(0), smallest_pivot_.fill(1);
   for (std::size_t j = 0; j < data_.loops.n_rows(); ++j) {
-    const Numbers8& floors = pivot_floors_[static_cast<std::size_t>(data_.loops.fronts.sources[j].kind)];
     for (int l = 0; l < kLanes; ++l) {
       const double pivot = data_.c.d[kL * j + l], diagonal = data_.c.diagonal[kL * j + l];
-      if (pivot < what_counts_as_small(diagonal, floors[l]))
+      if (pivot < kSmallPivot * diagonal)
         ++n_small_[l];
       else
         smallest_pivot_[l] = std::min(smallest_pivot_[l], pivot / diagonal);
     }
-  }
-}
-
-// As ClosureRows::measure_scales, once.
-void TreeClosures::measure_floors() {
-  floors_known_ = true;
-  for (int l = 0; l < kLanes; ++l) {
-    PivotFloors floors;
-    for (std::size_t j = 0; j < data_.loops.n_rows(); ++j) {
-      const ClosureSource& source = data_.loops.fronts.sources[j];
-      floors.add(source.kind, kClosureProximal * data_.c.scale[kL * j + l]);
-      for (int i = 0; i < source.n_sides && source.kind == RowKind::translation; ++i) {
-        const double* J =
-            data_.c.J.data() + kL * struct_size::wrench * static_cast<std::size_t>(source.first_side + i) + l;
-        floors.arm2 = std::max(floors.arm2, J[3 * kL] * J[3 * kL] + J[4 * kL] * J[4 * kL] + J[5 * kL] * J[5 * kL]);
-      }
-    }
-    for (const RowKind kind : {RowKind::translation, RowKind::rotation, RowKind::function})
-      pivot_floors_[static_cast<std::size_t>(kind)][l] = floors.of(kind);
   }
 }
 

@@ -102,7 +102,6 @@ class TreeClosures {
   const double* correct_Cd(const Flags8& wanted) { return correct(data_.c.Cd, wanted); }
 
  private:
-  void measure_floors();
   // Residuals of rows, relative to their scales: the largest, and that of rows that are not redundant.
   struct Residuals {
     Numbers8 all, regular;
@@ -115,11 +114,10 @@ class TreeClosures {
   LaneData& data_;
   const Passes& pass_;
   RowTable scratch_;  // of one link
-  bool has_laws_ = false, floors_known_ = false;
+  bool has_laws_ = false;
   Arrays arrays_;  // of data_.c
   Aligned<double> masked_, dv_;
   Numbers8 length_{}, n_small_{}, smallest_pivot_{};
-  std::array<Numbers8, 3> pivot_floors_{};  // by RowKind
 };
 
 }  // namespace lockstep::lanes
