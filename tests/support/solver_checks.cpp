@@ -118,28 +118,16 @@ void check_singular_place(const LinearSolver& solver) {
 }
 
 void check_detector(const LinearSolver& solver) {
-  const bool slender = GENERATE(false, true);
   KktBuilder b(9);
   b.slot();
-  const int n = slender ? 3 : 2;
-  const std::size_t twin = b.link({0}, slender ? rows_of(1, 2) : rows_of(2, 0));
+  const int n = 2;
+  const std::size_t twin = b.link({0}, rows_of(2, 0));
   b.doubled(twin);  // redundant everywhere: n small pivots, always
   b.link({0}, rows_of(0, 0, 1));
   b.link({0}, rows_of(0, 0, 1));
   KktSystem system = b.finish();
   system.kkt.redundant = n;
-  MatX regular = system.J();
-  if (slender) {  // the twins hold a thin and a thick axis: their scale is that of the thin one
-    for (int i = 0; i < 6; ++i)
-      for (int k = 0; k < 6; ++k) {
-        const double m = i != k ? 0.0 : i == 3 ? 1e-4 : 1.0;
-        system.kkt.M[6 * i + k] = m;
-        system.kkt.Minv[6 * i + k] = m == 0 ? 0.0 : 1.0 / m;
-      }
-    constexpr int held[] = {1, 3, 4, 0, 5};
-    for (int k = 0; k < 3; ++k) regular.row(k) = regular.row(3 + k) = VecX::Unit(6, held[k]);
-    for (int k = 3; k < 5; ++k) regular.row(3 + k) = VecX::Unit(6, held[k]);
-  }
+  const MatX regular = system.J();
   const auto factor = solver.analyse(system.kkt.pattern);
   const auto detector_at = [&](double angle) {
     MatX J = regular;
@@ -153,7 +141,6 @@ void check_detector(const LinearSolver& solver) {
     CHECK(report.smallest_pivot < 1e-6);
     return report.detector;
   };
-  CAPTURE(slender);
   CHECK(detector_at(kPi / 2) > 1e-2);
   const double far = detector_at(0.01), near = detector_at(0.001);
   CHECK(far < 1e-3);

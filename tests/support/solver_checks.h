@@ -32,8 +32,7 @@ void check_contradiction(const LinearSolver& solver);
 /// contradiction.
 void check_singular_place(const LinearSolver& solver);
 
-/// The detector leaves out what is redundant everywhere, and falls as the square of the way to a singular place; on a
-/// slender body, whose moments differ by a thousand, too.
+/// The detector leaves out what is redundant everywhere, and falls as the square of the way to a singular place.
 void check_detector(const LinearSolver& solver);
 
 /// A flat mechanism: whole units of rows have no scale of their own, and still the rule is met. Each row of a link

@@ -125,10 +125,11 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
   const auto know = [&](int n) {
     state.coordinates ? tree(state.modes).closures().set_redundant(n) : own().set_redundant(n);
   };
-  // Where n rows are redundant.
+  // If n rows are redundant, which the search does not know: none stay unmet on its ways.
   const auto look = [&](const State& at, int n) {
     know(n);
-    return Redundancy{.rows = n, .regular = std::min(1.0, pivots(at).detector)};
+    const Redundancy found{.rows = n, .regular = std::min(1.0, pivots(at).detector)};
+    return know(Kkt::kUnknown), found;
   };
   // How many rows depend on others, and whether J d = -C has a solution.
   const auto look_off = [&](const State& at) {
@@ -148,9 +149,19 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
   State here = state;
   project(here, 0);
   const Redundancy of_here = look(here, dependent_rows(here));
-  if (of_here.rows == 0 && near_singular_below(of_here.regular) == near_singular_below(1)) return of_here;
+  if (of_here.rows == 0 && near_singular_below(of_here.regular) == near_singular_below(1)) return know(0), of_here;
+  int all = of_here.rows;
+  if (state.coordinates) {  // those of closures are some of all
+    State slots = here;
+    to_slots(slots);
+    const bool held = holds_rows();
+    if (const int n = redundancy(slots).rows; n >= 0) all = n;
+    if (!held) forget_rows(state);
+  }
   Redundancy found = of_here;
+  int looked = 0;
   const auto look_along = [&](const State& moving, bool from_rest) {  // then its velocities are accelerations
+    know(Kkt::kUnknown);
     std::vector<Motion> motions;
     passes::motions(system_, moving, motions);
     const double speed = speed_of(motions, system_.length());
@@ -174,7 +185,7 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
         if (both && found.rows == of_here.rows && of_here.regular >= near_singular_below(found.regular)) break;
       } catch (const Error&) {  // poses that cannot be evaluated are skipped
       }
-    return true;
+    return looked += n, true;
   };
   State moving = here;
   bool moves = look_along(here, false);
@@ -186,14 +197,20 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
       moves = look_along(moving, true);
     } catch (const Error&) {
     }
-  if (found.rows == of_here.rows) {
+  // Where laws move all, nearly dependent rows seem to leave something free.
+  const int n_rows = (state.coordinates ? tree(state.modes).closure_rows : own().rows()).n_rows;
+  const auto n_free = state.coordinates ? state.v.size() : system_.n_velocities();
+  const bool frees = !may_have_laws(system_) || n_rows > kDenseRows || n_rows - look_off(here).first < n_free;
+  if (found.rows == of_here.rows && frees) {
+    know(Kkt::kUnknown);
     const VecX first = moving.v;
     for (Eigen::Index i = 0; i < moving.v.size(); ++i) moving.v[i] = std::cos(1.0 + 2.3 * static_cast<double>(i));
     project_velocity(moving);
     const bool other = std::abs(first.dot(moving.v)) < (1 - kSlight) * first.norm() * moving.v.norm();
     moves = ((other || !moves) && look_along(moving, false)) || moves;
   }
-  if (!moves && of_here.rows > 0 && may_have_laws(system_)) return know(Kkt::kUnknown), Redundancy{};
+  if ((!moves || looked == 0) && all > 0 && may_have_laws(system_)) return know(Kkt::kUnknown), Redundancy{};
+  if (all < found.rows) found.rows = all, found.regular = look(here, all).regular;
   know(found.rows);
   return found;
 } catch (const Error&) {  // named by the evaluation of this state that follows

@@ -66,15 +66,14 @@ class PivotWatch {
   template <class Each>
   void see(int redundant, Each&& each) {
     pivots_.clear();
-    each([&](double pivot, double diagonal) { pivots_.push_back(pivot / diagonal); });
+    each([&](double pivot, double diagonal) { pivots_.push_back(pivot > 0 ? pivot / diagonal : 0.0); });
     small_ = static_cast<int>(std::ranges::count_if(pivots_, [](double p) { return p < kSmallPivot; }));
     const int out = std::min(redundant < 0 ? small_ : redundant, static_cast<int>(pivots_.size()));
     const auto at = pivots_.begin() + out;
     std::ranges::nth_element(pivots_, at);
     smallest_ = regular_ = std::numeric_limits<double>::infinity();
-    for (auto p = pivots_.begin(); p != pivots_.end(); ++p)
-      (p < at ? smallest_ : regular_) = std::min(p < at ? smallest_ : regular_, *p);
-    smallest_ = std::min(smallest_, regular_);
+    for (auto p = at; p != pivots_.end(); ++p) regular_ = std::min(regular_, *p);
+    for (const double p : pivots_) smallest_ = std::min(smallest_, p);
   }
   /// Writes what it saw.
   void report(SolveReport& out) const {

@@ -11,6 +11,7 @@
 #include <lockstep/error.h>
 #include <lockstep/solvers.h>
 #include "framework/dynamics/evaluate/row_space.h"
+#include "framework/dynamics/evaluate/singular_rate.h"
 #include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/dynamics/solvers/graph.h"
@@ -168,8 +169,9 @@ void SingularWatch::find_between(const Look& before, const Look& lowest, const L
   const double turned = side.rate * (side.state.t - best.state.t);
   const double c = (side.indicator - best.indicator) / (turned * turned),
                unseen = kUnseen * std::max(lowest.turn, after.turn);
-  // A start in a position, or behind it, passes none.
-  if (!(best.state.t > (before.indicator < 0 ? lowest : before).state.t) || !(best.indicator < c * unseen * unseen))
+  // A start in a position, or behind it, passes none, nor does round-off of an indicator that stays.
+  if (!(best.state.t > (before.indicator < 0 ? lowest : before).state.t) ||
+      !(best.indicator < std::min(c * unseen * unseen, near_singular_below(side.indicator))))
     return;
   ++n_passed_;
   if (passed_.size() == kKept) return;
