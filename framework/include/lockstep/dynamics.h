@@ -96,8 +96,8 @@ class LOCKSTEP_API Evaluation {
   /// Kkt::redundant of these rows; unknown whenever they are laid out again.
   int redundant() const { return redundant_; }
   void set_redundant(int n) { redundant_ = n; }  ///< sets it, for factors of this evaluation
-  /// How far the rows that are not redundant are from depending on one another, whatever the masses and the frame: the
-  /// square of the least pivot of as many rows, scaled to length 1, with pivoting.
+  /// If some of at most 300 rows are redundant: square of the least pivot of the others, scaled to length 1. It depends
+  /// neither on masses nor on the frame, and vanishes in singular configurations. Else infinite.
   double least_pivot() const;
 
  private:
