@@ -169,7 +169,7 @@ TEST_CASE("a singular configuration is judged by the most regular of the nearby 
 }
 
 // Redundant constraints leave pivots of the solvers that are larger, where moments about slender axes are redundant too.
-TEST_CASE("beside a singular configuration of slender rods the detector falls as the square, by any solver",
+TEST_CASE("near a singular configuration of slender rods the detector falls as the square, by any solver",
           "[verification]") {
   const std::string solver = GENERATE("schur", "block", "sparse", "dense");
   const Quat turned = normalized(Quat{0.3, -0.5, 0.7, 0.4});
