@@ -34,7 +34,7 @@ std::vector<Case> cases() {
           {"parallelogram", own + "verification/scenes/parallelogram.json", 4},
           {"two loops on one coupler", own + "stability/scenes/two_loops.json", 1},
           {"nfourbar_2", scenes + "nfourbar_2.json", 4},
-          {"nfourbar_40", scenes + "nfourbar_40.json", 0.8},
+          {"nfourbar_40", scenes + "nfourbar_40.json", 0.85},  // flat at 0.721 s, where no output is
           {"Bennett", scenes + "overconstrained/bennett.json", 1},
           {"Sarrus", scenes + "overconstrained/sarrus.json", 0.35},
           {"spherical four-bar", scenes + "overconstrained/spherical_four_bar.json", 1},
@@ -148,7 +148,7 @@ struct Table {
   }
 };
 
-void check(const Case& c, const Truth& truth, const Draw& d, Table& table) {
+Trace check(const Case& c, const Truth& truth, const Draw& d, Table& table) {
   const View view = view_of(d, c);
   const Way way = way_of(d);
   const Trace motion = follow(c, view, way);
@@ -159,6 +159,7 @@ void check(const Case& c, const Truth& truth, const Draw& d, Table& table) {
   if (motion.ok()) worst = std::max(worst, error / bound);
   CAPTURE(c.name, way.words(), d[frame], view.order, view.exchanged, view.length, truth.growth, motion.refusal);
   CHECK(error <= bound);
+  return motion;
 }
 
 }  // namespace
@@ -192,6 +193,18 @@ TEST_CASE("a motion is the same in any frame, order, unit, tree and formulation"
             table);
   }
   CHECK(table.runs == 16);
+}
+
+// What other draws have shown: stages off the constraints, where rows of the dense solver seem independent; ends of steps
+// close to a singular configuration; small pivots of forty bays.
+TEST_CASE("draws in which a motion differed, or needed many steps", "[stability][singular]") {
+  const std::vector<Case> all = cases();
+  Table table;
+  for (const Draw& d : {Draw{8, 0, 2, 0, 2, 5, 2}, Draw{3, 3, 1, 0, 1, 6, 8}, Draw{5, 1, 1, 1, 0, 2, 4}}) {
+    const auto k = static_cast<std::size_t>(d[mechanism]);
+    const Trace motion = check(all[k], truth_of(all[k]), d, table);
+    CHECK(motion.steps < (d[accuracy] == 8 ? 2500 : 100));
+  }
 }
 
 TEST_CASE("a start at rest in a change point has one answer in every frame", "[stability][singular]") {

@@ -85,32 +85,6 @@ double Evaluation::norm(const VecX& c) const {
   return worst;
 }
 
-// Gram-Schmidt with the largest rest of a row next.
-double Evaluation::least_pivot() const {
-  MatX& rest = rest_;
-  const int n = rows_.n_rows;
-  if (redundant_ <= 0 || n > kDenseRows) return HUGE_VAL;
-  const double per_turn = 1 / system_.length();
-  rest.setZero(f_.size(), n);
-  for_each_jacobian(rows_, [&](int row, int slot, const auto& J) {
-    rest.block<3, 1>(6 * slot, row) += J.template head<3>();
-    rest.block<3, 1>(6 * slot + 3, row) += per_turn * J.template tail<3>();
-  });
-  for (int k = 0; k < n; ++k)
-    if (const double length = rest.col(k).norm(); length > 0) rest.col(k) /= length;
-  double least = 1;
-  for (int k = 0; k < n - redundant_; ++k) {
-    Eigen::Index next = 0;
-    const double most = rest.rightCols(n - k).colwise().squaredNorm().maxCoeff(&next);
-    least = std::min(least, most);
-    if (!(most > 0)) break;
-    rest.col(k).swap(rest.col(k + next));
-    rest.col(k) /= std::sqrt(most);
-    for (int i = k + 1; i < n; ++i) rest.col(i) -= rest.col(k).dot(rest.col(i)) * rest.col(k);
-  }
-  return least;
-}
-
 void Evaluation::react(const VecX& lambda, VecX& f) const {
   check_size("Evaluation::react, lambda: a vector", lambda.size(), rows_.n_rows);
   check_size("Evaluation::react, f: a vector", f.size(), f_.size());

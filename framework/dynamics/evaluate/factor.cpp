@@ -17,7 +17,7 @@ Factor::Factor(const System& system, const LinearSolver& solver, Formulation for
 void Factor::lay_out(const Evaluation& e) {
   static const DenseSolver kOfRows;
   const LinearSolver& solver = e.rows().held > 0 ? kOfRows : *solver_;
-  layout_ = nullptr;
+  layout_ = nullptr, of_equal_ = nullptr;
   assembler_.lay_out(e.rows(), solver.reads_rows());
   factorization_ = solver.analyse(assembler_.kkt().pattern);
   layout_ = e.layout();
@@ -29,13 +29,29 @@ void Factor::lay_out(const Evaluation& e) {
 void Factor::compute(const Evaluation& e) {
   if (!fits(e)) lay_out(e);
   assembler_.update(e.rows(), e.inputs().motions);
-  assembler_.set_redundant(e.redundant());
+  assembler_.set_redundant(e.rows().held > 0 ? Kkt::kUnknown : e.redundant());  // held rows count as redundant ones
   factorization_->compute(assembler_.kkt());
   ++work_->factors;
+  if (of_equal_ || e.redundant() <= 0 || e.rows().held > 0) return;
+  static const SchurSolver kOfEqual;
+  equal_ = std::make_unique<KktAssembler>(e.system(), Formulation::omega);
+  equal_->lay_out(e.rows(), true), equal_->equal_masses();
+  of_equal_ = kOfEqual.analyse(equal_->kkt().pattern);
+}
+
+// Where rows are redundant the detector is that of equal bodies: it depends neither on masses nor on the solver.
+void Factor::complete(const Evaluation& e, SolveReport& report) const {
+  factorization_->complete(report);
+  if (!of_equal_ || e.redundant() <= 0) return;
+  equal_->read(e.rows()), equal_->set_redundant(e.redundant());
+  of_equal_->compute(equal_->kkt());
+  SolveReport of_equal;
+  of_equal_->complete(of_equal);
+  report.detector = of_equal.detector;
 }
 
 void Factor::forget() {
-  layout_ = nullptr, factorization_ = nullptr;
+  layout_ = nullptr, factorization_ = nullptr, of_equal_ = nullptr, equal_ = nullptr;
   assembler_.forget();
   for (VecX* x : {&f_, &c_, &a_, &lambda_}) *x = VecX();
 }
@@ -81,7 +97,9 @@ void Factor::check(const Evaluation& e, const VecX& a, const VecX& lambda, const
                              kShorterStep,
                          {.thing = {.kind = "mechanism"}, .t = t});
   }
-  if (!report.contradictory || e.least_pivot() < kSmallPivot) return;
+  if (!report.contradictory) return;
+  SolveReport full;
+  if (complete(e, full); full.detector < kSmallPivot) return;  // a singular configuration, which may be passed
   VecX C, Cd;
   e.residuals(C, Cd);
   const double off = e.norm(C), relative = off / e.system().length();

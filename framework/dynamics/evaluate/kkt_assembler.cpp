@@ -20,6 +20,10 @@ void KktAssembler::lay_out_direct(const RowTable& rows) {
   }
 }
 
+void KktAssembler::equal_masses() {
+  for (SlotMass& slot : kkt_.masses) slot = {1.0, system_.length() * system_.length() * Mat3::Identity()};
+}
+
 void KktAssembler::lay_out(const RowTable& rows, bool direct) {
   if (direct && formulation_ == Formulation::quaternion)
     throw ModelError(

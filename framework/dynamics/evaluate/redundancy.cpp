@@ -36,18 +36,22 @@ SparseMat rows_transposed(const Evaluation& e) {
   return Jt;
 }
 
+SparseMat rows_transposed_at(Dynamics& dynamics, const State& state) {
+  State slots = state;
+  dynamics.to_slots(slots);
+  const bool held = dynamics.holds_rows();
+  SparseMat Jt = rows_transposed(dynamics.gather_rows(slots));
+  if (!held) dynamics.forget_rows(state);
+  return Jt;
+}
+
 }  // namespace
 
 // Alike in all frames, units and orders, and whatever the masses are, as pivots of solvers are not. Rows of closures leave
 // as many coordinates free as all rows leave velocities. Many rows are factored sparsely.
 int Dynamics::dependent_rows(const State& state) {
-  State slots = state;
-  to_slots(slots);
-  const bool held = holds_rows();
-  const Evaluation& e = gather_rows(slots);
-  const int n = e.rows().n_rows;
-  const SparseMat Jt = rows_transposed(e);
-  if (!held) forget_rows(state);
+  const SparseMat Jt = rows_transposed_at(*this, state);
+  const int n = static_cast<int>(Jt.cols());
   const int rank = n == 0 ? 0 : n > kDenseRows ? Dependencies(Jt).rank : RowSpace(Jt).rank(kNearlyDependent);
   if (!state.coordinates) return n - rank;
   const int free = system_.n_velocities() - rank;
@@ -60,14 +64,8 @@ bool loses_rank(Dynamics& dynamics, const State& state) {
 }
 
 bool nearly_loses_rank(Dynamics& dynamics, const State& state) {
-  State slots = state;
-  dynamics.to_slots(slots);
-  const bool held = dynamics.holds_rows();
-  const Evaluation& e = dynamics.gather_rows(slots);
-  const bool few = e.rows().n_rows > 0 && e.rows().n_rows <= kDenseRows;
-  const bool nearly = few && RowSpace(rows_transposed(e)).nearly() > 0;
-  if (!held) dynamics.forget_rows(state);
-  return nearly;
+  const SparseMat Jt = rows_transposed_at(dynamics, state);
+  return Jt.cols() > 0 && Jt.cols() <= kDenseRows && RowSpace(Jt).nearly() > 0;
 }
 
 bool Dynamics::is_assembled(const State& state) {
@@ -85,8 +83,7 @@ SolveReport Dynamics::pivots(const State& state) {
   e.rows_at(state);
   e.check();
   factor_.compute(e);
-  factor_.complete(report);
-  if (const double least = e.least_pivot(); least < HUGE_VAL) report.detector = least;
+  factor_.complete(e, report);
   return report;
 }
 

@@ -20,8 +20,7 @@ constexpr double kUseless = 1e-2;  // relative: a multiplier that is so uncertai
 
 SolveReport Solution::full_report() const {
   SolveReport full = report;
-  factor.complete(full);
-  if (const double least = evaluation.least_pivot(); least < HUGE_VAL) full.detector = least;
+  factor.complete(evaluation, full);
   return full;
 }
 

@@ -89,8 +89,9 @@ bool SingularPassage::evaluate(Dynamics& dynamics, const State& y, double h, int
   seen_.accuracy += seen_.limit ? limit : direct;
   if (seen_.limit) stages.put(i, rate_);
   if (refused && !seen_.limit) std::rethrow_exception(refused);
-  const bool inside = c.detector < 10 * kProximalOfMatrix;  // no more than proximal terms leave
-  if (sides != Sides::differ || begun_ || i > 0 || !inside || !loses_rank(dynamics, y)) return true;
+  // No more than proximal terms leave; or all of it is round-off.
+  const auto inside = [&] { return c.detector < 10 * kProximalOfMatrix || !nearly_loses_rank(dynamics, y); };
+  if (sides != Sides::differ || begun_ || i > 0 || !inside() || !loses_rank(dynamics, y)) return true;
   throw StepError(
       fmt::format("{}: at t = {:.9g} s the mechanism is in a singular configuration, or constraints are nearly "
                   "redundant: several motions continue, or none (smallest relative pivot {:.2g}); start slightly off "
@@ -114,13 +115,15 @@ bool SingularPassage::accepts(double h, double error) {
   return error <= seen_.accuracy / relative_ && std::exchange(longer_, std::max(longer_, h)) > 0;
 }
 
-// What rounding leaves of the velocities leads off the branch, and is in the energy by its square.
+// What rounding leaves of the velocities leads off the branch, and is in the energy by its square: a step whose end is on
+// the constraints as it is then needs no projection, and others end at the limit of both sides.
 ProjectReport SingularPassage::land(Dynamics& dynamics, State& end) {
   if (active_ && !(below_ > 0)) ask(dynamics, end);
-  ProjectReport report;
   const bool noisy = seen_.limit && round_off(both_sides_.distance()) * both_sides_.distance() > std::sqrt(relative_);
-  if (noisy) report.before = dynamics.violation_of_closures(end);
-  if (!noisy || both_sides_.find(dynamics, end, 0, rate_) != Sides::agree) return project_end(dynamics, end, on_);
+  if (!noisy) return project_end(dynamics, end, on_);
+  ProjectReport report{.before = dynamics.violation_of_closures(end)};
+  const bool off = report.before > dynamics.options().stabilization.tolerance;
+  if (off && both_sides_.find(dynamics, end, 0, rate_) != Sides::agree) return project_end(dynamics, end, on_);
   report.after = dynamics.violation_of_closures(end);
   return report;
 }

@@ -57,7 +57,8 @@ class DenseFactorization final : public Factorization {
     if (Rt_.cols() == 0) return;
     fill_B(kkt);
     outer_.compute(Bt_);
-    rank_ = static_cast<int>(outer_.rank());
+    // Rows that depend on others on the constraints only are independent beside them, by as little as a stage is off.
+    rank_ = std::min(static_cast<int>(outer_.rank()), kkt.pattern.m - std::max(0, kkt.redundant));
     measure_pivots(kkt.redundant);
     Rt_.setZero();
     for (int i = 0; i < rank_; ++i)

@@ -60,6 +60,10 @@ class SchurFactorization final : public Factorization {
     report.worst_row = worst_row_;
     see_pivots();
     watch_.report(report);
+    const double least = redundant_ > 0 ? least_eigenvalue() : HUGE_VAL;
+    // In the singular configuration itself it does not count, and the pivots do.
+    if (least < kSmallPivot || (redundant_ > 0 && report.small_pivots <= redundant_))
+      report.detector = std::max(least, 0.0);
   }
 
  private:
@@ -158,6 +162,29 @@ class SchurFactorization final : public Factorization {
     for (std::size_t i = 0; i < plan_.size_x; ++i) lambda_[i] += x_[i];
   }
 
+  // The least eigenvalue of S relative to s but those of redundant rows, zero, from above: it falls as the square of the
+  // distance to a singular configuration in any frame, where pivots of redundant rows may be larger. With E = eps s and
+  // B = (S + E)^-1 E, which keeps redundant directions and little of others, of any motion a:
+  //
+  //     v = (1 - B) (S + E)^-1 J a,   x = B v,   x'S x/(x's x) = eps x'E(v - x)/(x'E x)
+  //
+  // A v of which B keeps much is not redundant, but close to the singular configuration.
+  double least_eigenvalue() {
+    const auto n = static_cast<Eigen::Index>(plan_.size_x);
+    Eigen::Map<VecX> x(x_.data(), n), v(v_.data(), n), E(E_.data(), n);
+    schur::Numbers z = z_;
+    z.a = probe_.data(), z.c = none_.data(), z.r = x_.data();
+    x.setZero();
+    schur::residual(plan_, z);
+    schur::solve(plan_, z_);
+    v = x;
+    const auto times_B = [&] { x = E.cwiseProduct(v), schur::solve(plan_, z_); };
+    const auto square = [&](const auto& y) { return y.dot(E.cwiseProduct(y)); };
+    times_B();
+    if (square(x) < kSmallPivot * square(v)) v -= x, times_B();
+    return square(x) > 0 ? z_.eps * x.dot(E.cwiseProduct(v - x)) / square(x) : HUGE_VAL;
+  }
+
   template <class Measure>
   bool conjugate(int& corrections, Measure&& measure) {
     const auto spread = [&](const VecX& v, double factor) {
@@ -240,7 +267,8 @@ class SchurFactorization final : public Factorization {
   std::array<int, 6> velocity_{};  // of a slot's six, of each unknown
   schur::Numbers z_;
   Aligned<double> A_, Y_, x_, c_, scale_, diagonal_, p_, E_, r_, lambda_, a_, inverse_, mass_, given_, kinds_;
-  const RowTable* rows_ = nullptr;  // that the matrix was computed from, with their revision
+  Aligned<double> probe_, none_, v_;  // of least_eigenvalue(): any a, and zeros
+  const RowTable* rows_ = nullptr;    // that the matrix was computed from, with their revision
   long revision_ = -1;
   bool masses_known_ = false;
   int redundant_ = Kkt::kUnknown;               // of the rows that the matrix was computed from
@@ -257,7 +285,7 @@ SchurFactorization::SchurFactorization(const KktPattern& pattern)
     : plan_(schur::make_plan(*pattern.rows, pattern.n_slots(), bool(pattern.plane))),
       plane_(pattern.plane),
       velocity_(unknown_velocities(pattern.plane)) {
-  for (Aligned<double>* v : {&x_, &c_, &scale_, &diagonal_, &p_, &E_, &r_, &lambda_})
+  for (Aligned<double>* v : {&x_, &c_, &scale_, &diagonal_, &p_, &E_, &r_, &lambda_, &none_, &v_})
     v->assign(plan_.size_x + kPad, 0.0);
   A_.assign(plan_.size_A + kPad, 0.0);
   Y_.assign(plan_.size_Y + kPad, 0.0);
@@ -278,6 +306,8 @@ SchurFactorization::SchurFactorization(const KktPattern& pattern)
   z_.eps = plan_.tree ? 0.0 : kClosureProximal;
   watch_.begin(pattern.m);
   gradients_.size(pattern.m);
+  probe_.assign(a_.size(), 0.0);
+  for (std::size_t i = 0; i < probe_.size(); ++i) probe_[i] = std::cos(1.0 + 2.3 * static_cast<double>(i));
 }
 
 TypeInfo SchurSolver::info() {

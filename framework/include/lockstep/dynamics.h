@@ -96,9 +96,6 @@ class LOCKSTEP_API Evaluation {
   /// Kkt::redundant of these rows; unknown whenever they are laid out again.
   int redundant() const { return redundant_; }
   void set_redundant(int n) { redundant_ = n; }  ///< sets it, for factors of this evaluation
-  /// If some of at most 300 rows are redundant: square of the least pivot of the others, scaled to length 1. It depends
-  /// neither on masses nor on the frame, and vanishes in singular configurations. Else infinite.
-  double least_pivot() const;
 
  private:
   void lay_out(const State&);
@@ -110,7 +107,6 @@ class LOCKSTEP_API Evaluation {
   VecX f_;
   std::vector<const Force*> reacting_;
   int redundant_ = Kkt::kUnknown;
-  mutable MatX rest_;  // of least_pivot()
 };
 
 // KktAssembler: writes the gathered rows and the masses as the saddle-point matrix of a formulation.
@@ -130,6 +126,8 @@ class LOCKSTEP_API KktAssembler {
   /// reads the rows themselves; nothing is copied then, and load() and unload() are not needed. Throws ModelError for
   /// the quaternion formulation with `direct` or in a plane.
   void lay_out(const RowTable& rows, bool direct);
+  /// For a solver that reads the rows: masses of 1 kg, inertias of 1 kg times the square of the mechanism's length.
+  void equal_masses();
   void forget() { kkt_ = {}, masses_ = {}, n_links_ = 0; }      ///< gives back its memory: without a layout then
   bool direct() const { return kkt_.pattern.rows != nullptr; }  ///< laid out for a solver that reads the rows
   /// Writes the numbers: Jacobians, and the mass blocks if they depend on the pose. `motions`: ground, then slots.
@@ -193,8 +191,8 @@ class LOCKSTEP_API Factor {
   SolveReport solve(const Evaluation& e, const VecX& f, const VecX& c, VecX& a, VecX& lambda);
   /// Solves the equations of motion: as solve(), with the terms that the formulation adds to f and c, (2.4)-(2.6).
   SolveReport solve_motion(const Evaluation& e, const VecX& f, const VecX& c, VecX& a, VecX& lambda);
-  /// Completes the report of the last solution by what costs time: residual, pivots, detector.
-  void complete(SolveReport& report) const { factorization_->complete(report); }
+  /// Completes the report of the last solution, of this evaluation, by what costs time: residual, pivots, detector.
+  void complete(const Evaluation&, SolveReport& report) const;
   /// Throws NonFiniteError if this solution is not finite, SolveError if its rows contradict one another, with
   /// the name of the joint or force.
   void check(const Evaluation&, const VecX& a, const VecX& lambda, const SolveReport&) const;
@@ -212,7 +210,8 @@ class LOCKSTEP_API Factor {
   const LinearSolver* solver_;
   WorkCount* work_;
   KktAssembler assembler_;
-  std::unique_ptr<Factorization> factorization_;
+  std::unique_ptr<KktAssembler> equal_;  // of equal bodies, for the detector where rows are redundant
+  std::unique_ptr<Factorization> factorization_, of_equal_;
   std::shared_ptr<const Evaluation::Layout> layout_;  // null: no matrix yet
   VecX f_, c_, a_, lambda_;                           // in the formulation's own unknowns
 };

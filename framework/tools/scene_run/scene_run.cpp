@@ -18,20 +18,6 @@ namespace {
 
 constexpr double kOn = 1e-6;  // m, times the length: nearer than this a start is on the constraints up to its digits
 
-// Dependent rows leave a small pivot, in the factor of one solver, independent of that of the run.
-bool may_depend(System& system, const State& state) {
-  constexpr double kSmall = 1e-2;
-  const SchurSolver solver;
-  Evaluation evaluation(system);
-  evaluation.rows_at(state);
-  WorkCount work;
-  Factor factor(system, solver, Formulation::omega, work);
-  factor.compute(evaluation);
-  SolveReport report;
-  factor.complete(report);
-  return report.smallest_pivot < kSmall;
-}
-
 // Whether anything may be decided, as far as it is known without the rows. Those are held by themselves where they are as
 // at the start for good, and few enough for a dense factor.
 bool is_asked_for(Mechanism& m, const State& start) {
@@ -114,7 +100,7 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
     const bool off = dynamics.violation(pose) > kOn * m.system.length();
     if (off && !m.run.assemble) return start;
     met = !off || closes(dynamics, m, pose);
-    depends = may_depend(system_of(m), pose);
+    depends = dynamics.dependent_rows(pose) > 0;
     if (depends && met) dynamics.project(pose);
     dynamics.to_slots(pose);
   } catch (const Error&) {  // the run reports the error
@@ -155,7 +141,7 @@ std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m
   try {
     State pose = start;
     dynamics.to_slots(pose);
-    if (dynamics.violation(pose) > kOn * system_of(m).length() || !may_depend(system_of(m), pose)) return {};
+    if (dynamics.violation(pose) > kOn * system_of(m).length() || dynamics.dependent_rows(pose) == 0) return {};
     return decide_nearly_redundant(system_of(m), dynamics, pose, NearlyRedundant::reported);
   } catch (const Error&) {  // the run reports the error
     return {};
