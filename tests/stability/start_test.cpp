@@ -56,6 +56,31 @@ TEST_CASE("a start that changes what is stated is reported with figures", "[stab
   }
 }
 
+// Assembly turns the body by 0.2 rad about y, and by 0.0005 rad about x.
+TEST_CASE("stated angular velocities are compared in the axes in which they are stated", "[stability][start]") {
+  const auto changed = [](const std::string& text) {
+    const Outcome start = outcome_of(text);
+    REQUIRE(start.ended());
+    double most = 0;
+    for (const Finding& f : start.report.findings)
+      if (f.code() == "start-changed") most = std::max(most, f.value);
+    return most;
+  };
+  CHECK(changed(R"({"lockstep": 1, "planar": "off",
+    "bodies": [{"name": "rod", "mass": 1, "inertia": [0.1, 0.2, 0.3], "position": [0.5, 0, 0],
+                "omega_world": [0, 0, 3], "velocity": [0, 1.5, 0]}],
+    "joints": [{"name": "B", "type": "spherical", "p": "rod", "s": "ground", "at": [0, 0, 0]},
+               {"name": "L", "type": "point_on_plane", "p": "rod", "s": "ground", "at_p": [1, 0, 0],
+                "at_s": [1, 0, 0.2], "axis": "z"}],
+    "run": {"until": 0, "record": ["rod.x"]}})") == Approx(0.603).epsilon(0.01));
+  CHECK(changed(R"({"lockstep": 1, "planar": "off",
+    "bodies": [{"name": "rod", "mass": 1, "inertia": [0.1, 0.2, 0.3], "position": [0.5, 0, 0],
+                "orientation": {"axis": "x", "angle": 0.0005}, "omega_world": [0, 0, 3], "velocity": [0, 1.5, 0]}],
+    "markers": [{"name": "P", "body": "rod", "at": [-0.5, 0, 0]}, {"name": "S", "body": "ground"}],
+    "joints": [{"name": "B", "type": "revolute", "p": "P", "s": "S"}],
+    "run": {"until": 0, "record": ["rod.x"]}})") == Approx(2e-7).epsilon(0.1));
+}
+
 TEST_CASE("drawn poses that assembly moves by more than a thousandth are reported", "[stability][start]") {
   const std::string text = R"({"lockstep": 1, "planar": "off",
     "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, $off, 0], "to": [1, $off, 0]}}],

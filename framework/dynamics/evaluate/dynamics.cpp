@@ -78,9 +78,9 @@ Evaluation& Dynamics::gathered(const State& state) {
   if (e.norm(C_) > kOnConstraints * system_.length()) return e;
   State slots = state;
   to_slots(slots);
-  const int n = redundancy(slots).rows;  // which may gather elsewhere
+  const Redundancy found = redundancy(slots);  // which may gather elsewhere
   e.at(state);
-  e.set_redundant(n);
+  e.set_redundant(found.rows, found.nearly);
   return e;
 }
 

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/dynamics.h>
 
-#include <algorithm>
 #include <cmath>
 
-#include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/scales.h"

@@ -29,21 +29,22 @@ void Factor::lay_out(const Evaluation& e) {
 void Factor::compute(const Evaluation& e) {
   if (!fits(e)) lay_out(e);
   assembler_.update(e.rows(), e.inputs().motions);
-  assembler_.set_redundant(e.rows().held > 0 ? Kkt::kUnknown : e.redundant());  // held rows count as redundant ones
+  assembler_.set_redundant(e.redundant(), e.rows().held > 0 || e.nearly());
   factorization_->compute(assembler_.kkt());
   ++work_->factors;
-  if (of_equal_ || e.redundant() <= 0 || e.rows().held > 0) return;
+  if (of_equal_ || e.redundant() <= 0 || assembler_.kkt().nearly) return;
   static const SchurSolver kOfEqual;
   equal_ = std::make_unique<KktAssembler>(e.system(), Formulation::omega);
   equal_->lay_out(e.rows(), true), equal_->equal_masses();
   of_equal_ = kOfEqual.analyse(equal_->kkt().pattern);
 }
 
-// Where rows are redundant the detector is that of equal bodies: it depends neither on masses nor on the solver.
+// Where rows are redundant, none of them nearly, the detector is that of equal bodies: it depends neither on masses nor
+// on the solver.
 void Factor::complete(const Evaluation& e, SolveReport& report) const {
   factorization_->complete(report);
-  if (!of_equal_ || e.redundant() <= 0) return;
-  equal_->read(e.rows()), equal_->set_redundant(e.redundant());
+  if (!of_equal_ || e.redundant() <= 0 || assembler_.kkt().nearly) return;
+  equal_->read(e.rows()), equal_->set_redundant(e.redundant(), false);
   of_equal_->compute(equal_->kkt());
   SolveReport of_equal;
   of_equal_->complete(of_equal);

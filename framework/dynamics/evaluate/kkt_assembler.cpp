@@ -21,7 +21,8 @@ void KktAssembler::lay_out_direct(const RowTable& rows) {
 }
 
 void KktAssembler::equal_masses() {
-  for (SlotMass& slot : kkt_.masses) slot = {1.0, system_.length() * system_.length() * Mat3::Identity()};
+  for (SlotMass& slot : kkt_.masses)
+    slot = {1.0, system_.length() * system_.length() * Mat3::Identity(), slot.particle};
 }
 
 void KktAssembler::lay_out(const RowTable& rows, bool direct) {

@@ -29,7 +29,8 @@ SparseMat rows_transposed(const Evaluation& e) {
   const double per_turn = 1 / e.system().length();
   std::vector<Eigen::Triplet<double>> numbers;
   for_each_jacobian(e.rows(), [&](int row, int slot, const auto& J) {
-    for (int i = 0; i < 6; ++i) numbers.emplace_back(6 * slot + i, row, (i < 3 ? 1.0 : per_turn) * J[i]);
+    const int n = e.system().slot(slot).freedoms == Freedoms::particle ? 3 : 6;
+    for (int i = 0; i < n; ++i) numbers.emplace_back(6 * slot + i, row, (i < 3 ? 1.0 : per_turn) * J[i]);
   });
   SparseMat Jt(e.force().size(), e.rows().n_rows);
   Jt.setFromTriplets(numbers.begin(), numbers.end());
@@ -119,13 +120,16 @@ Redundancy Dynamics::redundancy(const State& state) {
 // row depends, no pose is asked.
 Redundancy Dynamics::find_redundancy(const State& state) try {
   if (!is_assembled(state)) return {};
-  const auto know = [&](int n) {
-    state.coordinates ? tree(state.modes).closures().set_redundant(n) : own().set_redundant(n);
+  const auto know = [&](int n, bool nearly = false) {
+    state.coordinates ? tree(state.modes).closures().set_redundant(n) : own().set_redundant(n, nearly);
   };
   // If n rows are redundant, which the search does not know: none stay unmet on its ways.
   const auto look = [&](const State& at, int n) {
-    know(n);
-    const Redundancy found{.rows = n, .regular = std::min(1.0, pivots(at).detector)};
+    Redundancy found{.rows = n};
+    if (!state.coordinates && n > 0 && own().rows().n_rows <= kDenseRows)  // not by what projections leave of poses
+      found.nearly = RowSpace(rows_transposed_at(*this, at)).nearly(kNegligible) > 0;
+    know(n, found.nearly);
+    found.regular = std::min(1.0, pivots(at).detector);
     return know(Kkt::kUnknown), found;
   };
   // How many rows depend on others, and whether J d = -C has a solution.
@@ -176,11 +180,12 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
         if (!(project(beside, 0).after <= kRoundOff * system_.length())) continue;
         const Redundancy there = look(beside, std::min(found.rows, dependent_rows(beside)));
         if (there.rows < found.rows) found.rows = there.rows, found.regular = 0;
-        found.regular = std::max(found.regular, there.regular);
+        found.regular = std::max(found.regular, there.regular), found.nearly = found.nearly && there.nearly;
         if (few && (!agrees || dependent < look_off(beside).first)) found.on_constraints = true;
         const bool both = ++n == (of_here.rows > 0 ? 4 : 2) && angle < 0;
         if (both && found.rows == of_here.rows && of_here.regular >= near_singular_below(found.regular)) break;
       } catch (const Error&) {  // poses that cannot be evaluated are skipped
+        know(Kkt::kUnknown);
       }
     return looked += n, true;
   };
@@ -208,7 +213,7 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
   }
   if ((!moves || looked == 0) && all > 0 && may_have_laws(system_)) return know(Kkt::kUnknown), Redundancy{};
   if (all < found.rows) found.rows = all, found.regular = look(here, all).regular;
-  know(found.rows);
+  know(found.rows, found.nearly);
   return found;
 } catch (const Error&) {  // named by the evaluation of this state that follows
   return {};

@@ -39,7 +39,7 @@ class LOCKSTEP_API RowSpace {
   explicit RowSpace(const SparseMat& Jt);
 
   int rank(double limit = kDependent) const { return qr_.rank(limit); }  ///< pivots up to `limit` are zero
-  int nearly() const { return rank() - rank(kNearlyDependent); }
+  int nearly(double least = kDependent) const { return rank(least) - rank(kNearlyDependent); }
   double pivot(int place) const { return qr_.pivot(place); }
   double smallest_singular_value(int rank) const;         ///< of so many pivots; below 1e-7 it is rounding
   double length(int row) const { return lengths_[row]; }  ///< 1 for a row of zeros

@@ -22,12 +22,12 @@ namespace lockstep {
 // proximal term covers: e is d times that over the root at d.
 //
 // On one branch the half difference o(d) = (x(d) - x(-d))/2 is odd, so that 2 o(d) - o(2d) is O(d^3); between two branches it
-// is the jump from one to the other.
+// is half of the jump from one to the other.
 //
 // A multiplier that grows as p/e has no limit. Its e o(e) is even, with the value p at e = 0, by the same weights.
 
 /// Whether more rows depend on others at this state, at least nearly, than near it. Masses do not count, as they do in
-/// the pivots of solvers. True of more than kDenseRows rows, whose rank is not found.
+/// the pivots of solvers. Of more than kDenseRows rows singular values below 1e-6 are lost.
 bool loses_rank(Dynamics&, const State&);
 /// Whether rows nearly depend on others at this state, not exactly; false of more than kDenseRows.
 LOCKSTEP_API bool nearly_loses_rank(Dynamics&, const State&);
@@ -84,7 +84,7 @@ class LOCKSTEP_API SingularRate {
   };
   Side ahead_, behind_;
   VecX v_;                       // the limit of the velocities
-  VecX halfway_, odd_;           // v'; twice the jump
+  VecX halfway_, odd_;           // v'; the jump
   VecX shorter_;                 // the accelerations without 4 d
   double root_ = 0, slope_ = 0;  // of the detector at the state, with its sign, and its change from there to d
   bool grows_ = false;

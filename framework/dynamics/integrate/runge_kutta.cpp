@@ -79,7 +79,7 @@ bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, i
       continue;
     }
     const SolveReport solved = dynamics.rates_with_report(at, k);
-    conditioning_[i] = {solved.detector, solved.smallest_pivot, solved.residual};
+    conditioning_[i] = {solved.detector, solved.smallest_pivot};
   }
   return true;
 }

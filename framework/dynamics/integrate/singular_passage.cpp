@@ -121,6 +121,7 @@ ProjectReport SingularPassage::land(Dynamics& dynamics, State& end) {
   if (active_ && !(below_ > 0)) ask(dynamics, end);
   const bool noisy = seen_.limit && round_off(both_sides_.distance()) * both_sides_.distance() > std::sqrt(relative_);
   if (!noisy) return project_end(dynamics, end, on_);
+  dynamics.normalize(end);
   ProjectReport report{.before = dynamics.violation_of_closures(end)};
   const bool off = report.before > dynamics.options().stabilization.tolerance;
   if (off && both_sides_.find(dynamics, end, 0, rate_) != Sides::agree) return project_end(dynamics, end, on_);

@@ -175,22 +175,21 @@ void add_changed(Dynamics& dynamics, const State& given, const State& assembled,
                         const char* unit) {
     const double off = (begins - stated).norm(), limit = kNegligible * std::max(1.0, stated.norm());
     if (!(off > limit)) return;
-    const auto text = [](const VecX& v) {
-      return v.size() == 1 ? fmt::format("{:.6g}", v[0]) : fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v[0], v[1], v[2]);
-    };
-    report.findings.push_back(
-        {&finding::start_changed, of.words(),
-         fmt::format("{}, {}: it begins at {} {} instead of the stated {} {}, because of joints, drives or other start "
-                     "velocities",
-                     of.words(), what, text(begins), unit, text(stated), unit),
-         "state velocities that fit each other, or leave out those that follow from others", off, limit, unit});
+    const auto text = [](const VecX& v) { return fmt::format("{:.10g}", fmt::join(v.begin(), v.end(), ", ")); };
+    report.findings.push_back({&finding::start_changed, of.words(),
+                               fmt::format("{}, {}: it begins at {} {}, not at the stated {} {}", of.words(), what,
+                                           text(begins), unit, text(stated), unit),
+                               "state velocities that fit each other, or leave out those that follow from others", off,
+                               limit, unit});
   };
   for (const StatedVelocity& stated : options.stated) {
     const Body& body = system.body(stated.body);
     const Thing thing{.kind = "body", .name = body.name};
-    const Twist was = body_twist(body, given), is = body_twist(body, assembled);
-    if (stated.velocity) tell(thing, "velocity", was.v, is.v, "m/s");
-    if (stated.omega) tell(thing, "angular velocity in body axes", was.w, is.w, "rad/s");
+    if (stated.velocity) tell(thing, "velocity", body_twist(body, given).v, body_twist(body, assembled).v, "m/s");
+    const auto w = [&](const State& s) {
+      return Vec3(stated.in_world ? rotation(body_pose(body, s).q) * body_twist(body, s).w : body_twist(body, s).w);
+    };
+    if (stated.omega) tell(thing, stated.in_world ? "omega_world" : "omega_body", w(given), w(assembled), "rad/s");
   }
   for (const VelocityTarget& target : targets) {
     const Lock& link = paired_link(system, target.link, target.axis);

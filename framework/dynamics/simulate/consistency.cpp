@@ -114,8 +114,7 @@ void check_velocities(Dynamics& dynamics, const State& state, double left, doubl
   throw AssemblyError(fmt::format(
       "{} at t = {:.9g} s leaves inconsistent velocities: they violate the constraints by {:.3g} m/s (limit {:.3g} "
       "m/s), worst: {}; two laws may drive one coordinate{}, nearly redundant constraints may lock a drive, or it is "
-      "in "
-      "a limit position (dead centre): {}check the axes and drives of these joints",
+      "in a limit position (dead centre): {}check the axes and drives of these joints",
       cause, state.t, left, limit, worst_rows(at, row_sizes(at, Residuals(at).Cd)),
       or_against_stops(dynamics.system(), at.rows()), advice));
 }

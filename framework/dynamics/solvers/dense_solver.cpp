@@ -58,7 +58,8 @@ class DenseFactorization final : public Factorization {
     fill_B(kkt);
     outer_.compute(Bt_);
     // Rows that depend on others on the constraints only are independent beside them, by as little as a stage is off.
-    rank_ = std::min(static_cast<int>(outer_.rank()), kkt.pattern.m - std::max(0, kkt.redundant));
+    rank_ = static_cast<int>(outer_.rank());
+    if (!kkt.nearly) rank_ = std::min(rank_, kkt.pattern.m - std::max(0, kkt.redundant));
     measure_pivots(kkt.redundant);
     Rt_.setZero();
     for (int i = 0; i < rank_; ++i)
@@ -87,7 +88,6 @@ class DenseFactorization final : public Factorization {
     }
     report.residual = rule_.largest();
     report.worst_row = rule_.worst_row();
-    report.rank = rank_;
     watch_.report(report);
     report.contradictory = rank_ < kkt.pattern.m && watch_.contradictory(rule_.largest(), 0);
     return report;

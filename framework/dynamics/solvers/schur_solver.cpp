@@ -60,10 +60,10 @@ class SchurFactorization final : public Factorization {
     report.worst_row = worst_row_;
     see_pivots();
     watch_.report(report);
-    const double least = redundant_ > 0 ? least_eigenvalue() : HUGE_VAL;
-    // In the singular configuration itself it does not count, and the pivots do.
-    if (least < kSmallPivot || (redundant_ > 0 && report.small_pivots <= redundant_))
-      report.detector = std::max(least, 0.0);
+    if (redundant_ <= 0) return;
+    const double least = std::max(least_eigenvalue(), 0.0);
+    // In the singular configuration itself only pivots show the direction that is lost.
+    if (!(report.detector < kSmallPivot && least > kSmallPivot)) report.detector = least;
   }
 
  private:

@@ -76,9 +76,7 @@ class PivotWatch {
     for (const double p : pivots_) smallest_ = std::min(smallest_, p);
   }
   /// Writes what it saw.
-  void report(SolveReport& out) const {
-    out.smallest_pivot = smallest_, out.small_pivots = small_, out.detector = regular_;
-  }
+  void report(SolveReport& out) const { out.smallest_pivot = smallest_, out.detector = regular_; }
   /// Whether rows contradict each other: their residual stalled at the order of its scale, and no position is singular,
   /// which may be passed. Contradictory rows are always dependent.
   bool contradictory(double residual, double before) const {

@@ -7,22 +7,13 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
-
 #include <lockstep/text.h>
 #include "framework/dynamics/tree/joint_tree.h"
+#include "framework/foundation/math/decompositions.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/finding_kinds.h"
 
 namespace lockstep {
-
-namespace {
-
-double least_inertia(const Mat3& J) {
-  return Eigen::SelfAdjointEigenSolver<Mat3>(J, Eigen::EigenvaluesOnly).eigenvalues()[0];
-}
-
-}  // namespace
 
 std::string slender_body(const JointTree& tree, const System& system, double most) {
   if (tree.planar()) return "";
@@ -39,7 +30,7 @@ std::string slender_body(const JointTree& tree, const System& system, double mos
       m[parent] += m[k], r2[parent] = std::max(r2[parent], n.near_u.squaredNorm());
     }
     if (n.turn != TreeTurn::ball || slot.freedoms == Freedoms::particle) continue;
-    const double least = least_inertia(slot.J);
+    const double least = symmetric_eigenvalues(slot.J)[0];
     const double slenderness = m[k] * r2[k] / least;
     if (!(slenderness > most)) continue;
     most = slenderness;
@@ -55,18 +46,19 @@ std::vector<Finding> lost_inertias(const System& system) {
   std::vector<Finding> all;
   if (system.plane()) return all;
   std::vector<double> r2(system.n_slots(), 0.0);
-  for (const Marker& marker : system.markers())
-    if (const int slot = marker.body->slot; slot != kGround)
-      r2[slot] = std::max(r2[slot], (marker.body->in_slot * marker.local).x.squaredNorm());
+  for (const auto& link : system.links())
+    for (const auto& [p, s] : link->pairs())
+      for (const Marker* marker : {p, s})
+        if (const int slot = marker->body->slot; slot != kGround)
+          r2[slot] = std::max(r2[slot], (marker->body->in_slot * marker->local).x.squaredNorm());
   for (int k = 0; k < system.n_slots(); ++k) {
     const Slot& slot = system.slot(k);
     if (slot.freedoms == Freedoms::particle) continue;
-    const double limit = slot.mass * r2[k] / slenderness_at(kSlight), least = least_inertia(slot.J);
+    const double limit = slot.mass * r2[k] / slenderness_at(kSlight), least = symmetric_eigenvalues(slot.J)[0];
     if (least >= limit) continue;
     const std::string body = "body '" + system.body_of_slot(k).name + "'";
     all.push_back({&finding::inertia_lost, body,
-                   fmt::format("{} has a least inertia of {} kg m^2 but a mass of {} kg and a joint at {} m, so its "
-                               "rotation about that axis is lost in round-off",
+                   fmt::format("{} has a least inertia of {} kg m^2, {} kg and a joint at {} m: round-off hides it",
                                body, text::brief(least), text::brief(slot.mass), text::brief(std::sqrt(r2[k]))),
                    "give it at least " + text::brief(limit) + " kg m^2 about each axis", least, limit, "kg m^2"});
   }

@@ -95,7 +95,9 @@ class LOCKSTEP_API Evaluation {
   bool covers(const State&) const;
   /// Kkt::redundant of these rows; unknown whenever they are laid out again.
   int redundant() const { return redundant_; }
-  void set_redundant(int n) { redundant_ = n; }  ///< sets it, for factors of this evaluation
+  bool nearly() const { return nearly_; }  ///< Kkt::nearly
+  /// Sets both, for factors of this evaluation.
+  void set_redundant(int n, bool nearly = false) { redundant_ = n, nearly_ = nearly; }
 
  private:
   void lay_out(const State&);
@@ -107,6 +109,7 @@ class LOCKSTEP_API Evaluation {
   VecX f_;
   std::vector<const Force*> reacting_;
   int redundant_ = Kkt::kUnknown;
+  bool nearly_ = false;
 };
 
 // KktAssembler: writes the gathered rows and the masses as the saddle-point matrix of a formulation.
@@ -134,10 +137,10 @@ class LOCKSTEP_API KktAssembler {
   void update(const RowTable& rows, std::span<const Motion> motions);
   /// For a solver that reads the rows: the table that it reads from now on.
   void read(const RowTable& rows);
-  void set_redundant(int n) { kkt_.redundant = n; }  ///< sets Kkt::redundant
-  const Kkt& kkt() const { return kkt_; }            ///< the matrix
-  int n() const { return kkt_.pattern.n; }           ///< number of unknowns of the formulation
-  int m() const { return kkt_.pattern.m; }           ///< number of its rows, those of unit length included
+  void set_redundant(int n, bool nearly) { kkt_.redundant = n, kkt_.nearly = nearly; }  ///< sets these of Kkt
+  const Kkt& kkt() const { return kkt_; }                                               ///< the matrix
+  int n() const { return kkt_.pattern.n; }  ///< number of unknowns of the formulation
+  int m() const { return kkt_.pattern.m; }  ///< number of its rows, those of unit length included
 
   /// Writes f6 (6 per slot: N, world; N m, slot axes) and c6 (1 per row of the table) as the right-hand side of the
   /// formulation, f (n) and c (m). `moving`: with the velocity-dependent terms that the formulation itself adds, for
@@ -282,8 +285,8 @@ class LOCKSTEP_API ReactionIteration {
 
 /// How the rows of the active joints depend on one another in all assembled poses of a branch except singular ones.
 struct Redundancy {
-  /// Rows that depend on others (Kkt::redundant), by their pivots: masses that differ by 1e7 make others as small.
-  int rows = Kkt::kUnknown;
+  int rows = Kkt::kUnknown;     ///< rows that depend on others (Kkt::redundant), by the rank of J
+  bool nearly = false;          ///< some of them do so nearly, everywhere (Kkt::nearly)
   bool on_constraints = false;  ///< some do so in assembled poses only, as in the loops of Bennett and Bricard
   double regular = 1;           ///< the largest SolveReport::detector that was seen
 };

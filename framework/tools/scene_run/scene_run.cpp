@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include <lockstep/error.h>
-#include <lockstep/solvers.h>
 #include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/simulate/decided_rows.h"
 #include "framework/dynamics/solvers/graph.h"

@@ -62,6 +62,7 @@ struct LOCKSTEP_API Kkt {
   /// How many rows depend on others in all assembled poses of the present branch except singular ones
   /// (Dynamics::redundancy). kUnknown: as many as have small pivots.
   int redundant = kUnknown;
+  bool nearly = false;           ///< some of these rows depend on others nearly, and may be held
   std::vector<double> M,         ///< mass blocks, symmetric positive definite
       Minv;                      ///< their inverses
   std::vector<double> J;         ///< Jacobians, joint after joint
@@ -81,11 +82,10 @@ struct SolveReport {
   double residual = 0;  ///< largest |J a - c| over the rows, each relative to its own scale
   int worst_row = -1;   ///< the row of that residual; -1: none was measured
   int corrections = 0;  ///< proximal corrections made
-  int rank = -1;        ///< rank of J if the solver reveals it, else -1
   double smallest_pivot = std::numeric_limits<double>::infinity();  ///< relative; small: redundant or singular
-  int small_pivots = 0;                                             ///< number of such pivots, when complete
-  /// The smallest relative pivot except those of redundant rows (Kkt::redundant): decreases as the square of the
-  /// distance to a singular configuration. Infinite if all rows are redundant, NaN if the solver does not report it.
+  /// The smallest relative pivot except those of redundant rows (Kkt::redundant), or an eigenvalue in their place:
+  /// decreases as the square of the distance to a singular configuration. Infinite if all rows are redundant, NaN if the
+  /// solver does not report it.
   double detector = NAN;
   bool contradictory = false;  ///< the rows contradict one another: the residual stays at the order of its scale
 };

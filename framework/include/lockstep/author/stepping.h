@@ -73,7 +73,6 @@ enum class StagesOn {
 struct Conditioning {
   double detector = NAN;                                   ///< SolveReport::detector
   double pivot = std::numeric_limits<double>::infinity();  ///< SolveReport::smallest_pivot
-  double residual = 0;                                     ///< SolveReport::residual
   /// The detector, small near a singular configuration; for a solver without one the smallest pivot, which redundant
   /// rows make small everywhere.
   double indicator() const { return std::isnan(detector) ? pivot : detector; }
