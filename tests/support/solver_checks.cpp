@@ -29,6 +29,7 @@ void check_against_truth(const LinearSolver& solver, bool redundant, double tole
       CHECK(difference(found.lambda, truth.lambda) <= tolerance_lambda);
       CHECK(found.report.residual <= 1e-12);
       CHECK_FALSE(found.report.contradictory);
+      if (found.report.rank >= 0) CHECK(found.report.rank == truth.rank);
       if (redundant && truth.rank < system.kkt.pattern.m) CHECK(found.report.smallest_pivot < 1e-6);
       if (!redundant && system.kkt.pattern.m > 0) CHECK(found.report.smallest_pivot > 1e-6);
     }

@@ -74,8 +74,8 @@ TEST_CASE("dense asks for no memory after analyse", "[unit][kkt]") {
     two = factor->solve(system.kkt, system.f, system.c, a, lambda);
   });
   CHECK(asked == 0);
-  CHECK(one.residual < 1e-9);
-  CHECK(two.residual < 1e-9);
+  CHECK(one.rank == 500);
+  CHECK(two.rank == 499);
   if (allocations_are_counted()) CHECK(allocations_of([&] { solver.analyse(system.kkt.pattern); }) > 0);
 }
 

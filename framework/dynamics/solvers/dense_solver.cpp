@@ -88,6 +88,7 @@ class DenseFactorization final : public Factorization {
     }
     report.residual = rule_.largest();
     report.worst_row = rule_.worst_row();
+    report.rank = rank_;
     watch_.report(report);
     report.contradictory = rank_ < kkt.pattern.m && watch_.contradictory(rule_.largest(), 0);
     return report;

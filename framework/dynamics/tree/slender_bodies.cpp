@@ -58,7 +58,7 @@ std::vector<Finding> lost_inertias(const System& system) {
     if (least >= limit) continue;
     const std::string body = "body '" + system.body_of_slot(k).name + "'";
     all.push_back({&finding::inertia_lost, body,
-                   fmt::format("{} has a least inertia of {} kg m^2, {} kg and a joint at {} m: round-off hides it",
+                   fmt::format("{}: least inertia {} kg m^2, {} kg, joint at {} m: its rotation is lost in round-off",
                                body, text::brief(least), text::brief(slot.mass), text::brief(std::sqrt(r2[k]))),
                    "give it at least " + text::brief(limit) + " kg m^2 about each axis", least, limit, "kg m^2"});
   }

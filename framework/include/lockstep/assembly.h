@@ -83,9 +83,8 @@ struct AssemblyOptions {
   /// With these or weights, the assembled start minimises the weighted sum of squared distances from the requested
   /// values (solved densely, up to 250 bodies).
   std::vector<CoordinateTarget> coordinates{};
-  std::vector<PoseWeight> poses{};  ///< of the bodies whose weight is not 1
-  std::vector<StatedVelocity>
-      stated{};  ///< a change of more than 1e-9, of those above 1 m/s or rad/s in parts, is reported
+  std::vector<PoseWeight> poses{};       ///< of the bodies whose weight is not 1
+  std::vector<StatedVelocity> stated{};  ///< a change of more than 1e-9 (relative above 1) is reported
 };
 
 /// Brings a state onto the constraints. Positions: Newton's method with the Cayley update (8.2) and the least

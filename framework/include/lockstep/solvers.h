@@ -38,8 +38,8 @@ class LOCKSTEP_API BlockSolver final : public LinearSolver {
 // If the rows contradict one another, a minimises sum (c - J a)_j^2 / E_j, as the proximal iteration does.
 
 /// Rank-revealing QR, the reference for small systems: its work grows with the cube of the number of rows.
-/// SolveReport::smallest_pivot: of the rows in the order of the QR, the smallest part of a row's
-/// own square (metric of M^-1) that is independent of the rows before it.
+/// SolveReport::rank is the rank by which it solved; smallest_pivot: of the rows in the order of the QR, the smallest part
+/// of a row's own square (metric of M^-1) that is independent of the rows before it.
 class LOCKSTEP_API DenseSolver final : public LinearSolver {
  public:
   static TypeInfo info();                                    ///< its entry in the registry; it has no keys

@@ -82,6 +82,7 @@ struct SolveReport {
   double residual = 0;  ///< largest |J a - c| over the rows, each relative to its own scale
   int worst_row = -1;   ///< the row of that residual; -1: none was measured
   int corrections = 0;  ///< proximal corrections made
+  int rank = -1;        ///< rank of J if the solver reveals it, else -1
   double smallest_pivot = std::numeric_limits<double>::infinity();  ///< relative; small: redundant or singular
   /// The smallest relative pivot except those of redundant rows (Kkt::redundant), or an eigenvalue in their place:
   /// decreases as the square of the distance to a singular configuration. Infinite if all rows are redundant, NaN if the
