@@ -5,6 +5,7 @@
 #include <lockstep/solvers.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/projection_rule.h"
+#include "framework/dynamics/solvers/detector.h"
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -33,10 +34,9 @@ void Factor::compute(const Evaluation& e) {
   factorization_->compute(assembler_.kkt());
   ++work_->factors;
   if (of_equal_ || e.redundant() <= 0 || assembler_.kkt().nearly) return;
-  static const SchurSolver kOfEqual;
   equal_ = std::make_unique<KktAssembler>(e.system(), Formulation::omega);
   equal_->lay_out(e.rows(), true), equal_->equal_masses();
-  of_equal_ = kOfEqual.analyse(equal_->kkt().pattern);
+  of_equal_ = make_detector(equal_->kkt().pattern);
 }
 
 // Where rows are redundant, none of them nearly, the detector is that of equal bodies: it depends neither on masses nor
@@ -46,9 +46,7 @@ void Factor::complete(const Evaluation& e, SolveReport& report) const {
   if (!of_equal_ || e.redundant() <= 0 || assembler_.kkt().nearly) return;
   equal_->read(e.rows()), equal_->set_redundant(e.redundant(), false);
   of_equal_->compute(equal_->kkt());
-  SolveReport of_equal;
-  of_equal_->complete(of_equal);
-  report.detector = of_equal.detector;
+  of_equal_->complete(report);
 }
 
 void Factor::forget() {

@@ -7,6 +7,7 @@
 #include <lockstep/author/memory.h>
 #include <lockstep/body.h>
 #include "framework/dynamics/solvers/conjugate.h"
+#include "framework/dynamics/solvers/detector.h"
 #include "framework/dynamics/solvers/schur_passes.h"
 #include "framework/dynamics/solvers/stop_rule.h"
 
@@ -31,7 +32,7 @@ LOCKSTEP_INLINE double slot_mass_times(const double* B, const double* v, double*
 
 }  // namespace
 
-class SchurFactorization final : public Factorization {
+class SchurFactorization : public Factorization {
  public:
   explicit SchurFactorization(const KktPattern&);
 
@@ -58,12 +59,25 @@ class SchurFactorization final : public Factorization {
     find_worst();
     report.residual = worst_;
     report.worst_row = worst_row_;
-    see_pivots();
+    watch_.see(redundant_, [&](auto&& row) {
+      for (const Row& r : order_) row(1.0 / p_[r.at], diagonal_[r.at]);
+    });
     watch_.report(report);
-    if (redundant_ <= 0) return;
-    const double least = std::max(least_eigenvalue(), 0.0);
-    // In the singular configuration itself only pivots show the direction that is lost.
-    if (!(report.detector < kSmallPivot && least > kSmallPivot)) report.detector = least;
+  }
+
+  // The least eigenvalue of S relative to s but those of redundant rows. The factor is then that of another E.
+  double least_regular() {
+    const double least = least_eigenvalue();
+    v_ = p_;
+    z_.eps *= 2;
+    schur::fill(plan_, z_);
+    schur::factor(plan_, z_);
+    z_.eps /= 2;
+    // det(S + 2 E)/det(S + E) has a factor 2 of each redundant direction, and (x + 2 eps)/(x + eps) of an eigenvalue x
+    double ln_ratio = -redundant_ * std::log(2.0);
+    for (std::size_t i = 0; i < p_.size(); ++i) ln_ratio += p_[i] == 0 ? 0 : std::log(v_[i] / p_[i]);
+    const double ratio = std::exp(ln_ratio);
+    return std::max(ratio * ratio > 2 ? z_.eps * (2 - ratio) / (ratio - 1) : least, 0.0);
   }
 
  private:
@@ -82,13 +96,6 @@ class SchurFactorization final : public Factorization {
     }
     gradients_.set(z_.eps, lightest / heaviest);
     masses_known_ = true;
-  }
-
-  void see_pivots() {
-    const auto each = [&](auto&& row) {
-      for (const Row& r : order_) row(1.0 / p_[r.at], diagonal_[r.at]);
-    };
-    watch_.see(redundant_, each);
   }
 
   // a_f = M^-1 f
@@ -147,10 +154,7 @@ class SchurFactorization final : public Factorization {
       if (conjugate(report.corrections, measure)) return report;
       before_ = gradients_.refused() ? 0 : HUGE_VAL;  // what is left stays, or was not solved for to the end
     }
-    find_worst();
-    report.residual = worst_;
-    report.worst_row = worst_row_;
-    see_pivots();
+    SchurFactorization::complete(report);
     report.contradictory = watch_.contradictory(worst_, before_);
     return report;
   }
@@ -168,14 +172,12 @@ class SchurFactorization final : public Factorization {
   //
   //     v = (1 - B) (S + E)^-1 J a,   x = B v,   x'S x/(x's x) = eps x'E(v - x)/(x'E x)
   //
-  // A v of which B keeps much is not redundant, but close to the singular configuration.
+  // A v of which B keeps much is not redundant, but close to the singular configuration. In it such a v is zero.
   double least_eigenvalue() {
     const auto n = static_cast<Eigen::Index>(plan_.size_x);
     Eigen::Map<VecX> x(x_.data(), n), v(v_.data(), n), E(E_.data(), n);
-    schur::Numbers z = z_;
-    z.a = probe_.data(), z.c = none_.data(), z.r = x_.data();
-    x.setZero();
-    schur::residual(plan_, z);
+    schur::residual(plan_, z_);  // nothing was solved: a is that of the constructor, and c = 0
+    x_ = r_;
     schur::solve(plan_, z_);
     v = x;
     const auto times_B = [&] { x = E.cwiseProduct(v), schur::solve(plan_, z_); };
@@ -266,9 +268,8 @@ class SchurFactorization final : public Factorization {
   Plane plane_;
   std::array<int, 6> velocity_{};  // of a slot's six, of each unknown
   schur::Numbers z_;
-  Aligned<double> A_, Y_, x_, c_, scale_, diagonal_, p_, E_, r_, lambda_, a_, inverse_, mass_, given_, kinds_;
-  Aligned<double> probe_, none_, v_;  // of least_eigenvalue(): any a, and zeros
-  const RowTable* rows_ = nullptr;    // that the matrix was computed from, with their revision
+  Aligned<double> A_, Y_, x_, c_, scale_, diagonal_, p_, E_, r_, lambda_, a_, inverse_, mass_, given_, kinds_, v_;
+  const RowTable* rows_ = nullptr;  // that the matrix was computed from, with their revision
   long revision_ = -1;
   bool masses_known_ = false;
   int redundant_ = Kkt::kUnknown;               // of the rows that the matrix was computed from
@@ -285,7 +286,7 @@ SchurFactorization::SchurFactorization(const KktPattern& pattern)
     : plan_(schur::make_plan(*pattern.rows, pattern.n_slots(), bool(pattern.plane))),
       plane_(pattern.plane),
       velocity_(unknown_velocities(pattern.plane)) {
-  for (Aligned<double>* v : {&x_, &c_, &scale_, &diagonal_, &p_, &E_, &r_, &lambda_, &none_, &v_})
+  for (Aligned<double>* v : {&x_, &c_, &scale_, &diagonal_, &p_, &E_, &r_, &lambda_, &v_})
     v->assign(plan_.size_x + kPad, 0.0);
   A_.assign(plan_.size_A + kPad, 0.0);
   Y_.assign(plan_.size_Y + kPad, 0.0);
@@ -306,9 +307,17 @@ SchurFactorization::SchurFactorization(const KktPattern& pattern)
   z_.eps = plan_.tree ? 0.0 : kClosureProximal;
   watch_.begin(pattern.m);
   gradients_.size(pattern.m);
-  probe_.assign(a_.size(), 0.0);
-  for (std::size_t i = 0; i < probe_.size(); ++i) probe_[i] = std::cos(1.0 + 2.3 * static_cast<double>(i));
+  for (std::size_t i = 0; i < a_.size(); ++i) a_[i] = std::cos(1.0 + 2.3 * static_cast<double>(i));
 }
+
+/// Completes a report by the detector alone.
+class Detector final : public SchurFactorization {
+ public:
+  using SchurFactorization::SchurFactorization;
+  void complete(SolveReport& report) override { report.detector = least_regular(); }
+};
+
+std::unique_ptr<Factorization> make_detector(const KktPattern& pattern) { return std::make_unique<Detector>(pattern); }
 
 TypeInfo SchurSolver::info() {
   return {"schur", "Schur complement on the graph of the joints: any topology and size, the default", {}};

@@ -61,19 +61,16 @@ bool refine(int& corrections, Measure&& measure, Within&& within, Raise&& raise,
 /// indicates a singular position.
 class PivotWatch {
  public:
-  void begin(int n_rows) { pivots_.reserve(n_rows); }
+  void begin(int n_rows) { pivots_.reserve(n_rows + 1); }
   /// `each` calls its argument with the pivot of every row and its diagonal.
   template <class Each>
   void see(int redundant, Each&& each) {
-    pivots_.clear();
+    pivots_.assign(1, std::numeric_limits<double>::infinity());
     each([&](double pivot, double diagonal) { pivots_.push_back(pivot > 0 ? pivot / diagonal : 0.0); });
-    small_ = static_cast<int>(std::ranges::count_if(pivots_, [](double p) { return p < kSmallPivot; }));
-    const int out = std::min(redundant < 0 ? small_ : redundant, static_cast<int>(pivots_.size()));
-    const auto at = pivots_.begin() + out;
-    std::ranges::nth_element(pivots_, at);
-    smallest_ = regular_ = std::numeric_limits<double>::infinity();
-    for (auto p = at; p != pivots_.end(); ++p) regular_ = std::min(regular_, *p);
-    for (const double p : pivots_) smallest_ = std::min(smallest_, p);
+    std::ranges::sort(pivots_);
+    const auto small = std::ranges::lower_bound(pivots_, kSmallPivot) - pivots_.begin();
+    smallest_ = pivots_.front();
+    regular_ = pivots_[std::min<std::size_t>(redundant < 0 ? small : redundant, pivots_.size() - 1)];
   }
   /// Writes what it saw.
   void report(SolveReport& out) const { out.smallest_pivot = smallest_, out.detector = regular_; }
@@ -86,7 +83,6 @@ class PivotWatch {
  private:
   std::vector<double> pivots_;  // of the diagonals
   double smallest_ = std::numeric_limits<double>::infinity(), regular_ = smallest_;
-  int small_ = 0;
 };
 
 /// The rule for a matrix in blocks.

@@ -413,8 +413,8 @@ class LOCKSTEP_API Dynamics {
 
   // -- redundant rows
   /// How the rows of the active joints depend on one another on the branch of this state, in its coordinates. Found
-  /// once for these joints, at the first assembled state from which the mechanism moves, or that has no small pivots.
-  /// Unknown (rows < 0) before such a state.
+  /// once for these joints, at the first assembled state from which the mechanism moves, or at which no row depends on
+  /// others. Unknown (rows < 0) before such a state.
   Redundancy redundancy(const State&);
   /// How many rows depend on others at this state, at least nearly, in its coordinates. Throws NonFiniteError.
   int dependent_rows(const State&);

@@ -99,7 +99,7 @@ void of_run(Entries& out) {
   add(out, "solver.corrections", "", "proximal corrections of this solution",
       [](const Sample& s) { return static_cast<double>(s.values().report.corrections); });
   add(out, "solver.detector", "",
-      "smallest relative pivot except those of redundant constraints; small near a singular configuration",
+      "smallest relative pivot or eigenvalue, redundant constraints excluded; small near a singular configuration",
       [](const Sample& s) { return s.values().full_report().detector; });
   add(out, "solver.smallest_pivot", "", "smallest relative pivot of this solution",
       [](const Sample& s) { return s.values().full_report().smallest_pivot; });
