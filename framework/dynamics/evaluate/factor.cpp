@@ -5,7 +5,6 @@
 #include <lockstep/solvers.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/projection_rule.h"
-#include "framework/dynamics/solvers/detector.h"
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/mechanism/system/diagnose.h"
 

@@ -7,7 +7,6 @@
 #include <lockstep/author/memory.h>
 #include <lockstep/body.h>
 #include "framework/dynamics/solvers/conjugate.h"
-#include "framework/dynamics/solvers/detector.h"
 #include "framework/dynamics/solvers/schur_passes.h"
 #include "framework/dynamics/solvers/stop_rule.h"
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include <lockstep/author/solver.h>
@@ -84,6 +85,10 @@ class PivotWatch {
   std::vector<double> pivots_;  // of the diagonals
   double smallest_ = std::numeric_limits<double>::infinity(), regular_ = smallest_;
 };
+
+/// Factors like solver schur, and completes a report by the detector alone: the least eigenvalue of J M^-1 J^T relative to
+/// its diagonal but those of Kkt::redundant rows, at least one. Of a matrix with loops.
+std::unique_ptr<Factorization> make_detector(const KktPattern&);
 
 /// The rule for a matrix in blocks.
 class StopRule {
