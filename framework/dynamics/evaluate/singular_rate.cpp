@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include <lockstep/author/passes.h>
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/foundation/math/limits.h"
@@ -36,20 +37,19 @@ void SingularRate::begin(const State& state) {
 
 SingularRate::Sides SingularRate::find(Dynamics& dynamics, State& state, double detector, StateRate& out) {
   const double L = dynamics.system().length();
-  const double speed = state.coordinates ? state.v.lpNorm<Eigen::Infinity>() : speed_of(state.v, L);
-  distance_ = HUGE_VAL, largest_ = root_ = 0;
+  passes::motions(dynamics.system(), state, motions_);
+  const double speed = speed_of(motions_, L);
+  distance_ = HUGE_VAL, largest_ = root_ = largest_lambda_ = multiplier_error_ = 0;
   if (!(speed > 0)) return Sides::differ;
   distance_ = std::sqrt(detector);
   for (VecX* x : {&out.q, &out.v, &out.s, &out.followed, &v_, &shorter_}) x->setZero();
-  largest_lambda_ = multiplier_error_ = 0;
   for (std::size_t i = 0; i < kWeights.size(); ++i) {
     if (!probe(dynamics, state, speed, detector, i, out)) return Sides::differ;
     if (!(2 * distance_ < kDelta)) return Sides::farther;
   }
   state.q += out.q, state.v += v_;
   out.largest_a = ahead_.rate.largest_a, out.largest_alpha = ahead_.rate.largest_alpha;
-  shorter_ -= out.v;
-  error_ = largest_component(state, shorter_, L) / largest_;
+  error_ = largest_component(state, shorter_ - out.v, L) / largest_;
   find_multipliers();
   dynamics.normalize(state);
   kinematic_rate(state, out.q);
@@ -72,19 +72,19 @@ bool SingularRate::probe(Dynamics& dynamics, const State& state, double speed, d
       at = state;
       dynamics.advance(at, h, v);
       at.t = state.t + h;
-      return dynamics.project(at, 0).converged;
+      if (!dynamics.project(at, 0).converged) return false;
+      at.v = state.v;  // by the factor of this position: that of another leaves other velocities
+      return dynamics.project_velocity(at), true;
     };
     if (!go(0.5 * sign * time, state.v)) return false;
     halfway_ = at.v;
     if (!go(sign * time, halfway_)) return false;
-    if (!at.coordinates) dynamics.project(at, 0);  // the velocities once more, with the factor of this position
     if (at.coordinates) {
       root = std::sqrt(dynamics.rates_with_report(at, rate).detector);
       continue;
     }
     const Solution& solution = dynamics.rate(at, rate);
-    root = std::sqrt(solution.full_report().detector);
-    lambda = solution.lambda;
+    root = std::sqrt(solution.full_report().detector), lambda = solution.lambda;
   }
   if (i == 0) slope_ = std::sqrt(ahead_.root * behind_.root), distance_ = kDelta * std::sqrt(detector) / slope_;
   if (i == 1) grows_ = ahead_.root + behind_.root > 3 * slope_;

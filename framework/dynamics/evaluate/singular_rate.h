@@ -43,7 +43,7 @@ inline double near_singular_below(double regular) {
 /// State, rates and multipliers in a singular position, from both of its sides.
 class LOCKSTEP_API SingularRate {
  public:
-  static constexpr double kDelta = 0.04;          ///< d, rad: rounding and what the formula leaves are both small
+  static constexpr double kDelta = 0.03;          ///< d, rad: rounding and what the formula leaves are both small
   static constexpr double kPoseRoundOff = 1e-13;  ///< rad: of a position after its projection, in a row of forty bays
   /// Relative, of the accelerations at this distance from a singular position, rad, if its position is off by so much.
   static double round_off(double distance, double off = kPoseRoundOff) {
@@ -84,6 +84,7 @@ class LOCKSTEP_API SingularRate {
   };
   Side ahead_, behind_;
   VecX v_;                       // the limit of the velocities
+  std::vector<Motion> motions_;  // at the state
   VecX halfway_, odd_;           // v'; the jump
   VecX shorter_;                 // the accelerations without 4 d
   double root_ = 0, slope_ = 0;  // of the detector at the state, with its sign, and its change from there to d
