@@ -38,7 +38,7 @@ void exchange_ends(Value& joint) {
 }
 
 Scene written(const Case& c, const View& view, const Way& way) {
-  Scene scene = read_scene(c.path);
+  Scene scene = set_in_scene(read_scene(c.path), c.set, builtin_registry());
   for (const char* key : {"bodies", "joints", "links"})
     if (Value* const list = member(scene.root, key)) {
       if (view.exchanged && key[0] != 'b')
@@ -51,7 +51,7 @@ Scene written(const Case& c, const View& view, const Way& way) {
   if (way.stages != "auto") run.integrator.keys = Value::object({{"stages", way.stages}});
   run.solver = {way.solver};
   run.formulation = formulation_from(way.formulation);
-  run.tolerance = {way.tolerance, 0.01 * view.length * way.tolerance};
+  run.tolerance = {way.tolerance, 0.01 * way.tolerance};
   run.stabilization.tolerance *= view.length;
   run.step = 0, run.times.clear(), run.until = c.until, run.output = c.until / 10;
   return way.in_space ? in_space(std::move(scene)) : scene;
@@ -144,16 +144,24 @@ Trace follow(const Case& c, const View& view, const Way& way, double faster) {
   return motion;
 }
 
+double fastest(const std::vector<Instant>& history) {
+  double most = 0;
+  for (const Instant& now : history)
+    for (const Twist& v : now.twists) most = std::max({most, v.v.norm(), v.w.norm()});
+  return most;
+}
+
 double difference(const std::vector<Instant>& a, const std::vector<Instant>& b) {
   constexpr double kApart = std::numeric_limits<double>::infinity();
   if (a.empty() || a.size() != b.size()) return kApart;
+  const double per_rate = 1 / std::max(10.0, fastest(a));
   double worst = 0;
   for (std::size_t k = 0; k < a.size(); ++k) {
     if (std::abs(a[k].t - b[k].t) > 1e-12 || a[k].poses.size() != b[k].poses.size()) return kApart;
     for (std::size_t i = 0; i < a[k].poses.size(); ++i) {
       const double here =
           (a[k].poses[i].x - b[k].poses[i].x).norm() + angle(a[k].poses[i].q, b[k].poses[i].q) +
-          0.1 * ((a[k].twists[i].v - b[k].twists[i].v).norm() + (a[k].twists[i].w - b[k].twists[i].w).norm());
+          per_rate * ((a[k].twists[i].v - b[k].twists[i].v).norm() + (a[k].twists[i].w - b[k].twists[i].w).norm());
       if (!std::isfinite(here)) return kApart;
       worst = std::max(worst, here);
     }

@@ -44,14 +44,19 @@ struct Trace {
 struct Case {
   std::string name, path;
   double until;
-  bool has_forces = false;  ///< forces of its own, whose numbers have units of length
+  bool has_forces = false;         ///< forces of its own, whose numbers have units of length
+  std::vector<std::string> set{};  ///< "NAME=VALUE" of its parameters
 };
 
 /// `faster`: all velocities of the start grow by this share.
 Trace follow(const Case&, const View&, const Way&, double faster = 0);
 
-/// Largest difference of two histories: distance, m, angle, rad, and a tenth of those of the rates; infinite where they
-/// are not of the same times and bodies, or not finite.
+/// The largest speed, m/s, or angular velocity, rad/s.
+double fastest(const std::vector<Instant>&);
+
+/// Largest difference of two histories: distance, m, angle, rad, and a tenth of those of the rates, or their ratio to the
+/// fastest rate of the first where that is above 10; infinite where they are not of the same times and bodies, or not
+/// finite.
 double difference(const std::vector<Instant>&, const std::vector<Instant>&);
 
 }  // namespace lockstep::invariance

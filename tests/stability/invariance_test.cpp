@@ -9,6 +9,7 @@
 #include <random>
 #include <set>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -41,7 +42,8 @@ std::vector<Case> cases() {
           {"flyball", scenes + "flyball.json", 0.01, true},
           {"andrews, flat", scenes + "andrews_a03.json", 0.01, true},
           {"scissor lift", scenes + "overconstrained/scissor_lift_3.json", 0.3},
-          {"five cranks", scenes + "overconstrained/parallel_cranks_5.json", 0.5}};
+          {"five cranks", scenes + "overconstrained/parallel_cranks_5.json", 0.5},
+          {"nfourbar_6", scenes + "nfourbar_40.json", 0.85, false, {"bays=6"}}};
 }
 
 /// The motion as written, in the default way and by the referee, and what it makes of a small error.
@@ -57,14 +59,16 @@ Truth truth_of(const Case& c) {
   Truth truth{follow(c, {}, way)};
   REQUIRE(truth.motion.ok());
   truth.apart = difference(truth.motion.history, follow(c, {}, {.formulation = "omega", .tolerance = 1e-12}).history);
-  double speed = 0;
-  for (const Instant& now : truth.motion.history)
-    for (const Twist& v : now.twists) speed = std::max({speed, v.v.norm(), v.w.norm()});
+  const double speed = std::min(10.0, fastest(truth.motion.history));
   const Trace faster = follow(c, {}, way, kFaster);
   REQUIRE(faster.ok());
   truth.growth = std::clamp(difference(truth.motion.history, faster.history) / (kFaster * speed), 1.0, kMostGrowth);
   return truth;
 }
+
+/// One case more than are drawn: forty bays take solver dense, whose work grows as their cube, 28 s even at 1e-4.
+constexpr int kForty = 5;
+constexpr std::size_t kSix = 13, kDrawn = kSix;
 
 /// A draw: the numbers of its levels, factor by factor.
 constexpr std::size_t kFactors = 7;
@@ -175,10 +179,12 @@ TEST_CASE("a motion is the same in any frame, order, unit, tree and formulation:
     CHECK(truths.back().apart <= kTimes * kLeast * truths.back().growth);
   }
   Table table;
-  for (const Draw& d : planted(levels(all.size()), 1)) {
-    const auto k = static_cast<std::size_t>(d[mechanism]);
-    check(all[k], truths[k], d, table);
-  }
+  for (const unsigned seed : {1U, 2U, 3U})
+    for (const Draw& d : planted(levels(kDrawn), seed)) {
+      const std::string_view solver = std::get<1>(kFormulations[static_cast<std::size_t>(d[formulation])]);
+      const auto k = d[mechanism] == kForty && solver == "dense" ? kSix : static_cast<std::size_t>(d[mechanism]);
+      check(all[k], truths[k], d, table);
+    }
   table.print();
 }
 
@@ -196,14 +202,16 @@ TEST_CASE("a motion is the same in any frame, order, unit, tree and formulation"
 }
 
 // What other draws have shown: stages off the constraints, where rows of the dense solver seem independent; ends of steps
-// close to a singular configuration; small pivots of forty bays.
+// close to a singular configuration; small pivots of forty bays; velocities beside a singular configuration that depended
+// on the rounds of a projection.
 TEST_CASE("draws in which a motion differed, or needed many steps", "[stability][singular]") {
   const std::vector<Case> all = cases();
   Table table;
-  for (const Draw& d : {Draw{8, 0, 2, 0, 2, 5, 2}, Draw{3, 3, 1, 0, 1, 6, 8}, Draw{5, 1, 1, 1, 0, 2, 4}}) {
+  for (const Draw& d :
+       {Draw{8, 0, 2, 0, 2, 5, 2}, Draw{3, 3, 1, 0, 0, 6, 8}, Draw{5, 1, 1, 1, 0, 2, 4}, Draw{0, 4, 2, 0, 0, 7, 3}}) {
     const auto k = static_cast<std::size_t>(d[mechanism]);
     const Trace motion = check(all[k], truth_of(all[k]), d, table);
-    CHECK(motion.steps < (d[accuracy] == 8 ? 2500 : 100));
+    CHECK(motion.steps < (d[accuracy] == 8 ? 2500 : 200));
   }
 }
 
