@@ -74,7 +74,7 @@ bool SingularRate::probe(Dynamics& dynamics, const State& state, double speed, d
       at.t = state.t + h;
       if (!dynamics.project(at, 0).converged) return false;
       at.v = state.v;  // by the factor of this position: that of another leaves other velocities
-      return dynamics.project_velocity(at), true;
+      return dynamics.project(at, 0).converged;
     };
     if (!go(0.5 * sign * time, state.v)) return false;
     halfway_ = at.v;
