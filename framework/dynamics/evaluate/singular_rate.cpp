@@ -73,8 +73,8 @@ bool SingularRate::probe(Dynamics& dynamics, const State& state, double speed, d
       dynamics.advance(at, h, v);
       at.t = state.t + h;
       if (!dynamics.project(at, 0).converged) return false;
-      at.v = state.v;  // by the factor of this position: that of another leaves other velocities
-      return dynamics.project(at, 0).converged;
+      at.v = state.v;  // by the factor of this position; of a tree to the goal only, as more rounds are noise
+      return at.coordinates ? (dynamics.project_velocity(at), true) : dynamics.project(at, 0).converged;
     };
     if (!go(0.5 * sign * time, state.v)) return false;
     halfway_ = at.v;
