@@ -178,6 +178,23 @@ class Sweeps(unittest.TestCase):
         self.assertEqual(len(runs) - len(runs.failed), len(made))
         self.assertLess(len(made), 100)
 
+    def test_an_interrupt_between_submissions_ends_all_runs(self):
+        class Interrupting(concurrent.futures.ThreadPoolExecutor):
+            def submit(self, *work):
+                future = super().submit(*work)
+                os.kill(os.getpid(), signal.SIGINT)
+                time.sleep(0.1)
+                return future
+
+        made = []
+        with self.assertRaises(ls.InterruptedSweep) as raised:
+            with Interrupting(1) as pool:
+                ls.sweep(oscillator(), {"k": [50.0] * 20}, measure=lambda run: made.append(time.sleep(0.1)) or last(run),
+                         chunk=20, executor=pool)
+        runs = raised.exception.runs
+        self.assertEqual(len(runs) - len(runs.failed), len(made))
+        self.assertIn(len(made), range(1, 10))
+
     def test_a_parameter_without_values_is_an_error(self):
         for empty in ([], np.array([])):
             with self.assertRaisesRegex(ValueError, '"k" has no values'):

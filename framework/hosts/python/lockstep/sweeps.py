@@ -131,14 +131,15 @@ def _fill(parts: dict[int, list[Result]], work: tuple[Any, ...], rows: list[Row]
     if executor is None:
         scene = _read(source)
         for k in starts:
-            parts[k] = []
-            _chunk(parts[k], scene, rows[k:k + size], *options)
+            _chunk(parts.setdefault(k, []), scene, rows[k:k + size], *options)
             done(k)
         return
     sweep = uuid.uuid4().hex
-    futures: dict[Future[list[Result]], int] = {
-        executor.submit(_remote, source, rows[k:k + size], *options, sweep): k for k in starts}
+    futures: dict[Future[list[Result]], int] = {}
+    submitted = ((executor.submit(_remote, source, rows[k:k + size], *options, sweep), k) for k in starts)
     try:
+        with ThreadPoolExecutor(1) as uninterrupted:  # an interrupt reaches the main thread only, so no future is lost
+            uninterrupted.submit(lambda: futures.update(submitted)).result()
         for future in as_completed(futures):
             parts[futures[future]] = future.result()
             done(futures[future])
@@ -227,8 +228,7 @@ def sweep(scene: Source, vary: Vary, *, executor: Executor | None = None, until:
         _fill(parts, work, rows, size, executor, told)
     except KeyboardInterrupt as error:
         interrupt = error
-    not_made = InterruptedRun("the sweep was interrupted before this run")
-    results: list[Result] = [(None, None, not_made, [])] * len(rows)
+    results: list[Result] = [(None, None, InterruptedRun("the sweep was interrupted before this run"), [])] * len(rows)
     for first, part in parts.items():
         results[first:first + len(part)] = part
     parameters = _parameters(source, rows)
