@@ -67,7 +67,8 @@ bool SingularRate::probe(Dynamics& dynamics, const State& state, double speed, d
                          StateRate& out) try {
   const double time = static_cast<double>(i + 1) * kDelta / speed;
   for (const double sign : {1.0, -1.0}) {
-    auto& [at, rate, lambda, root] = sign > 0 ? ahead_ : behind_;
+    Side& side = sign > 0 ? ahead_ : behind_;
+    State& at = side.at;
     const auto go = [&](double h, const VecX& v) {
       at = state;
       dynamics.advance(at, h, v);
@@ -76,15 +77,13 @@ bool SingularRate::probe(Dynamics& dynamics, const State& state, double speed, d
       at.v = state.v;  // by the factor of this position; of a tree to the goal only, as more rounds are noise
       return at.coordinates ? (dynamics.project_velocity(at), true) : dynamics.project(at, 0).converged;
     };
-    if (!go(0.5 * sign * time, state.v)) return false;
-    halfway_ = at.v;
-    if (!go(sign * time, halfway_)) return false;
+    if (!go(0.5 * sign * time, state.v) || !go(sign * time, halfway_ = at.v)) return false;
     if (at.coordinates) {
-      root = std::sqrt(dynamics.rates_with_report(at, rate).detector);
+      side.root = std::sqrt(dynamics.rates_with_report(at, side.rate).detector);
       continue;
     }
-    const Solution& solution = dynamics.rate(at, rate);
-    root = std::sqrt(solution.full_report().detector), lambda = solution.lambda;
+    const Solution& solution = dynamics.rate(at, side.rate);
+    side.root = std::sqrt(solution.full_report().detector), side.lambda = solution.lambda;
   }
   if (i == 0) slope_ = std::sqrt(ahead_.root * behind_.root), distance_ = kDelta * std::sqrt(detector) / slope_;
   if (i == 1) grows_ = ahead_.root + behind_.root > 3 * slope_;
