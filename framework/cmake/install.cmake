@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lockstep)
 set(data_folder ${CMAKE_INSTALL_DATADIR}/lockstep)
 
-install(TARGETS lockstep_core lockstep_scene lockstep_run lockstep_batch lockstep_tools lockstep EXPORT lockstepTargets
+install(TARGETS lockstep_core lockstep_scene lockstep_run lockstep_tools lockstep EXPORT lockstepTargets
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
 # Empty names, or the plugins without which the library has no laws and no integrators.
 install(TARGETS lockstep_motionlaws lockstep_integrators EXPORT lockstepTargets

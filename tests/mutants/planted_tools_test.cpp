@@ -8,7 +8,6 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/author/registry.h>
-#include <lockstep/batch.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
@@ -117,21 +116,6 @@ TEST_CASE("a repeat that is not a number agrees in no digit", "[mutants]") {
     CHECK(certify(sound, {&other}).channels.at(0).worst().digits == 0);
     CHECK(certify(other, {&sound}).channels.at(0).worst().digits == 0);
   }
-}
-
-TEST_CASE("copies of which one has a joint that is not in force are none", "[mutants]") {
-  std::vector<std::unique_ptr<System>> systems;
-  for (int k = 0; k < 2; ++k) {
-    systems.push_back(std::make_unique<System>(System::Options{{0, -9.81, 0}}));
-    System& system = *systems.back();
-    Body &one = system.add_body("one", plate()), &two = system.add_body("two", plate(), {{1, 0, 0}, {}});
-    system.add<Revolute>("A", one, system.ground(), pose_at({0, 0, 0}));
-    system.add<Revolute>("B", two, one, pose_at({0.5, 0, 0})).set_active_at_start(k == 0);
-  }
-  check_words(message_of<ModelError>([&] {
-                Copies({systems[0].get(), systems[1].get()}, CopiesOptions{});
-              }),
-              {"joint 'B', which is active in one of them only"});
 }
 
 TEST_CASE("a run of a sweep that drifts beyond the scene's limit is wrong", "[mutants]") {

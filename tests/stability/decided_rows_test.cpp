@@ -6,7 +6,6 @@
 #include <string>
 
 #include <lockstep/analysis.h>
-#include <lockstep/batch.h>
 #include <lockstep/couplings.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
@@ -60,16 +59,6 @@ void check_free(const std::function<std::unique_ptr<Model>(bool both)>& make) {
 }
 
 }  // namespace
-
-TEST_CASE("vectorised batches reject left-out and held constraints", "[stability][redundancy]") {
-  const auto two = door({}, true);
-  CHECK(Copies::unsuited(two->system) == "");
-  two->begin(NearlyRedundant::free, "schur");
-  CHECK(Copies::unsuited(two->system).find("joint 'high' are left out") != std::string::npos);
-  two->system.leave_out(two->system.link("high"), 0);
-  two->system.hold_down_to(1e-7);
-  CHECK(Copies::unsuited(two->system).find("nearly redundant constraints are kept") != std::string::npos);
-}
 
 TEST_CASE("a door free or held moves alike by implicit methods", "[stability][redundancy]") {
   const auto one = door({}, false);

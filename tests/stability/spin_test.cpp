@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <lockstep/author/passes.h>
-#include <lockstep/batch.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
 #include <lockstep/simulation.h>
@@ -152,39 +151,6 @@ TEST_CASE("an angle of 100000 revolutions keeps its digits in joint coordinates"
   CHECK(error < 2560 * 1000 * kTwoPi * std::numeric_limits<double>::epsilon() / 4);
   CHECK(std::abs(std::remainder(sum - angle, kTwoPi)) > 20 * error);
   CHECK(std::abs(end.q[0]) < 4000 * kTwoPi);
-}
-
-TEST_CASE("an angle of 100000 revolutions keeps its digits in instances, in batches and alone",
-          "[stability][spin][joint]") {
-  const bool lanes = GENERATE(true, false);
-  std::vector<std::unique_ptr<System>> systems;
-  std::vector<System*> all;
-  std::vector<State> starts;
-  for (int k = 0; k < 5; ++k) {
-    System& sys = *systems.emplace_back(std::make_unique<System>());
-    Body& b = sys.add_body("b", MassProperties{1.0 + k, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()});
-    sys.add<Revolute>("A", b, sys.ground(), pose_at(Vec3::Zero()));
-    sys.setup();
-    all.push_back(&sys), starts.push_back(sys.start());
-    starts.back().v[5] = 1e5 / 3 + k;
-  }
-  CopiesOptions options;
-  options.integrator = "rk4", options.step = 1.0 / 128, options.formulation = Formulation::joint;
-  options.lanes = lanes;
-  Copies copies(all, options);
-  const std::vector<double> times{20};
-  int n = 0;
-  const auto reports = copies.run(starts, times, [&](int k, std::size_t, const State& end) {
-    const long double way = 20.0L * static_cast<long double>(starts[k].v[5]);
-    const auto angle = static_cast<double>(std::remainder(way, 2 * std::numbers::pi_v<long double>));
-    const Quat e = end.slot_pose(0).q;
-    const double error = std::abs(std::remainder(2 * std::atan2(e.vec()[2], e.w) - angle, kTwoPi));
-    CAPTURE(lanes, k, error);
-    CHECK(error < 4 * 2560 * 1000 * kTwoPi * std::numeric_limits<double>::epsilon() / 4);  // four terms a step
-    ++n;
-  });
-  CHECK(n == 5);
-  for (const CopyReport& r : reports) CHECK(r.steps == 2560);
 }
 
 namespace {

@@ -11,7 +11,6 @@
 #include <lockstep/author/check.h>
 #include <lockstep/author/params.h>
 #include <lockstep/author/registry.h>
-#include <lockstep/batch.h>
 #include <lockstep/couplings.h>
 #include <lockstep/forces.h>
 #include <lockstep/frame_laws.h>
@@ -28,7 +27,6 @@
 #include "framework/tools/charts/chart_grid.h"
 #include "framework/tools/precision/work_precision_chart.h"
 #include "tests/support/catch.h"
-#include "tests/support/copies_of.h"
 #include "tests/support/load_cell.h"
 #include "tests/support/messages.h"
 #include "tests/support/refusals.h"
@@ -39,13 +37,6 @@ using namespace lockstep;
 using lockstep::testing::check_refusals;
 
 namespace {
-
-void make_copies(const std::function<void(CopiesOptions&)>& change) {
-  test::Family family(2, [](int k) { return test::chain(1, k); });
-  CopiesOptions options;
-  change(options);
-  const Copies copies(family.pointers(), options);
-}
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -103,34 +94,6 @@ TEST_CASE("laws by points reject open periods", "[unit][refusals]") {
          laws::spline_rotation({{0, {}}, {1, {1, 1, 0, 0}}, {2, {1, 0.1, 0, 0}}}, closed);
        },
        {"points end", "rad away from the first", "the last must equal the first"}},
-  });
-}
-
-TEST_CASE("instances reject impossible options", "[unit][refusals]") {
-  check_refusals({
-      {"a step below zero",
-       [] { make_copies([](CopiesOptions& o) { o.step = -1; }); },
-       {"batch: step -1 s", "they must be 0 or more"}},
-      {"no step",
-       [] { make_copies([](CopiesOptions& o) { o.integrator = "rk4"; }); },
-       {"batch: step 0 s", "rk4 needs a step above 0"}},
-      {"tolerances",
-       [] { make_copies([](CopiesOptions& o) {
-              o.tolerance = {0, 0};
-            }); },
-       {"batch: tolerances 0 and 0", "one of them above 0"}},
-      {"Baumgarte",
-       [] { make_copies([](CopiesOptions& o) { o.stabilization.kind = Stabilization::Kind::baumgarte; }); },
-       {"Baumgarte stabilisation is not vectorised", "use project or none"}},
-      {"tolerance of the constraints",
-       [] { make_copies([](CopiesOptions& o) { o.stabilization.tolerance = 0; }); },
-       {"batch: tolerance of the constraints 0 m", "it must be above 0"}},
-      {"no mechanism",
-       [] {
-         const auto one = test::chain(1, 0);
-         const Copies copies({one.get(), nullptr});
-       },
-       {"batch: instance 1 is null", "give a mechanism"}},
   });
 }
 
@@ -248,31 +211,6 @@ TEST_CASE("checks, tables and pictures reject empty data", "[unit][refusals]") {
       {"no time",
        [] { check_law(*laws::ramp(1), {.from = 2, .to = 1}); },
        {"check_law: the end 1 s must be after the start 2 s", "a later end"}},
-      {"copies in other coordinates",
-       [] {
-         test::Family family(1, [](int k) { return test::chain(1, k); });
-         Dynamics along(*family.systems[0], std::make_unique<SchurSolver>(), {Formulation::joint, {}});
-         std::vector<State> states = family.starts();
-         along.to_formulation(states[0]);
-         Copies(family.pointers()).run(states, std::vector<double>{1}, {});
-       },
-       {"the state of instance 0 is in joint coordinates", "Dynamics::to_slots"}},
-      {"copies that start late",
-       [] {
-         test::Family family(1, [](int k) { return test::chain(1, k); });
-         std::vector<State> states = family.starts();
-         states[0].t = 0.5;
-         Copies(family.pointers()).run(states, std::vector<double>{0.1}, {});
-       },
-       {"a start at 0.5 s is after the first output time, 0.1 s", "remove the times"}},
-      {"copies with other links",
-       [] {
-         test::Family family(1, [](int k) { return test::chain(1, k); });
-         std::vector<State> states = family.starts();
-         states[0].modes[0] = false;
-         Copies(family.pointers()).run(states, std::vector<double>{1}, {});
-       },
-       {"joint 'hinge 0' is switched in a state", "active joints of System::start"}},
       {"near rows", [] { nearly_redundant_from("maybe"); }, {"auto, report, free or held", "is 'maybe'"}},
       {"no methods",
        [] { work_precision({.make = {}, .length = 1.0}, {}); },

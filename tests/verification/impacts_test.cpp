@@ -493,7 +493,6 @@ TEST_CASE("one-sided joints that cannot be are named", "[verification][impacts]"
   StepLoop simulation = simulate(dynamics, {"dop853", 0, 1e-10, 0});
   testing::check_words(testing::message_of<AssemblyError>([&] { simulation.run_until(1); }),
                        {"0.1 m on the wrong side of the one-sided joint 'floor'", "\"side\": \"below\""});
-  testing::check_words(Copies::unsuited(below.system), {"'floor'", "one-sided"});
 }
 
 }  // namespace impacts_test

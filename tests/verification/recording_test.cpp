@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The accelerations and multipliers of a mechanism in joint coordinates, recorded at one state and replayed at others: the
-// text of the lanes (tools/batch/lane_tree.h) on numbers that write down what is done with them, and on counted ones.
+// recursion (dynamics/tree/number_closures.h) on numbers that write down what is done with them, and on counted ones.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,14 +11,14 @@
 
 #include <lockstep/author/jet.h>
 #include <lockstep/author/registry.h>
-#include <lockstep/batch.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/joints.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include "framework/description/scene/system_of.h"
-#include "framework/tools/batch/batch.h"
-#include "framework/tools/batch/lane_closures.h"
+#include "framework/dynamics/tree/number_closures.h"
+#include "tests/support/arrays_of.h"
 #include "tests/support/catch.h"
-#include "tests/support/copies_of.h"
 #include "tests/support/counted.h"
 #include "tests/support/recorded.h"
 #include "tests/support/run_scene.h"
@@ -26,6 +26,7 @@
 namespace lockstep {
 namespace {
 
+using numbers::ArraysOf;
 using oracle::Counted;
 using oracle::Op;
 using oracle::Program;
@@ -47,96 +48,96 @@ template <class T>
 struct Arrays {
   std::vector<std::vector<T>> all;
   T* add(std::size_t n) { return all.emplace_back(n).data(); }
-  // The first of eight copies.
-  T* add(std::span<const double> packs) {
-    T* const to = add(packs.size() / lanes::kL);
-    for (std::size_t i = 0; i < packs.size() / lanes::kL; ++i) to[i] = T(packs[lanes::kL * i]);
-    return packs.empty() ? nullptr : to;
+  T* add(std::span<const double> numbers) {
+    return numbers.empty() ? nullptr : all.emplace_back(numbers.begin(), numbers.end()).data();
   }
 };
 
-/// The arrays of a batch that differ from state to state.
-std::vector<std::span<const double>> inputs_of(const lanes::Batch& batch) {
-  const lanes::TreeStore& z = batch.data().z;
-  if (batch.data().loops.empty()) return {z.y, z.law, z.wrench};
-  const lanes::RowArrays<std::span<double>>& rows = batch.data().c.rows;
-  return {z.y, z.law, z.wrench, rows.law, rows.J, rows.c};
+/// The arrays that differ from state to state.
+std::vector<std::span<const double>> inputs_of(const ArraysOf& of) {
+  if (of.loops.empty()) return {of.z.y, of.z.law, of.z.wrench};
+  return {of.z.y, of.z.law, of.z.wrench, of.c.rows.law, of.c.rows.J, of.c.rows.c};
 }
-std::vector<double> inputs_now(const lanes::Batch& batch) {
+std::vector<double> inputs_now(const ArraysOf& of) {
   std::vector<double> out;
-  for (const std::span<const double> of : inputs_of(batch))
-    for (std::size_t i = 0; i < of.size(); i += lanes::kL) out.push_back(of[i]);
+  for (const std::span<const double> array : inputs_of(of)) out.insert(out.end(), array.begin(), array.end());
   return out;
 }
 
 /// Accelerations of the coordinates, then multipliers of the closures.
 template <class T, class G>
-std::vector<T> evaluate_in(const lanes::Batch& batch, std::span<const T> inputs) {
+std::vector<T> evaluate_in(const ArraysOf& of, std::span<const T> inputs) {
   using Space = typename G::Space;
   Arrays<T> arrays;
-  std::size_t next = 0;
-  const std::vector<std::span<const double>> varying = inputs_of(batch);
-  const auto put = [&](std::span<double> packs) {
-    T* const to = arrays.add(packs);
-    for (const std::span<const double> of : varying) {
-      const std::size_t n = of.size() / lanes::kL;
-      if (of.data() == packs.data()) std::copy_n(inputs.begin() + static_cast<std::ptrdiff_t>(next), n, to);
-      next += n;
+  const std::vector<std::span<const double>> varying = inputs_of(of);
+  const auto put = [&](std::span<double> numbers) {
+    T* const to = arrays.add(numbers);
+    std::size_t next = 0;
+    for (const std::span<const double> array : varying) {
+      if (array.data() == numbers.data()) std::copy_n(inputs.begin() + static_cast<std::ptrdiff_t>(next), array.size(), to);
+      next += array.size();
     }
-    next = 0;
     return to;
   };
-  const lanes::TreePlan& plan = batch.data().plan;
-  std::vector<lanes::Travel<Space>> travel(plan.nodes.size());
-  std::vector<bodies::Coordinate<Space>> dof(plan.n_v);
-  std::vector<typename Space::Inertia> waiting(plan.n_waiting);
-  const lanes::LaneTree<G> tree{plan, {batch.data().z.each(put), travel.data(), dof.data(), waiting.data()}};
-  for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
-    const lanes::LaneNode& n = plan.nodes[k];
+  std::vector<numbers::Travel<Space>> travel(of.plan.nodes.size());
+  std::vector<bodies::Coordinate<Space>> dof(of.plan.n_v);
+  std::vector<typename Space::Inertia> waiting(of.plan.n_waiting);
+  const numbers::NumberTree<G> tree{of.plan, {of.z.each(put), travel.data(), dof.data(), waiting.data()}};
+  for (std::size_t k = 0; k < of.plan.nodes.size(); ++k) {
+    const numbers::NumberNode& n = of.plan.nodes[k];
     if (n.turn != TreeTurn::hinge) continue;
     using std::cos, std::sin;
     const T half = 0.5 * tree.z.y[n.q + n.n_slides];
     tree.z.cosine[k] = cos(half), tree.z.sine[k] = sin(half);
   }
-  T* const rate = arrays.add(plan.n_q + plan.n_v);
+  T* const rate = arrays.add(of.plan.n_q + of.plan.n_v);
   tree.outward();
   std::vector<T> out;
-  if (batch.data().loops.empty()) {
+  if (of.loops.empty()) {
     tree.accelerate(rate);
   } else {
-    const lanes::ClosurePlan& loops = batch.data().loops;
-    std::vector<typename Space::Wrench> K(loops.fronts.rows.size()), wrench(loops.fronts.n_nodes);
-    std::vector<typename Space::Twist> change(loops.fronts.n_nodes);
-    const lanes::LaneClosures<G> closures{
-        tree, loops, {batch.data().c.each(put), K.data(), wrench.data(), change.data()}};
+    std::vector<typename Space::Wrench> K(of.loops.fronts.rows.size());
+    const numbers::NumberClosures<G> closures{tree, of.loops, {of.c.each(put), K.data()}};
     closures.accelerate(rate);
-    out.assign(closures.c.lambda, closures.c.lambda + loops.n_rows());
+    out.assign(closures.c.lambda, closures.c.lambda + of.loops.n_rows());
   }
-  out.insert(out.begin(), rate + plan.n_q, rate + plan.n_q + plan.n_v);
+  out.insert(out.begin(), rate + of.plan.n_q, rate + of.plan.n_q + of.plan.n_v);
   return out;
 }
 
 template <class T>
-std::vector<T> evaluate(const lanes::Batch& batch, std::span<const T> inputs) {
-  return batch.data().plan.normal < 0 ? evaluate_in<T, lanes::Spatial<T*>>(batch, inputs)
-                                      : evaluate_in<T, lanes::Planar<T*>>(batch, inputs);
+std::vector<T> evaluate(const ArraysOf& of, std::span<const T> inputs) {
+  return of.plan.normal < 0 ? evaluate_in<T, numbers::Spatial<T*>>(of, inputs)
+                            : evaluate_in<T, numbers::Planar<T*>>(of, inputs);
 }
 
-/// A sample in a batch of one copy, at states that it is set to.
-class OneCopy {
+/// An arm of six hinges, each about another axis.
+std::unique_ptr<System> six_joint_arm() {
+  auto system = std::make_unique<System>();
+  Body* before = &system->ground();
+  for (int i = 0; i < 6; ++i) {
+    const double x = i, mass = 1.0 + 0.05 * i, angle = 0.7 * i;
+    Body& rod = system->add_body("rod " + std::to_string(i),
+                                 {mass, Vec3::Zero(), (mass * Vec3(0.03, 0.09, 0.11)).asDiagonal()},
+                                 {Vec3(x + 0.5, 0, 0), Quat{}});
+    system->add<Revolute>("hinge " + std::to_string(i), rod, *before,
+                          pose_at(Vec3(x, 0, 0), Vec3(std::sin(angle), std::cos(angle), 0)));
+    before = &rod;
+  }
+  return system;
+}
+
+/// A sample at states that it is set to.
+class Moved {
  public:
-  explicit OneCopy(const std::string& name) : own_(made(name)), system_(*own_) {
+  explicit Moved(const std::string& name) : own_(made(name)), system_(*own_) {
     system_.setup();
-    System* const one[] = {&system_};
-    CopiesOptions options;
-    options.formulation = Formulation::joint;
-    batch_ = std::make_unique<lanes::Batch>(one, 0, options);
-    y_.assign(batch_->n_numbers(), 0.0), rate_ = y_;
     dynamics_ = std::make_unique<Dynamics>(system_, std::make_unique<SchurSolver>(),
                                            DynamicsOptions{.formulation = Formulation::joint, .stabilization = {}});
     start_ = system_.start();
     dynamics_->to_formulation(start_);
     REQUIRE(start_.coordinates != nullptr);
+    arrays_ = std::make_unique<ArraysOf>(system_);
   }
   /// Coordinates and velocities away from the start, others for every k; they need not close the loops.
   void move_to(int k) {
@@ -152,45 +153,38 @@ class OneCopy {
     const auto n_q = static_cast<std::size_t>(state_.q.size());
     return i < n_q ? state_.q[static_cast<Eigen::Index>(i)] : state_.v[static_cast<Eigen::Index>(i - n_q)];
   }
-  void see() {
-    for (int lane = 0; lane < lanes::kLanes; ++lane) batch_->put(lane, state_, y_.data());
-    lanes::Numbers8 t;
-    t.fill(state_.t);
-    batch_->evaluate(y_.data(), t, rate_.data());
-  }
-  /// As single runs have them.
+  void see() { arrays_->see(state_, dynamics_->inputs(state_)); }
+  /// As runs have them.
   VecX accelerations() {
     StateRate rate;
     dynamics_->rates(state_, rate);
     return rate.v;
   }
-  const lanes::Batch& batch() const { return *batch_; }
+  const ArraysOf& arrays() const { return *arrays_; }
 
  private:
-  // A sample, or an arm of six hinges, each about another axis.
   static std::unique_ptr<System> made(const std::string& name) {
-    if (name == "six-joint arm") return test::chain(6, 1, 0.7);
+    if (name == "six-joint arm") return six_joint_arm();
     Mechanism mechanism = build_mechanism(in_space(read_scene(scene_path(name))), builtin_registry());
     return std::make_unique<System>(std::move(system_of(mechanism)));
   }
 
   std::unique_ptr<System> own_;
   System& system_;
-  std::unique_ptr<lanes::Batch> batch_;
+  std::unique_ptr<ArraysOf> arrays_;
   std::unique_ptr<Dynamics> dynamics_;
-  Aligned<double> y_, rate_;
   State start_, state_;
 };
 
-Program record(const OneCopy& sample, Recording& recording, std::size_t n_directions) {
-  const std::size_t n = inputs_now(sample.batch()).size();
+Program record(const Moved& sample, Recording& recording, std::size_t n_directions) {
+  const std::size_t n = inputs_now(sample.arrays()).size();
   std::vector<Recorded> inputs, results;
   for (std::size_t i = 0; i < n; ++i) inputs.push_back(Recorded::input(static_cast<int>(i)));
-  results = evaluate<Recorded>(sample.batch(), inputs);
+  results = evaluate<Recorded>(sample.arrays(), inputs);
   for (std::size_t k = 0; k < n_directions; ++k) {
     std::vector<Varied> varied;
     for (std::size_t i = 0; i < n; ++i) varied.emplace_back(inputs[i], Recorded(i == k ? 1.0 : 0.0), Recorded(0.0));
-    for (const Varied& y : evaluate<Varied>(sample.batch(), varied)) results.push_back(y.d);
+    for (const Varied& y : evaluate<Varied>(sample.arrays(), varied)) results.push_back(y.d);
   }
   return {recording, results};
 }
@@ -202,15 +196,15 @@ const std::array<const char*, 4> kSamples{"four_bar", "slider_crank", "six-joint
 TEST_CASE("an evaluation recorded at one state gives the same bits at a hundred others") {
   const std::string name = GENERATE(from_range(kSamples));
   INFO(name);
-  OneCopy sample(name);
+  Moved sample(name);
   sample.move_to(0);
   Recording recording;
   const Program program = record(sample, recording, 0);
   double worst = 0;
   for (int k = 1; k <= 100; ++k) {
     sample.move_to(k);
-    const std::vector<double> inputs = inputs_now(sample.batch());
-    const std::vector<double> replayed = program.replay(inputs), evaluated = evaluate<double>(sample.batch(), inputs);
+    const std::vector<double> inputs = inputs_now(sample.arrays());
+    const std::vector<double> replayed = program.replay(inputs), evaluated = evaluate<double>(sample.arrays(), inputs);
     REQUIRE(replayed.size() == evaluated.size());
     for (std::size_t i = 0; i < replayed.size(); ++i) REQUIRE(replayed[i] == evaluated[i]);
     const VecX trusted = sample.accelerations();
@@ -221,13 +215,13 @@ TEST_CASE("an evaluation recorded at one state gives the same bits at a hundred 
 
   // The list is no longer than what the same text computes.
   std::vector<Counted> inputs;
-  for (const double x : inputs_now(sample.batch())) inputs.emplace_back(x);
+  for (const double x : inputs_now(sample.arrays())) inputs.emplace_back(x);
   const oracle::Operations counted =
-      oracle::operations_of([&] { evaluate<Counted>(sample.batch(), std::span<const Counted>(inputs)); });
+      oracle::operations_of([&] { evaluate<Counted>(sample.arrays(), std::span<const Counted>(inputs)); });
   const long recorded = program.count({Op::add, Op::subtract, Op::multiply, Op::divide});
   CHECK(recorded <= counted.total());
   CHECK(recorded > counted.total() / 20);
-  UNSCOPED_INFO(name << ": recorded " << recorded << ", counted " << counted.total() << ", of single runs " << worst);
+  UNSCOPED_INFO(name << ": recorded " << recorded << ", counted " << counted.total() << ", of runs " << worst);
   CHECK(program.count({Op::divide}) <= counted.div);
 }
 
@@ -235,14 +229,14 @@ TEST_CASE("an evaluation recorded at one state gives the same bits at a hundred 
 TEST_CASE("recorded derivatives are those of the accelerations and multipliers") {
   const std::string name = GENERATE("four_bar", "slider_crank", "six-joint arm");
   INFO(name);
-  OneCopy sample(name);
+  Moved sample(name);
   sample.move_to(1);
-  const std::size_t n = sample.batch().data().plan.n_q + sample.batch().data().plan.n_v;
+  const std::size_t n = sample.arrays().plan.n_q + sample.arrays().plan.n_v;
   Recording recording;
   const Program program = record(sample, recording, n);
   sample.move_to(2);
-  const auto results = [&] { return evaluate<double>(sample.batch(), inputs_now(sample.batch())); };
-  const std::vector<double> all = program.replay(inputs_now(sample.batch()));
+  const auto results = [&] { return evaluate<double>(sample.arrays(), inputs_now(sample.arrays())); };
+  const std::vector<double> all = program.replay(inputs_now(sample.arrays()));
   const std::size_t m = results().size();
   REQUIRE(all.size() == m * (n + 1));
   for (std::size_t k = 0; k < n; ++k) {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
-#include <lockstep/batch.h>
 #include <lockstep/body.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
@@ -192,29 +191,6 @@ TEST_CASE("a condition on a body moved by laws in a partly free mechanism is met
   loop.add_event({.name = "high", .value = [&](const Sample& s) { return angle.value(s) - 0.99; }, .stop = true});
   loop.run_until(1);
   CHECK(loop.state().t == Approx(std::asin(0.99) / 60).epsilon(1e-6));
-}
-
-TEST_CASE("in a vectorised batch bodies moved by laws take the steps that they take alone", "[verification][joint]") {
-  const auto method = GENERATE(as<std::string>{}, "dopri5", "dop853");
-  std::vector<std::unique_ptr<System>> systems;
-  std::vector<System*> pointers;
-  std::vector<State> starts;
-  for (int k = 0; k < 3; ++k) {
-    systems.push_back(std::make_unique<System>(beside()));
-    pointers.push_back(systems.back().get());
-    Dynamics dynamics = dynamics_of(*pointers.back(), Formulation::omega);
-    starts.push_back(start_of(dynamics));
-  }
-  const auto steps = [&](bool lanes) {
-    CopiesOptions options;
-    options.formulation = Formulation::joint, options.integrator = method, options.tolerance = {1e-7, 1e-9};
-    options.lanes = lanes;
-    Copies copies(pointers, options);
-    return copies.run(starts, std::vector<double>{1.0}, [](int, std::size_t, const State&) {}).front().steps;
-  };
-  const long alone = steps(false);
-  CHECK(alone > 100);
-  CHECK(steps(true) == alone);
 }
 
 }  // namespace trees_as_omega_test

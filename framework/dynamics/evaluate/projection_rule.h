@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// When the rounds of a projection end (framework/docs/solvers.md, section 6), for single states and for batches in
-// lanes.
+// When the rounds of a projection end (framework/docs/solvers.md, section 6).
 #pragma once
 
 #include <algorithm>

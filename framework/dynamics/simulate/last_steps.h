@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // LastSteps: the ends of the last steps of a run, by which its length is judged and its end explained. Internal to the step
-// loop and to batch runs.
+// loop.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the step loop and batch runs choose the length of a step.
+// How the step loop chooses the length of a step.
 #pragma once
 
 #include <algorithm>

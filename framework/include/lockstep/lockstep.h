@@ -9,7 +9,6 @@
 #include <lockstep/analysis.h>
 #include <lockstep/assembly.h>
 #include <lockstep/author/loader.h>
-#include <lockstep/batch.h>
 #include <lockstep/body.h>
 #include <lockstep/branches.h>
 #include <lockstep/charts.h>

@@ -89,8 +89,8 @@ class LOCKSTEP_API Integrator {
   virtual void set_tolerance(const Tolerance&) {}
   /// Guess of the first step from this state, s, at most `largest`; 0, the default: none (fixed step).
   virtual double first_step(Dynamics&, const State&, [[maybe_unused]] double largest) { return 0; }
-  /// The coefficients of an explicit Runge-Kutta method, with which vectorised batches (Copies) make its steps. Null,
-  /// the default: only step() can make them.
+  /// The coefficients of an explicit Runge-Kutta method whose steps evaluate every stage again. Null, the default: not
+  /// known.
   virtual const EmbeddedScheme* scheme() const { return nullptr; }
   /// Saves history and step control: with the State, all that a checkpoint or a step taken back needs. Default:
   /// nothing.

@@ -6,7 +6,7 @@
 
 // The equations of the lock, (3.8)-(3.12) and (4.1)-(4.14) of the theory, written once. All code that needs them calls
 // these functions: the rows of a joint in space (kernel.h) and in a plane (marker_lock_plane.cpp), relative kinematics
-// (relative.h), geometric stiffness (lock/stiffness.h), and batches (tools/batch/lane_rows.h).
+// (relative.h), geometric stiffness (lock/stiffness.h), and numbers of any type (dynamics/tree/number_rows.h).
 //
 // Arguments are structs of lockstep::vec (vec.h). Their types show which laws are present: an absent rate is
 // vec::None, parallel axes are vec::Identity, and in a planar mechanism the components that vanish are vec::Zero. What

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// TreePlan: the tree of a batch in joint coordinates, and where the packs of each node are. Private to the room.
+// TreePlan: a tree of joints on arrays of numbers of any type: what is equal for all states, and where the numbers of each
+// node are.
 #pragma once
 
 #include <array>
@@ -9,19 +10,19 @@
 #include "framework/dynamics/tree/inward_places.h"
 #include "framework/dynamics/tree/joint_passes.h"
 #include "framework/dynamics/tree/joint_tree.h"
-#include "framework/tools/batch/lane_plan.h"
-#include "framework/tools/batch/number_arrays.h"
+#include "framework/dynamics/tree/number_arrays.h"
+#include "framework/dynamics/tree/tree_layout.h"
 
-namespace lockstep::lanes {
+namespace lockstep::numbers {
 
-/// A node of the tree: what is equal in all copies.
-struct LaneNode : InwardPlace {
+/// A node of the tree.
+struct NumberNode : InwardPlace {
   int parent = -1, slot = 0;  ///< as those of the TreeNode
   std::size_t q = 0, v = 0;   ///< where its coordinates and velocities begin, among those of a state
   int n_slides = 0;           ///< as those of the TreeNode
   TreeTurn turn = TreeTurn::none;
   bool reversed = false;
-  std::size_t joint = 0, more = 0, law = 0;  ///< packs of its joint; of what only some joints have; of its laws
+  std::size_t joint = 0, more = 0, law = 0;  ///< numbers of its joint; of what only some joints have; of its laws
   bool has_law = false,                      ///< imposed
       moving = false;                        ///< its markers move on their bodies: marked, in place of imposed
   std::array<int, 3> slides{};               ///< of a joint with moving markers: axes of S along which it slides
@@ -32,7 +33,7 @@ struct LaneNode : InwardPlace {
 };
 
 struct TreePlan {
-  std::vector<LaneNode> nodes;  ///< parents before their children
+  std::vector<NumberNode> nodes;  ///< parents before their children
   std::size_t n_q = 0, n_v = 0;
   std::size_t size_more = 0, size_law = 0;
   std::size_t n_waiting = 0;
@@ -44,7 +45,7 @@ struct TreePlan {
   }
 };
 
-/// Packs of a joint: markers' origins | e = e_p (c K0 + s K1) | axis of a hinge | mass | inertia xx xy xz yy yz zz.
+/// Numbers of a joint: markers' origins | e = e_p (c K0 + s K1) | axis of a hinge | mass | inertia xx xy xz yy yz zz.
 namespace joint {
 inline constexpr std::size_t near = 0, far = 3, K0 = 6, K1 = 10, axis = 14, m = 17, J = 18, size = 24;
 }
@@ -72,36 +73,21 @@ struct Travel {
   typename Space::Linear r;
   typename Space::Twist c;
 };
-/// Packs of a struct of numbers.
-namespace struct_size {
-inline constexpr std::size_t travel = 9, coordinate = 14, inertia = 27, wrench = 6;  // a twist as a wrench
-}
 
-/// The end of a step, of a slot: x | e | v | w, slot axes.
-namespace end {
-inline constexpr std::size_t x = 0, e = 3, v = 7, w = 10, size = 13;
-}
-/// How an error of the coordinates moves a slot, world axes: of x, a rotation vector, of v, of w.
-namespace varied {
-inline constexpr std::size_t x = 0, phi = 3, v = 6, w = 9, size = 12;
-}
-
-/// The arrays of a batch in joint coordinates. A: an array of numbers (number_arrays.h); where they are stored: a span.
+/// The arrays of a tree. A: an array of numbers (number_arrays.h).
 template <class A>
 struct TreeArrays {
-  A y,                                 ///< state: q, v, s
+  A y,                                 ///< state: q, v
       gravity,                         ///< 3
       wrench,                          ///< of the forces: 6 per slot; none: there are no forces
       joint, more, law, cosine, sine,  ///< of half the angle of each node
-      moving,                          ///< the ground first
-      largest,                         ///< |a|^2, |al|^2 of the slot that has most
-      varied;                          ///< the ground first
-  bool with_positions;                 ///< x and v of the slots are asked for
+      moving;                          ///< the ground first
+  bool with_positions = true;          ///< x and v of the slots are asked for
 
   template <class F>
-  LOCKSTEP_INLINE auto each(F&& f) const -> TreeArrays<decltype(f(y))> {
-    return {f(y),      f(gravity), f(wrench), f(joint),   f(more),   f(law),
-            f(cosine), f(sine),    f(moving), f(largest), f(varied), with_positions};
+  auto each(F&& f) const -> TreeArrays<decltype(f(y))> {
+    return {f(y),   f(gravity), f(wrench), f(joint),  f(more),
+            f(law), f(cosine),  f(sine),   f(moving), with_positions};
   }
 };
 /// What the recursion alone reads, a struct of numbers each: per node | per velocity | inertias that wait.
@@ -111,8 +97,7 @@ struct TreeNumbers : TreeArrays<typename G::Array> {
   bodies::Coordinate<typename G::Space>* dof;
   typename G::Space::Inertia* waiting;
 };
-struct TreeStore : TreeArrays<std::span<double>> {
-  std::span<double> travel, dof, waiting;  ///< those of one round after another
-};
 
-}  // namespace lockstep::lanes
+LOCKSTEP_API TreePlan make_plan(const TreeLayout&);
+
+}  // namespace lockstep::numbers

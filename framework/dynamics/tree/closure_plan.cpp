@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/batch/closure_plan.h"
+#include "framework/dynamics/tree/closure_plan.h"
 
 #include <algorithm>
 #include <typeinfo>
@@ -8,11 +8,11 @@
 #include <lockstep/detail/kernel.h>
 #include <lockstep/joints.h>
 
-namespace lockstep::lanes {
+namespace lockstep::numbers {
 
 namespace {
 
-// Exactly these classes, which are masks only: a subclass could add behaviour that the lanes would ignore.
+// Exactly these classes, which are masks only: a subclass could add behaviour that is not in the arrays.
 template <class... Joints>
 bool is_any_of(const Lock& link) {
   return ((typeid(link) == typeid(Joints)) || ...);
@@ -93,14 +93,4 @@ ClosurePlan make_closure_plan(const System& system, const TreeLayout& layout) {
   return plan;
 }
 
-bool are_alike(const System& of_a, const TreeLayout& a, const System& of_b, const TreeLayout& b) {
-  if (a.fronts.in_plane != b.fronts.in_plane) return false;
-  if (a.fronts.in_plane && a.tree->planar()->plane().n != b.tree->planar()->plane().n) return false;
-  return std::ranges::equal(a.closures.entries, b.closures.entries, [&](const RowEntry& x, const RowEntry& y) {
-    const auto m = static_cast<std::size_t>(x.m);
-    return x.link == y.link && x.m == y.m && x.slots.n == y.slots.n && has_own_rows(of_a, x) == has_own_rows(of_b, y) &&
-           std::equal(x.own.begin(), x.own.begin() + static_cast<std::ptrdiff_t>(m), y.own.begin());
-  });
-}
-
-}  // namespace lockstep::lanes
+}  // namespace lockstep::numbers

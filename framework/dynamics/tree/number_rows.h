@@ -1,33 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // LinkRows: the rows of one link: the equations of <lockstep/detail/equations.h> on arrays of any numbers, translations in world
-// axes. Private to the room.
+// axes.
 #pragma once
 
 #include <lockstep/detail/kernel.h>
-#include "framework/tools/batch/closure_plan.h"
+#include "framework/dynamics/tree/closure_plan.h"
 
-namespace lockstep::lanes {
-
-/// What the rows are for: accelerations need the right-hand side Qhat, the projection C and Ct.
-enum class For { acceleration, projection };
+namespace lockstep::numbers {
 
 /// f(Unit<j>) for an axis j known at run time. f is compiled three times: keep it short. It returns one type for all.
 template <class F>
-LOCKSTEP_LANE auto along(int j, F&& f) {
+LOCKSTEP_INLINE auto along(int j, F&& f) {
   if (j == 0) return f(vec::Unit<0>{});
   if (j == 1) return f(vec::Unit<1>{});
   return f(vec::Unit<2>{});
 }
 
-/// Of a link: its bodies' motions (lane_plan.h, body), markers, laws, and its Jacobians (none: the ground);
+/// Of a link: its bodies' motions (closure_plan.h, body), markers, laws, and its Jacobians (none: the ground); J and Qhat of
 /// rows along the axes of S.
-template <For kFor, class Array>
+template <class Array>
 struct LinkRows {
   using V3 = VectorIn<Array>;
   const Link& node;
-  const Array O1, O2, markers, laws, J1, J2, c, C, Ct;
+  const Array O1, O2, markers, laws, J1, J2, c;
 
-  LOCKSTEP_LANE LinkRows(const Link& n, const RowArrays<Array>& z)
+  LOCKSTEP_INLINE LinkRows(const Link& n, const RowArrays<Array>& z)
       : node(n),
         O1(z.body + body::size * static_cast<std::size_t>(n.P)),
         O2(z.body + body::size * static_cast<std::size_t>(n.S)),
@@ -35,11 +32,9 @@ struct LinkRows {
         laws(z.law + n.law),
         J1(n.J_P < 0 ? Array{} : z.J + n.J_P),
         J2(n.J_S < 0 ? Array{} : z.J + n.J_S),
-        c(z.c + n.x),
-        C(z.C + n.x),
-        Ct(z.Ct + n.x) {}
+        c(z.c + n.x) {}
 
-  LOCKSTEP_LANE void write() const {
+  LOCKSTEP_INLINE void write() const {
     if (node.row[0] < 3) translations();
     const auto aligned = kernel::Marker{vec::None{}, vec::Identity{}, vec::NoTurn{}};
     if (node.turn == Turn::parallel)
@@ -52,60 +47,50 @@ struct LinkRows {
   }
 
  private:
-  LOCKSTEP_LANE auto A1() const { return load9(O1, body::A); }
-  LOCKSTEP_LANE auto A2() const { return load9(O2, body::A); }
-  LOCKSTEP_LANE auto A_S() const { return load9(markers, frames::AS); }
+  LOCKSTEP_INLINE auto A1() const { return load9(O1, body::A); }
+  LOCKSTEP_INLINE auto A2() const { return load9(O2, body::A); }
+  LOCKSTEP_INLINE auto A_S() const { return load9(markers, frames::AS); }
   // In world axes, for translations.
-  LOCKSTEP_LANE static auto in_world(const Array& p) {
+  LOCKSTEP_INLINE static auto in_world(const Array& p) {
     return kernel::Body{load3(p, body::x), vec::Identity{}, vec::NoTurn{}, load3(p, body::v), load3(p, body::W)};
   }
   // In its own axes, for rotations.
-  LOCKSTEP_LANE static auto in_slot(const Array& p) {
+  LOCKSTEP_INLINE static auto in_slot(const Array& p) {
     return kernel::Body{vec::None{}, vec::Identity{}, load4(p, body::e), vec::None{}, load3(p, body::w)};
   }
-  LOCKSTEP_LANE auto P() const {
+  LOCKSTEP_INLINE auto P() const {
     return kernel::Marker{vec::None{}, load9(markers, frames::AP), load4(markers, frames::qP)};
   }
-  LOCKSTEP_LANE auto S() const { return kernel::Marker{vec::None{}, A_S(), load4(markers, frames::qS)}; }
+  LOCKSTEP_INLINE auto S() const { return kernel::Marker{vec::None{}, A_S(), load4(markers, frames::qS)}; }
 
   // Row k on both bodies, columns from `first` on.
   template <class R1, class R2>
-  LOCKSTEP_LANE void put(int first, int k, const R1& r1, const R2& r2) const {
+  LOCKSTEP_INLINE void put(int first, int k, const R1& r1, const R2& r2) const {
     if (J1) put(J1, first, k, r1);
     if (J2) put(J2, first, k, r2);
   }
   template <class R>
-  LOCKSTEP_LANE void put(const Array& J, int first, int k, const R& r) const {
+  LOCKSTEP_INLINE void put(const Array& J, int first, int k, const R& r) const {
     store(J, static_cast<std::size_t>(first * node.m + k), r.x);
     store(J, static_cast<std::size_t>((first + 1) * node.m + k), r.y);
     store(J, static_cast<std::size_t>((first + 2) * node.m + k), r.z);
   }
 
-  LOCKSTEP_LANE void translations() const {
+  LOCKSTEP_INLINE void translations() const {
     if (!node.moved) return translations(kernel::NoShift{});
     const auto R = A2() * A_S();
     translations(kernel::Shift{R * load3(laws, law::p), R * load3(laws, law::pd), R * load3(laws, law::pdd)});
   }
   // World axes, with the imposed shift d.
   template <class D>
-  LOCKSTEP_LANE void translations(const D& d) const {
+  LOCKSTEP_INLINE void translations(const D& d) const {
     const auto A1 = this->A1(), A2 = this->A2();
     const auto uP = load3(markers, frames::uP);
     const auto B1 = in_world(O1), B2 = in_world(O2);
     const auto p = kernel::Marker{A1 * uP, vec::Identity{}, vec::NoTurn{}};
     const auto m = kernel::Marker{A2 * load3(markers, frames::uS), vec::Identity{}, vec::NoTurn{}};
     const auto at = kernel::position(B1, B2, p, m);
-    const auto right = [&]() __attribute__((always_inline)) {
-      if constexpr (kFor == For::acceleration)
-        return kernel::translation_Qhat(B1, B2, p, m, d, at, kernel::velocity(B1, B2, p, at));
-      else
-        return at.rho - d.p;
-    }
-    ();
-    const auto rate = kernel::translation_Ct(B1, B2, p, m, d, at);
-    constexpr bool kCt = kFor == For::projection && !std::is_same_v<D, kernel::NoShift>;
-    const Array& out = kFor == For::acceleration ? c : C;
-
+    const auto Qhat = kernel::translation_Qhat(B1, B2, p, m, d, at, kernel::velocity(B1, B2, p, at));
     const auto s = transpose_times(A2, at.s);
     const auto A_S = this->A_S();
     for (int k = 0; k < node.m && node.row[k] < 3; ++k) {
@@ -113,28 +98,16 @@ struct LinkRows {
           node.row[k], [&](auto axis) __attribute__((always_inline)) { return A_S * axis; });
       const auto r = kernel::translation_row(A1, uP, s, A2 * n2, n2);
       put(0, k, r.v, -r.v), put(3, k, r.w1, r.w2);
-      out[k] = dot(r.v, right);
-      if constexpr (kCt) Ct[k] = dot(r.v, rate);
+      c[k] = dot(r.v, Qhat);
     }
   }
 
   template <class Near, class Far, class D>
-  LOCKSTEP_LANE void rotations(const Near& p, const Far& m, const D& d) const {
+  LOCKSTEP_INLINE void rotations(const Near& p, const Far& m, const D& d) const {
     const auto B1 = in_slot(O1), B2 = in_slot(O2);
     const auto e = kernel::rotation_error(B1, B2, p, m, d);
-    const V3 right = [&]() __attribute__((always_inline)) {
-      if constexpr (kFor == For::acceleration) {
-        const auto w = kernel::angular_velocities(B1, B2, p, m, d);
-        return kernel::rotation_Qhat(e, kernel::rotation_rate(e, w), w).v;
-      } else {
-        return e.v;
-      }
-    }
-    ();
-    const auto rate = kernel::rotation_Ct(e, p, m, d).v;
-    constexpr bool kCt = kFor == For::projection && !std::is_same_v<D, kernel::NoTurn>;
-    const Array& out = kFor == For::acceleration ? c : C;
-
+    const auto w = kernel::angular_velocities(B1, B2, p, m, d);
+    const V3 Qhat = kernel::rotation_Qhat(e, kernel::rotation_rate(e, w), w).v;
     const auto h = 0.5 * e;
     const auto A_SD = m.A * d.A;
     for (int k = 0; k < node.m; ++k) {
@@ -146,10 +119,9 @@ struct LinkRows {
           });
       const auto r = kernel::in_body_axes(of_markers, p.A, A_SD);
       put(3, k, r.w1, r.w2);
-      out[k] = right[axis];
-      if constexpr (kCt) Ct[k] = vec::numbers<NumberIn<Array>>(rate)[axis];
+      c[k] = Qhat[axis];
     }
   }
 };
 
-}  // namespace lockstep::lanes
+}  // namespace lockstep::numbers
