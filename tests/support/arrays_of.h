@@ -2,6 +2,7 @@
 #pragma once
 /// @file A mechanism in arrays of numbers (dynamics/tree/number_closures.h): its plans, and its numbers at a state.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
@@ -93,7 +94,8 @@ class ArraysOf {
     z.law = add(plan.size_law), z.cosine = add(n), z.sine = add(n), z.moving = add(moving::size * (n + 1));
     if (!system_.forces().empty()) z.wrench = add(6 * n);
     c.rows.body = add(body::size * (loops.n_slots + 1)), c.rows.frames = add(loops.size_frames);
-    c.rows.law = add(loops.size_law), c.rows.J = add(loops.size_J), c.inverse = add(7 * n), c.J = add(6 * loops.slots.size());
+    c.rows.law = add(loops.size_law), c.rows.J = add(loops.size_J), c.inverse = add(7 * n),
+    c.J = add(6 * loops.slots.size());
     c.l = add(loops.fronts.rows.size()), c.Lambda = add(static_cast<std::size_t>(loops.fronts.n_Lambda));
     c.V = add(static_cast<std::size_t>(loops.fronts.n_V));
     for (Array* of_rows : {&c.rows.c, &c.diagonal, &c.scale, &c.d, &c.lambda}) *of_rows = add(m);
@@ -101,6 +103,7 @@ class ArraysOf {
 
   void fill_joints() {
     const bool flat = plan.normal >= 0;
+    std::ranges::fill(z.cosine, 1.0);  // of no angle
     put_axes(z.gravity, 0, system_.gravity());
     z.moving[moving::e] = 1, put_rows(z.moving, moving::A, Mat3::Identity());
     for (std::size_t k = 0; k < plan.nodes.size(); ++k) {

@@ -20,7 +20,7 @@
 #include <lockstep/splines.h>
 #include <lockstep/step_loop.h>
 #include "tests/support/catch.h"
-#include "tests/support/copies_of.h"
+#include "tests/support/chain.h"
 #include "tests/support/messages.h"
 
 namespace refused_numbers_test {
@@ -82,7 +82,7 @@ TEST_CASE("a mass that is no number is reported with its body", "[unit][refusals
 
 TEST_CASE("an integrated state whose rate is no number is reported by name", "[unit][refusals]") {
   for (const Formulation formulation : {Formulation::joint, Formulation::omega}) {
-    const std::unique_ptr<System> system = test::chain(2, 0);
+    const std::unique_ptr<System> system = test::chain(2);
     system->add(std::make_unique<Fed>());
     Dynamics dynamics(*system, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = {}});
     StepLoop loop(dynamics, std::make_unique<Dopri5>());
@@ -93,7 +93,7 @@ TEST_CASE("an integrated state whose rate is no number is reported by name", "[u
 }
 
 TEST_CASE("a motion that laws are to determine has no integrated states besides", "[unit][refusals]") {
-  const std::unique_ptr<System> system = test::chain(1, 0);
+  const std::unique_ptr<System> system = test::chain(1);
   static_cast<MarkerLock&>(*system->links()[0]).drive(Axis::rz, laws::sine({.amplitude = 0.5, .omega = 2}));
   system->add(std::make_unique<Fed>());
   Dynamics dynamics(*system, std::make_unique<SchurSolver>());
@@ -104,7 +104,7 @@ TEST_CASE("a motion that laws are to determine has no integrated states besides"
 }
 
 TEST_CASE("a pose is not set in a state in joint coordinates", "[unit][refusals]") {
-  const std::unique_ptr<System> system = test::chain(2, 0);
+  const std::unique_ptr<System> system = test::chain(2);
   Dynamics dynamics(*system, std::make_unique<SchurSolver>(), {.formulation = Formulation::joint, .stabilization = {}});
   State state = system->start();
   dynamics.to_formulation(state);
@@ -120,7 +120,7 @@ TEST_CASE("a pose is not set in a state in joint coordinates", "[unit][refusals]
 }
 
 TEST_CASE("weighted starts of very many bodies are rejected by the number of unknowns", "[unit][refusals]") {
-  const std::unique_ptr<System> system = test::chain(251, 0);
+  const std::unique_ptr<System> system = test::chain(251);
   Dynamics dynamics(*system, std::make_unique<SparseSolver>());
   State start = system->start();
   check_words(

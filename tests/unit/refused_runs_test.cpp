@@ -16,7 +16,7 @@
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include "tests/support/catch.h"
-#include "tests/support/copies_of.h"
+#include "tests/support/chain.h"
 #include "tests/support/messages.h"
 #include "tests/support/refusals.h"
 
@@ -55,7 +55,8 @@ TEST_CASE("an event rejects merged joints, and changes that it may not make", "[
   check_refusals({
       {"a merged link",
        [] { run_with({.name = "e", .deactivate = {"bolt"}}); },
-       {"event 'e'", "joint 'bolt' is merged into one rigid group and cannot be switched", "set_merge(true, {&joint})"}},
+       {"event 'e'", "joint 'bolt' is merged into one rigid group and cannot be switched",
+        "set_merge(true, {&joint})"}},
       {"the time",
        [] { run_with({.name = "e", .change = [](State& state) { state.t = 0.25; }}); },
        {"event 'e'", "set the time from 0.5 s to 0.25 s", "only coordinates"}},
@@ -75,7 +76,9 @@ TEST_CASE("a grid and a recorded run reject late and excessive data", "[unit][re
   run.record({"door.x"});
   run.run_until(0.1);
   check_refusals({
-      {"columns", [&] { run.record({"door.y"}); }, {"record() after the start of the run", "directly after the Simulation is made"}},
+      {"columns",
+       [&] { run.record({"door.y"}); },
+       {"record() after the start of the run", "directly after the Simulation is made"}},
       {"runs",
        [] {
          Grid({100'000, 100'000});
@@ -230,9 +233,9 @@ TEST_CASE("a run rejects impossible settings and states", "[unit][refusals]") {
       {"a formulation", [] { formulation_from("omegas"); }, {"unknown formulation 'omegas'", "omega"}},
       {"coordinates",
        [] {
-         test::Family family(1, [](int k) { return test::chain(1, k); });
-         Dynamics along(*family.systems[0], std::make_unique<SchurSolver>(), {Formulation::joint, {}});
-         State state = family.starts()[0];
+         const auto one = test::chain(1);
+         Dynamics along(*one, std::make_unique<SchurSolver>(), {Formulation::joint, {}});
+         State state = one->start();
          along.to_formulation(state);
          StateRate rate;
          along.rate(state, rate);

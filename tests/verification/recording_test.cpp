@@ -12,13 +12,13 @@
 #include <lockstep/author/jet.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/dynamics.h>
-#include <lockstep/joints.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include "framework/description/scene/system_of.h"
 #include "framework/dynamics/tree/number_closures.h"
 #include "tests/support/arrays_of.h"
 #include "tests/support/catch.h"
+#include "tests/support/chain.h"
 #include "tests/support/counted.h"
 #include "tests/support/recorded.h"
 #include "tests/support/run_scene.h"
@@ -74,7 +74,8 @@ std::vector<T> evaluate_in(const ArraysOf& of, std::span<const T> inputs) {
     T* const to = arrays.add(numbers);
     std::size_t next = 0;
     for (const std::span<const double> array : varying) {
-      if (array.data() == numbers.data()) std::copy_n(inputs.begin() + static_cast<std::ptrdiff_t>(next), array.size(), to);
+      if (array.data() == numbers.data())
+        std::copy_n(inputs.begin() + static_cast<std::ptrdiff_t>(next), array.size(), to);
       next += array.size();
     }
     return to;
@@ -109,22 +110,6 @@ template <class T>
 std::vector<T> evaluate(const ArraysOf& of, std::span<const T> inputs) {
   return of.plan.normal < 0 ? evaluate_in<T, numbers::Spatial<T*>>(of, inputs)
                             : evaluate_in<T, numbers::Planar<T*>>(of, inputs);
-}
-
-/// An arm of six hinges, each about another axis.
-std::unique_ptr<System> six_joint_arm() {
-  auto system = std::make_unique<System>();
-  Body* before = &system->ground();
-  for (int i = 0; i < 6; ++i) {
-    const double x = i, mass = 1.0 + 0.05 * i, angle = 0.7 * i;
-    Body& rod = system->add_body("rod " + std::to_string(i),
-                                 {mass, Vec3::Zero(), (mass * Vec3(0.03, 0.09, 0.11)).asDiagonal()},
-                                 {Vec3(x + 0.5, 0, 0), Quat{}});
-    system->add<Revolute>("hinge " + std::to_string(i), rod, *before,
-                          pose_at(Vec3(x, 0, 0), Vec3(std::sin(angle), std::cos(angle), 0)));
-    before = &rod;
-  }
-  return system;
 }
 
 /// A sample at states that it is set to.
@@ -164,7 +149,7 @@ class Moved {
 
  private:
   static std::unique_ptr<System> made(const std::string& name) {
-    if (name == "six-joint arm") return six_joint_arm();
+    if (name == "six-joint arm") return test::chain(6, 0.7);
     Mechanism mechanism = build_mechanism(in_space(read_scene(scene_path(name))), builtin_registry());
     return std::make_unique<System>(std::move(system_of(mechanism)));
   }
