@@ -3,6 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -14,10 +15,12 @@
 #include <lockstep/assembly.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/dynamics.h>
+#include <lockstep/joints.h>
 #include <lockstep/log.h>
 #include <lockstep/scene.h>
 #include <lockstep/step_loop.h>
 #include "framework/description/scene/system_of.h"
+#include "framework/tools/rank/doubts.h"
 
 namespace lockstep::invariance {
 
@@ -57,6 +60,16 @@ Scene written(const Case& c, const View& view, const Way& way) {
   return way.in_space ? in_space(std::move(scene)) : scene;
 }
 
+constexpr const char* kCompany = "company";
+
+void add_company(System& system) {
+  system.setup();
+  const double length = 400 * system.length();
+  const Vec3 g = system.gravity(), down = g.norm() > 0 ? g.normalized() : Vec3::UnitX();
+  Body& body = system.add_body(kCompany, shapes::rod(1, Vec3::Zero(), length * down));
+  system.add<Revolute>("pivot of the company", body, system.ground(), pose_at(Vec3::Zero(), down.unitOrthogonal()));
+}
+
 // What is in the world, or has a unit of length, of mechanisms without forces of their own.
 void place(System& system, const View& view) {
   const Mat3 A = rotation(view.frame.q);
@@ -83,7 +96,7 @@ void place(System& system, const View& view) {
 Instant instant(const System& system, const State& state, const View& view) {
   std::map<std::string, const Body*> bodies;
   for (const Body& body : system.bodies())
-    if (!body.fixed && body.name != "ground") bodies[body.name] = &body;
+    if (!body.fixed && body.name != "ground" && body.name != kCompany) bodies[body.name] = &body;
   Instant now{state.t, {}, {}};
   const Mat3 back = rotation(conjugate(view.frame.q));
   for (const auto& [name, body] : bodies) {
@@ -124,6 +137,7 @@ Trace follow(const Case& c, const View& view, const Way& way, double faster) {
   try {
     Mechanism m = build_mechanism(written(c, view, way), registry);
     System& system = system_of(m);
+    if (view.company) add_company(system);
     if (way.in_space) place(system, view);
     const RunSettings& run = m.run;
     Dynamics dynamics(system, make_solver(run, registry), {run.formulation, run.stabilization});
@@ -137,7 +151,10 @@ Trace follow(const Case& c, const View& view, const Way& way, double faster) {
     Camera camera(view, motion.history);
     loop.set_state(start);
     loop.add_observer(camera);
+    Doubts doubts(false, run.tolerance.relative);
+    loop.add_observer(doubts);
     motion.steps = loop.run_until(run.until).steps;
+    for (const Finding& f : doubts.findings(motion.steps, run.until)) motion.doubts += f.text() + "\n";
   } catch (const Error& error) {
     motion.refusal = error.what();
   }

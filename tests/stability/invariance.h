@@ -15,6 +15,7 @@ struct View {
   double length = 1;       ///< units of length of the run per metre
   unsigned order = 0;      ///< 0: as written; else a seed of the order of bodies and joints
   bool exchanged = false;  ///< whether p and s of hinges and guides are exchanged
+  bool company = false;    ///< a pendulum hangs at rest beside it, 400 times as long
 };
 
 /// How it is computed.
@@ -32,10 +33,10 @@ struct Instant {
   std::vector<Twist> twists;
 };
 
-/// A history, or the words of an error.
+/// A history, or the words of an error; what makes it doubtful.
 struct Trace {
   std::vector<Instant> history;
-  std::string refusal;
+  std::string refusal, doubts;
   long steps = 0;
   bool ok() const { return refusal.empty(); }
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A motion depends neither on the frame, the order and the unit in which a mechanism is written, nor on the tree, its
-// closures, the formulation and the solver: through singular positions, and where rows are redundant.
+// closures, the formulation, the solver and what else moves: through singular positions, and where rows are redundant.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -62,7 +62,8 @@ Truth truth_of(const Case& c) {
   const double speed = std::min(10.0, fastest(truth.motion.history));
   const Trace faster = follow(c, {}, way, kFaster);
   REQUIRE(faster.ok());
-  truth.growth = std::clamp(difference(truth.motion.history, faster.history) / (kFaster * speed), 1.0, kMostGrowth);
+  truth.growth = std::max(difference(truth.motion.history, faster.history) / (kFaster * speed), 1.0);
+  CHECK(truth.growth < kMostGrowth);
   return truth;
 }
 
@@ -71,9 +72,9 @@ constexpr int kForty = 5;
 constexpr std::size_t kSix = 13, kDrawn = kSix;
 
 /// A draw: the numbers of its levels, factor by factor.
-constexpr std::size_t kFactors = 7;
+constexpr std::size_t kFactors = 8;
 using Draw = std::array<int, kFactors>;
-enum Factor : std::size_t { mechanism, frame, order, exchanged, unit, formulation, accuracy };
+enum Factor : std::size_t { mechanism, frame, order, exchanged, unit, formulation, accuracy, company };
 
 const std::vector<std::tuple<const char*, const char*>> kFormulations = {
     {"joint", "schur"},  {"auto", "schur"},  {"omega", "schur"},       {"omega", "block"},
@@ -83,8 +84,14 @@ const std::vector<std::tuple<const char*, double>> kAccuracies = {
     {"dopri5", 1e-6}, {"dopri5", 1e-8}, {"dopri5", 1e-10}, {"dopri5", 1e-12}};
 
 Draw levels(std::size_t n_cases) {
-  return {static_cast<int>(n_cases),           5, 4, 2, 3, static_cast<int>(kFormulations.size()),
-          static_cast<int>(kAccuracies.size())};
+  return {static_cast<int>(n_cases),
+          5,
+          4,
+          2,
+          3,
+          static_cast<int>(kFormulations.size()),
+          static_cast<int>(kAccuracies.size()),
+          2};
 }
 
 /// Draws that cover all pairs of levels of any two factors: of forty at random the one with the most new pairs, again
@@ -129,7 +136,7 @@ View view_of(const Draw& d, const Case& c) {
     const Vec3 x(number(random), number(random), number(random));
     view.frame = {3 * x, normalized(Quat{number(random), number(random), number(random), number(random)})};
   }
-  view.order = static_cast<unsigned>(11 * d[order]), view.exchanged = d[exchanged] == 1;
+  view.order = static_cast<unsigned>(11 * d[order]), view.exchanged = d[exchanged] == 1, view.company = d[company] == 1;
   if (!c.has_forces) view.length = std::array{1.0, 1000.0, 0.01}[static_cast<std::size_t>(d[unit])];
   return view;
 }
@@ -161,14 +168,20 @@ Trace check(const Case& c, const Truth& truth, const Draw& d, Table& table) {
   double& worst = table.worst[c.name][way.formulation + ", " + way.solver];
   ++table.runs, table.stops += motion.ok() ? 0 : 1;
   if (motion.ok()) worst = std::max(worst, error / bound);
-  CAPTURE(c.name, way.words(), d[frame], view.order, view.exchanged, view.length, truth.growth, motion.refusal);
+  CAPTURE(c.name, way.words(), d[frame], view.order, view.exchanged, view.length, view.company, truth.growth,
+          motion.refusal);
+  if (!motion.doubts.empty()) {  // then also as it is written
+    CAPTURE(motion.doubts);
+    CHECK_FALSE(follow(c, {}, way).doubts.empty());
+  }
   CHECK(error <= bound);
   return motion;
 }
 
 }  // namespace
 
-TEST_CASE("a motion is the same in any frame, order, unit, tree and formulation: all pairs", "[stability][long]") {
+TEST_CASE("a motion is the same in any frame, order, unit, company, tree and formulation: all pairs",
+          "[stability][long]") {
   const std::vector<Case> all = cases();
   std::vector<Truth> truths;
   for (const Case& c : all) {
@@ -194,9 +207,10 @@ TEST_CASE("a motion is the same in any frame, order, unit, tree and formulation"
   for (const std::size_t k : {std::size_t{0}, std::size_t{1}, std::size_t{3}, std::size_t{6}}) {
     const Truth truth = truth_of(all[k]);
     for (int n = 0; n < 4; ++n)
-      check(all[k], truth,
-            {static_cast<int>(k), 1 + n, n, n % 2, n % 3, n, std::array{1, 3, 7, 2}[static_cast<std::size_t>(n)]},
-            table);
+      check(
+          all[k], truth,
+          {static_cast<int>(k), 1 + n, n, n % 2, n % 3, n, std::array{1, 3, 7, 2}[static_cast<std::size_t>(n)], n / 2},
+          table);
   }
   CHECK(table.runs == 16);
 }
@@ -218,16 +232,19 @@ TEST_CASE("draws in which a motion differed, or needed many steps", "[stability]
 TEST_CASE("a start at rest in a change point has one answer in every frame", "[stability][singular]") {
   const std::string source = paths::kSource;
   const Case c{"at rest", source + "/tests/stability/scenes/change_point.json", 1};
-  for (const char* formulation : {"joint", "omega"}) {
-    std::vector<bool> runs;
+  const auto refusal = [&](const View& view, const Way& way) {
+    const std::string text = follow(c, view, way, -1).refusal;
+    return text.substr(0, text.find(" (smallest relative pivot"));  // which is round-off
+  };
+  const std::string first = refusal({}, {});
+  CHECK(first.find("singular configuration") != std::string::npos);
+  for (const char* formulation : {"joint", "omega"})
     for (int k = 0; k < 6; ++k) {
       Draw d{};
-      d[frame] = k, d[order] = k % 4;
-      runs.push_back(follow(c, view_of(d, c), {.formulation = formulation}, -1).ok());
+      d[frame] = k, d[order] = k % 4, d[company] = k % 2;
+      CAPTURE(formulation, k);
+      CHECK(refusal(view_of(d, c), {.formulation = formulation}) == first);
     }
-    CAPTURE(formulation);
-    CHECK(std::ranges::count(runs, runs.front()) == static_cast<std::ptrdiff_t>(runs.size()));
-  }
 }
 
 }  // namespace invariance_test

@@ -234,6 +234,53 @@ TEST_CASE("constraints on a particle are dependent by its three coordinates", "[
   CHECK(dynamics.dependent_rows(sys.start()) == 2);
 }
 
+namespace {
+
+/// A coupler on three equal cranks that lean, the foot of the third lower by `lower`: parallel hinges, redundant but for
+/// that. `base`: to which they are hinged.
+void add_cranks(System& sys, Body& base, const std::string& name, double size, double lower) {
+  Body& coupler = sys.add_body(name, shapes::rod(1, {0.5 * size, size, 0}, {2.5 * size, size, 0}));
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 foot(k * size, k == 2 ? -lower : 0, 0), to((k + 0.5) * size, size, 0);
+    Body& crank = sys.add_body(name + std::to_string(k), shapes::rod(1, foot, to));
+    sys.add<Revolute>(crank.name + " foot", crank, base, pose_at(foot));
+    sys.add<Revolute>(crank.name + " head", coupler, crank, pose_at(to));
+  }
+}
+
+int dependent_in(System& sys, Formulation formulation) {
+  sys.setup();
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>(), {formulation, {}});
+  State start = sys.start();
+  dynamics.to_formulation(start);
+  return dynamics.dependent_rows(start);
+}
+
+}  // namespace
+
+TEST_CASE("the number of dependent constraints is that of each loop alone", "[verification]") {
+  const auto formulation = GENERATE(Formulation::omega, Formulation::joint);
+  const double lower = GENERATE(0.0, 2e-5, 0.4);
+  CAPTURE(formulation == Formulation::joint, lower);
+  System one;
+  add_cranks(one, one.ground(), "cranks", 1, lower);
+  const int n = dependent_in(one, formulation);
+  if (formulation == Formulation::omega) CHECK(n == (lower > 0.1 ? 6 : 7));  // of 30 on 24 velocities, 1 of them free
+
+  System many;  // of 330 rows
+  for (int k = 0; k < 11; ++k) add_cranks(many, many.ground(), "unit" + std::to_string(k) + "-", 1, lower);
+  CHECK(dependent_in(many, formulation) == 11 * n);
+
+  // Of 1 mm, on a hull of 1000 t whose centre of mass is 100 m away, and beside a pendulum of 50 m.
+  System small;
+  Body& hull = small.add_body("hull", shapes::box(1e6, {10, 10, 10}), {Vec3(30, -100, 8), Quat{}});
+  small.add<Fixed>("weld", hull, small.ground(), pose_at({30, -90, 8}));
+  add_cranks(small, hull, "cranks", 1e-3, 1e-3 * lower);
+  Body& pendulum = small.add_body("pendulum", shapes::rod(1, {0, 0, 0}, {0, -50, 0}));
+  small.add<Revolute>("pivot", pendulum, small.ground(), pose_at({0, 0, 0}));
+  CHECK(dependent_in(small, formulation) == n);
+}
+
 // A door 20 m high counts as on its constraints up to 1e-6 m.
 TEST_CASE("redundant constraints are found up to violations of the order of the mechanism's length", "[verification]") {
   System sys;
@@ -266,11 +313,12 @@ TEST_CASE("redundant constraints are distinguished from those that fade near a s
   CHECK(dynamics.redundancy(sys.start()).rows == 3);
 }
 
-// The first hinge leaves its own turn free; the row y of the second, of length 1, has this share of it.
+// The first hinge leaves its own turn free; the row y of the second, of length 1, has this share of it. The hinges are 1.6 m
+// apart.
 TEST_CASE("nearly dependent constraints that hold report their singular value", "[verification]") {
   const auto two = doors::door({}, true);
   two->begin(NearlyRedundant::held, "schur");
-  const double l = two->system.length(), row = std::hypot(1, 0.8 / l, 0.45 / l), turn = std::hypot(0.45, l);
+  const double l = 0.8, row = std::hypot(1, 0.8 / l, 0.45 / l), turn = std::hypot(0.45, l);
   CHECK(two->system.held_down_to() == Approx(doors::kApart / (row * turn)).epsilon(doors::kApart));
 }
 

@@ -8,6 +8,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/joint_coordinates.h"
+#include "framework/dynamics/evaluate/loop_rows.h"
 #include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/evaluate/singular_rate.h"
@@ -16,6 +17,7 @@
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/foundation/support/at_end.h"
 #include "framework/mechanism/rows/loads.h"
 
 namespace lockstep {
@@ -37,25 +39,44 @@ SparseMat rows_transposed(const Evaluation& e) {
   return Jt;
 }
 
-SparseMat rows_transposed_at(Dynamics& dynamics, const State& state) {
+struct Loops {
+  std::vector<SparseMat> Jt;  // rows of each, transposed
+  int n_rows = 0;             // of all links
+};
+
+Loops loops_at(Dynamics& dynamics, const State& state) {
   State slots = state;
   dynamics.to_slots(slots);
   const bool held = dynamics.holds_rows();
-  SparseMat Jt = rows_transposed(dynamics.gather_rows(slots));
+  const Evaluation& e = dynamics.gather_rows(slots);
+  Loops loops{.Jt = {}, .n_rows = e.rows().n_rows};
+  for (const std::vector<int>& entries : closed_loops(e.system(), e.rows()))
+    loops.Jt.push_back(rows_of_loop(e.system(), e.rows(), entries));
   if (!held) dynamics.forget_rows(state);
-  return Jt;
+  return loops;
+}
+
+// How many rows of loops that are factored densely nearly depend on others.
+int nearly_dependent(const Loops& loops, double least) {
+  int n = 0;
+  for (const SparseMat& Jt : loops.Jt)
+    if (Jt.cols() <= kDenseRows) n += RowSpace(Jt).nearly(least);
+  return n;
 }
 
 }  // namespace
 
-// Alike in all frames, units and orders, and whatever the masses are, as pivots of solvers are not. Rows of closures leave
-// as many coordinates free as all rows leave velocities. Many rows are factored sparsely.
+// Alike in all frames, units and orders, and whatever else moves, as pivots of solvers are not.
+// Rows of closures leave as many coordinates free as all rows leave velocities. Many rows are factored sparsely.
 int Dynamics::dependent_rows(const State& state) {
-  const SparseMat Jt = rows_transposed_at(*this, state);
-  const int n = static_cast<int>(Jt.cols());
-  const int rank = n == 0 ? 0 : n > kDenseRows ? Dependencies(Jt).rank : RowSpace(Jt).rank(kNearlyDependent);
-  if (!state.coordinates) return n - rank;
-  const int free = system_.n_velocities() - rank;
+  const Loops loops = loops_at(*this, state);
+  int dependent = 0;
+  for (const SparseMat& Jt : loops.Jt) {
+    const int n = static_cast<int>(Jt.cols());
+    dependent += n - (n > kDenseRows ? Dependencies(Jt).rank : RowSpace(Jt).rank(kNearlyDependent));
+  }
+  if (!state.coordinates) return dependent;
+  const int free = system_.n_velocities() - (loops.n_rows - dependent);
   return tree(state.modes).closure_rows.n_rows - (static_cast<int>(state.v.size()) - free);
 }
 
@@ -65,8 +86,7 @@ bool loses_rank(Dynamics& dynamics, const State& state) {
 }
 
 bool nearly_loses_rank(Dynamics& dynamics, const State& state) {
-  const SparseMat Jt = rows_transposed_at(dynamics, state);
-  return Jt.cols() > 0 && Jt.cols() <= kDenseRows && RowSpace(Jt).nearly() > 0;
+  return nearly_dependent(loops_at(dynamics, state), kDependent) > 0;
 }
 
 bool Dynamics::is_assembled(const State& state) {
@@ -96,16 +116,19 @@ Redundancy Dynamics::redundancy(const State& state) {
   if (const auto known = redundancies_.find(key); known != redundancies_.end()) return known->second;
   Redundancy found{.rows = 0};
   if (has_loops(system_, state.modes) && (!state.coordinates || state.coordinates->has_rows())) {
-    const WorkCount before = work_;
-    try {
-      found = find_redundancy(state);
-    } catch (...) {  // nothing stays of what was not found to the end
+    const AtEnd back([&, before = work_] { work_ = before; });
+    const auto forget = [&] {  // nothing stays of what was not found to the end
       state.coordinates ? tree(state.modes).closures().set_redundant(Kkt::kUnknown)
                         : own().set_redundant(Kkt::kUnknown);
-      work_ = before;
+    };
+    try {
+      found = find_redundancy(state);
+    } catch (const Error&) {  // named by the evaluation of this state that follows
+      forget(), found = {};
+    } catch (...) {
+      forget();
       throw;
     }
-    work_ = before;
   }
   if (found.rows >= 0) redundancies_.emplace(std::move(key), found);
   return found;
@@ -118,7 +141,7 @@ Redundancy Dynamics::redundancy(const State& state) {
 // poses are enough if no row depends on others, and the farthest with them if some do, as long as the numbers are the
 // same and this pose is not near a singular position by the limit that they give. If that limit can rise no more, and no
 // row depends, no pose is asked.
-Redundancy Dynamics::find_redundancy(const State& state) try {
+Redundancy Dynamics::find_redundancy(const State& state) {
   if (!is_assembled(state)) return {};
   const auto know = [&](int n, bool nearly = false) {
     state.coordinates ? tree(state.modes).closures().set_redundant(n) : own().set_redundant(n, nearly);
@@ -126,8 +149,8 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
   // If n rows are redundant, which the search does not know: none stay unmet on its ways.
   const auto look = [&](const State& at, int n) {
     Redundancy found{.rows = n};
-    if (!state.coordinates && n > 0 && own().rows().n_rows <= kDenseRows)  // not by what projections leave of poses
-      found.nearly = RowSpace(rows_transposed_at(*this, at)).nearly(kNegligible) > 0;
+    if (!state.coordinates && n > 0)  // not by what projections leave of poses
+      found.nearly = nearly_dependent(loops_at(*this, at), kNegligible) > 0;
     know(n, found.nearly);
     found.regular = std::min(1.0, pivots(at).detector);
     return know(Kkt::kUnknown), found;
@@ -179,8 +202,10 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
         const auto [dependent, agrees] = few ? look_off(beside) : std::pair{0, true};
         if (!(project(beside, 0).after <= kRoundOff * system_.length())) continue;
         const Redundancy there = look(beside, std::min(found.rows, dependent_rows(beside)));
+        const bool first = looked + n == 0 || there.rows < found.rows;  // of those that count
         if (there.rows < found.rows) found.rows = there.rows, found.regular = 0;
-        found.regular = std::max(found.regular, there.regular), found.nearly = found.nearly && there.nearly;
+        found.regular = std::max(found.regular, there.regular);
+        found.nearly = there.nearly && (first || found.nearly);
         if (few && (!agrees || dependent < look_off(beside).first)) found.on_constraints = true;
         const bool both = ++n == (of_here.rows > 0 ? 4 : 2) && angle < 0;
         if (both && found.rows == of_here.rows && of_here.regular >= near_singular_below(found.regular)) break;
@@ -215,8 +240,6 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
   if (all < found.rows) found.rows = all, found.regular = look(here, all).regular;
   know(found.rows, found.nearly);
   return found;
-} catch (const Error&) {  // named by the evaluation of this state that follows
-  return {};
 }
 
 }  // namespace lockstep

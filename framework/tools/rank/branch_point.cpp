@@ -25,16 +25,6 @@ constexpr int kMostMotions = 3;  // with more of them branches are no lines
 constexpr double kIn = 1e-5;     // pivot of rows of length 1: in the position
 constexpr double kSameLine = 1e-3;
 
-// Loops as entries. Rows elsewhere depend on no others, and move along with any motion of the loops.
-std::vector<std::vector<int>> closed_loops(const System& system, const RowTable& table) {
-  std::vector<std::vector<int>> loops = loops_of(system, table);
-  std::erase_if(loops, [&](const std::vector<int>& group) {
-    return group.empty() ||
-           (group.size() == 1 && system.links()[table.entries[group.front()].link]->jointed() != nullptr);
-  });
-  return loops;
-}
-
 // Whether laws move the rows.
 bool is_driven(const Evaluation& e, const std::vector<int>& rows) {
   VecX Ct = VecX::Zero(e.rows().n_rows), of_part = Ct;
@@ -97,12 +87,13 @@ BranchPoint branch_point(Dynamics& dynamics, const State& given) try {
   const System& system = dynamics.system();
   if (!has_loops(system, state.modes)) return out;
   const Evaluation& e = dynamics.gather_rows(state);
-  const std::vector<std::vector<int>> loops = closed_loops(system, e.rows());
+  const std::vector<std::vector<int>> loops =
+      closed_loops(system, e.rows());  // any motion of them moves the rest along
   std::vector<int> entries;
   for (const std::vector<int>& loop : loops) entries.insert(entries.end(), loop.begin(), loop.end());
   const LoopRows rows(system, e.rows(), entries);
   if (rows.n() == 0 || rows.n() > kDenseRows) return out;
-  const RowSpace space(rows.Jt);
+  const RowSpace space(rows.at.rows_in_lengths(e.rows(), entries));
   out.slots.assign(system.n_slots(), false);
   for (const int place : rows.at.places()) out.slots[place / 6] = true;
   out.nearness = space.smallest_singular_value(space.rank(kIn));

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <lockstep/author/passes.h>
-#include "framework/dynamics/solvers/graph.h"
 
 namespace lockstep {
 
@@ -16,29 +15,6 @@ const RowTable& all_rows(const Evaluation& e, const State& state, RowTable& room
     return e.rows();
   passes::lay_out(system, state.modes, room, true), passes::gather_rows(system, e.inputs(), room);
   return room;
-}
-
-// At a slot that two groups share, what the rows of one of them carry is balanced within it, since it does not reach the
-// ground otherwise.
-std::vector<std::vector<int>> loops_of(const System& system, const RowTable& table) {
-  std::vector<std::vector<int>> groups;
-  std::vector<std::pair<int, int>> edges;  // each two slots that an entry joins
-  std::vector<int> entry_of_edge;
-  for (std::size_t k = 0; k < table.entries.size(); ++k) {
-    const std::vector<int> ends = ends_of(system, *system.links()[table.entries[k].link]);
-    if (ends.size() < 2) groups.push_back({static_cast<int>(k)});  // its rows touch nothing that moves
-    for (std::size_t i = 0; i < ends.size(); ++i)
-      for (std::size_t j = i + 1; j < ends.size(); ++j)
-        edges.emplace_back(ends[i], ends[j]), entry_of_edge.push_back(static_cast<int>(k));
-  }
-  const std::vector<std::size_t> component = loop_groups(system.n_slots(), edges);
-  const std::size_t first = groups.size();
-  if (!component.empty()) groups.resize(first + *std::ranges::max_element(component) + 1);
-  for (std::size_t n = 0; n < edges.size(); ++n) {
-    std::vector<int>& group = groups[first + component[n]];
-    if (group.empty() || group.back() != entry_of_edge[n]) group.push_back(entry_of_edge[n]);
-  }
-  return groups;
 }
 
 namespace {
@@ -55,7 +31,7 @@ std::vector<int> slots_on(const RowTable& table, const std::vector<int>& entries
 }  // namespace
 
 LoopRows::LoopRows(const System& system, const RowTable& table, const std::vector<int>& entries)
-    : at(system, slots_on(table, entries)), Jt(at.rows_in_lengths(table, entries)) {
+    : at(system, slots_on(table, entries)), Jt(rows_of_loop(system, table, entries)) {
   for (const int k : entries) {
     const RowEntry& e = table.entries[k];
     numbers.resize(numbers.size() + static_cast<std::size_t>(e.m));

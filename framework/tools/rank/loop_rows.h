@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/dynamics/evaluate/loop_rows.h"
 #include "framework/tools/rank/unknowns.h"
 
 namespace lockstep {
@@ -12,15 +13,12 @@ namespace lockstep {
 /// The rows of an evaluation with those that were left out; `room` holds them if there are some.
 const RowTable& all_rows(const Evaluation&, const State&, RowTable& room);
 
-/// Entries of the table in groups whose ranks add up: those that lie on common loops of slots.
-std::vector<std::vector<int>> loops_of(const System&, const RowTable&);
-
 /// Rows of some entries, in the unknowns of the slots that they touch.
 struct LoopRows {
   LoopRows(const System&, const RowTable&, const std::vector<int>& entries);
 
   Unknowns at;
-  SparseMat Jt;              ///< Jacobian, transposed; rotations as lengths
+  SparseMat Jt;              ///< rows_of_loop()
   std::vector<int> numbers;  ///< of its columns in the table
 
   int n() const { return static_cast<int>(numbers.size()); }
