@@ -154,6 +154,23 @@ TEST_CASE("a brake that an event puts into force later is in doubt, too", "[runn
   check_one(found_in_run(door(brake)), {"by force 'brake' (joint low)"});
 }
 
+TEST_CASE("shares of a joint that an event activates, and after a singular start, are in doubt, too",
+          "[runner][findings]") {
+  const std::string closes = R"("events": [{"name": "shut", "at": 0.05, "activate": ["high"]}], )";
+  check_one(found_in_run(door(closes, kRubs, R"(, "active": false)")), {"by force 'low.friction' (joint low)"});
+  const Called swept = call("sweep '" + door(closes, kRubs, R"(, "active": false)") + "' --vary run.until=0.08:0.1:2");
+  CHECK(contains(swept.text, "by force 'low.friction' (joint low)"));
+  CHECK(contains(swept.text, "(in 2 runs)"));
+
+  std::ifstream in(std::string(paths::kSource) + "/tests/stability/scenes/change_point.json");
+  Json scene = Json::parse(in);
+  scene["joints"][1]["friction"] = {{"mu", 1e-3}, {"radius", 0.01}, {"axial_radius", 0.01}};
+  scene["run"]["until"] = 0.1;
+  const std::string file = kRunnerFolder + "/shared_after.json";
+  std::ofstream(file) << scene;
+  check_one(found_in_run(file, "--full"), {"by force 'B.friction' (joint B)"});
+}
+
 // There reactions have no value for an instant, which other findings say; no constraint is redundant.
 TEST_CASE("friction of a mechanism that starts in a singular configuration depends on no share", "[runner][findings]") {
   std::ifstream in(defect_scene("start_in_change_point"));

@@ -140,7 +140,7 @@ Result follow_scene(const Arguments& args, bool inverse) {
   note_near(near.all, m.run.nearly_redundant);
   const AssemblyReport assembled = assemble_scene(dynamics, m, start, near);
   refuse_driven_lock(dynamics, start);
-  if (inverse) CommandFindings::add(share_findings(dynamics, m, start));
+  if (inverse) CommandFindings::add(share_findings(system_of(m), m, {&start}));
 
   const auto begun = std::chrono::steady_clock::now();
   DrivenMotion motion(dynamics, std::move(start));

@@ -43,7 +43,7 @@ State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, Mobili
     run.set_state(start), run.run_until(start.t);  // as a run begins
     found.position = warn_of_branches(dynamics, run);
     warn_of_no_freedom(m, dynamics, run, kManyVelocities);
-    CommandFindings::add(share_findings(dynamics, m, run.state()));
+    CommandFindings::add(share_findings(system_of(m), m, {&run.state()}));
     evaluate_first(dynamics, run.state());
   } catch (const Error& error) {
     found.error = in_lines(error), found.exit_code = exit_code_of(error);

@@ -119,7 +119,8 @@ class ProgramRun {
     end_.missed = missed_events(m_, sim_);
     end_.findings = run_findings(sim_, end_.audit, doubts_, singular_);
     for (Finding& f : broken_requirements(m_, requirements_.get())) end_.findings.push_back(std::move(f));
-    for (Finding& f : share_findings(dynamics_, m_, started_)) end_.findings.push_back(std::move(f));
+    for (Finding& f : share_findings(system_of(m_), m_, {&started_, &sim_.state()}))
+      end_.findings.push_back(std::move(f));
     end_.near = decided(near_.all, m_.run.nearly_redundant);
     for (const MissedEvent& e : end_.missed) end_.findings.push_back(finding_of(e));
     for (Finding& f : suspects_of(end_, system_of(m_), singular_.n_passed())) end_.findings.push_back(std::move(f));

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/error.h>
+#include <lockstep/solvers.h>
 #include <lockstep/text.h>
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/system/diagnose.h"
@@ -37,7 +39,7 @@ void add_energy(std::vector<Finding>& all, const Audit& audit, bool adaptive, co
 
 }  // namespace
 
-std::vector<Finding> share_findings(Dynamics& dynamics, const Mechanism& m, const State& start) {
+std::vector<Finding> share_findings(System& system, const Mechanism& m, std::initializer_list<const State*> states) {
   std::vector<ChannelRequest> read = m.run.require;
   for (ChannelRequest& r : read)
     r.name = "requirement " + (r.name.empty() ? "" : "'" + r.name + "' ") + "(" + r.channel.substr(1) + ")";
@@ -45,13 +47,18 @@ std::vector<Finding> share_findings(Dynamics& dynamics, const Mechanism& m, cons
     read.push_back({e.channel, "event '" + e.event.name + "' (" + e.channel + ")"});
   const bool reacts = std::ranges::any_of(m.system.forces(), [](const auto& f) { return f->reacting() != nullptr; });
   if (!reacts && !are_of_reactions(read)) return {};
-  UniquenessReport found = uniqueness(dynamics, start);
-  for (std::string& name : columns_not_unique(read, found)) found.readers.push_back(std::move(name));
-  if (found.readers.empty() || branch_point(dynamics, start).singular) return {};  // there reactions have no value
-  return {
-      {&finding::depends_on_share, "",
-       "the result depends on how redundant constraints share a load, by " + first_of(found.readers),
-       "release the redundant constraints, which lockstep check --verbose lists, or add the compliance of the joints"}};
+  Dynamics eye(system, std::make_unique<SchurSolver>(), {.formulation = Formulation::omega, .stabilization = {}});
+  for (const State* const state : states) try {
+      UniquenessReport found = uniqueness(eye, *state);
+      for (std::string& name : columns_not_unique(read, found)) found.readers.push_back(std::move(name));
+      if (found.readers.empty() || branch_point(eye, *state).singular) continue;  // there reactions have no value
+      return {{&finding::depends_on_share, "",
+               "the result depends on how redundant constraints share a load, by " + first_of(found.readers),
+               "release the redundant constraints, which lockstep check --verbose lists, or add the compliance of the "
+               "joints"}};
+    } catch (const Error&) {  // the run reports the error
+    }
+  return {};
 }
 
 std::vector<Finding> run_findings(StepLoop& run, const Audit& audit, const Doubts& doubts,

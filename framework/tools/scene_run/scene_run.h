@@ -75,9 +75,10 @@ inline State assembled_start(Dynamics& dynamics, Mechanism& m, AssemblyReport* r
   return start;
 }
 
-/// What depends at this start on how redundant constraints share a load: forces such as friction, events, requirements. One
-/// finding that names them, or none.
-LOCKSTEP_API std::vector<Finding> share_findings(Dynamics&, const Mechanism&, const State& start);
+/// What depends on how redundant constraints share a load: forces such as friction, events, requirements. One finding that
+/// names them, by the first of these states in which there are some, or none. States in singular positions, and those that
+/// cannot be evaluated, are skipped.
+LOCKSTEP_API std::vector<Finding> share_findings(System&, const Mechanism&, std::initializer_list<const State*>);
 
 class Doubts;
 class SingularWatch;

@@ -45,14 +45,14 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
     run.add_observer(*doubts);
     if (SingularWatch::is_needed(by, start, run.integrator().info())) run.add_observer(singular);
     for (const Event& event : events) run.add_event(event);
-    at_start = share_findings(by, mechanism, start);
     return start;
   }
   RunVerdict verdict() const override {
     if (!loop) throw ModelError("simulation: verdict() was called before the start of the run; call it after run()");
     RunVerdict found{audit->result(), run_findings(*loop, audit->result(), *doubts, singular)};
     for (Finding& f : broken_requirements(mechanism, requirements.get())) found.findings.push_back(std::move(f));
-    found.findings.insert(found.findings.end(), at_start.begin(), at_start.end());
+    for (Finding& f : share_findings(system, mechanism, {&started, &loop->state()}))
+      found.findings.push_back(std::move(f));
     found.right =
         std::ranges::none_of(found.findings, [](const Finding& f) { return f.severity() == Severity::wrong; });
     return found;
@@ -68,7 +68,6 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
   std::unique_ptr<Requirements> requirements;  // null: none
   std::unique_ptr<EnergyAudit> audit;
   std::unique_ptr<Doubts> doubts;
-  std::vector<Finding> at_start;
 };
 
 }  // namespace

@@ -68,7 +68,7 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   if (!singular.passed().empty())
     result.passed = singular.n_passed(), result.first_passed = singular.passed().front().t;
   result.findings = doubts.findings(report.steps, sim.state().t);
-  for (Finding& f : share_findings(dynamics, m, started)) result.findings.push_back(std::move(f));
+  for (Finding& f : share_findings(system_of(m), m, {&started, &sim.state()})) result.findings.push_back(std::move(f));
   judge(audit.result(), result);
   for (Finding& f : broken_requirements(m, requirements.get()))
     result.findings.push_back(std::move(f)), result.wrong = true;
