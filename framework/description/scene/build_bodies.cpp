@@ -213,9 +213,8 @@ void read_weight(const Params& body, const std::string& name, Mechanism& out) {
   if (how == "exact") weight = std::numeric_limits<double>::infinity();
   if (how == "free") weight = 0;
   if (weight != 1) out.assembly.poses.push_back({name, weight});
-  const bool exact = how == "exact", turns = body.has("omega_body") || body.has("omega_world");
-  if (exact || turns || body.has("velocity"))
-    out.assembly.stated.push_back({name, exact || body.has("velocity"), exact || turns, body.has("omega_world")});
+  const bool moves = body.has("velocity"), turns = body.has("omega_body") || body.has("omega_world");
+  if (moves || turns) out.assembly.stated.push_back({name, moves, turns, body.has("omega_world")});
 }
 
 // v of the frame's origin (world), w in body axes.

@@ -126,6 +126,18 @@ std::string not_given(const System& system, const State& given, const State& ass
   return words;
 }
 
+// Of the bodies that count.
+template <class Counts>
+void measure_move(const System& system, const State& from, const State& to, AssemblyReport& report, Counts&& counts) {
+  for (int k = 0; k < system.n_slots(); ++k) {
+    if (!counts(system.body_of_slot(k).name)) continue;
+    const Pose a = from.slot_pose(k), b = to.slot_pose(k);
+    const double move = (b.x - a.x).norm(), turn = rotation_vector(conjugate(normalized(a.q)) * b.q).norm();
+    if (move > report.largest_move) report.largest_move = move, report.moved_most = system.body_of_slot(k).name;
+    if (turn > report.largest_turn) report.largest_turn = turn, report.turned_most = system.body_of_slot(k).name;
+  }
+}
+
 // Changes by assembly that are too large to be meant.
 void add_warnings(const System& system, const State& given, const State& assembled, const AssemblyOptions& options,
                   AssemblyReport& report) {
@@ -134,15 +146,16 @@ void add_warnings(const System& system, const State& given, const State& assembl
     return options.coordinates.empty() &&
            std::ranges::none_of(options.poses, [&](const PoseWeight& w) { return w.body == body && w.weight == 0; });
   };
-  const bool moved = report.largest_move > kLittle * system.length() && meant(report.moved_most),
-             turned = report.largest_turn > kLittle && meant(report.turned_most);
+  AssemblyReport of;
+  measure_move(system, given, assembled, of, meant);
+  const bool moved = of.largest_move > kLittle * system.length(), turned = of.largest_turn > kLittle;
   if ((moved || turned) && !report.open.empty()) {
     const bool one = report.open.size() == 1;
     std::vector<std::string> changes;
-    if (moved) changes.push_back(fmt::format("moved '{}' by {:.3g} m", report.moved_most, report.largest_move));
-    if (turned) changes.push_back(fmt::format("rotated '{}' by {:.3g} rad", report.turned_most, report.largest_turn));
+    if (moved) changes.push_back(fmt::format("moved '{}' by {:.3g} m", of.moved_most, of.largest_move));
+    if (turned) changes.push_back(fmt::format("rotated '{}' by {:.3g} rad", of.turned_most, of.largest_turn));
     report.findings.push_back(
-        {&finding::start_moved, "body '" + (moved ? report.moved_most : report.turned_most) + "'",
+        {&finding::start_moved, "body '" + (moved ? of.moved_most : of.turned_most) + "'",
          fmt::format("the given poses {}: assembly {}",
                      one ? fmt::format("violate joint '{}' by {:.3g} m", report.open[0].joint, report.open[0].gap)
                          : "do not fit the joints",
@@ -150,8 +163,7 @@ void add_warnings(const System& system, const State& given, const State& assembl
          one ? "check where the joint is attached to its two bodies, in world axes, or their poses"
              : "check where the joints are attached, in world axes, and the poses; lockstep assemble prints those it "
                "finds",
-         moved ? report.largest_move : report.largest_turn, kLittle * (moved ? system.length() : 1),
-         moved ? "m" : "rad"});
+         moved ? of.largest_move : of.largest_turn, kLittle * (moved ? system.length() : 1), moved ? "m" : "rad"});
   }
   const double lost = report.kinetic_before - report.kinetic_after;
   if (!(lost > kMuch * report.kinetic_before)) return;
@@ -218,15 +230,6 @@ void add_missed(Dynamics& dynamics, const State& assembled, const AssemblyOption
   }
 }
 
-void measure_move(const System& system, const State& from, const State& to, AssemblyReport& report) {
-  for (int k = 0; k < system.n_slots(); ++k) {
-    const Pose a = from.slot_pose(k), b = to.slot_pose(k);
-    const double move = (b.x - a.x).norm(), turn = rotation_vector(conjugate(normalized(a.q)) * b.q).norm();
-    if (move > report.largest_move) report.largest_move = move, report.moved_most = system.body_of_slot(k).name;
-    if (turn > report.largest_turn) report.largest_turn = turn, report.turned_most = system.body_of_slot(k).name;
-  }
-}
-
 }  // namespace
 
 LOCKSTEP_API bool AssemblyReport::is_moved() const { return std::max(largest_move, largest_turn) > start_limit(); }
@@ -279,7 +282,7 @@ AssemblyReport assemble_drawn(Dynamics& dynamics, State& state, const std::vecto
   report.kinetic_before = kinetic_energy(dynamics, work);
   assemble_velocities(dynamics, work, targets, report);
   report.kinetic_after = kinetic_energy(dynamics, work);
-  measure_move(dynamics.system(), drawn.state, work, report);
+  measure_move(dynamics.system(), drawn.state, work, report, [](const std::string&) { return true; });
   add_warnings(dynamics.system(), drawn.state, work, options, report);
   add_changed(dynamics, drawn.state, work, targets, options, report);
   std::ranges::move(lost_inertias(dynamics.system()), std::back_inserter(report.findings));

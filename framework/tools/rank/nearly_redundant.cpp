@@ -157,8 +157,9 @@ void try_out(System& system, Dynamics& dynamics, const State& state, std::vector
     const std::optional<Violation> found = violation_without(system, dynamics, state, f.gone, gone);
     f.told.violation = found.value_or(Violation{}).most;
     f.told.in_passing = !(f.told.violation < kPersists * system.length());
-    const auto folded = std::ranges::find_if(
-        f.gone, [&](const NamedRow& row) { return unfolded(*row.link, dynamics.inputs(state)) < kNearlyDependent; });
+    const auto folded = std::ranges::find_if(f.gone, [&](const NamedRow& row) {  // its pivot is at least half of e0
+      return 0.5 * unfolded(*row.link, dynamics.inputs(state)) < kNearlyDependent;
+    });
     if (folded != f.gone.end())
       f.told.needed =
           "joint '" + folded->link->name() + "' is folded by nearly 180 deg, and nothing else holds its rotation";
