@@ -180,8 +180,7 @@ Trace check(const Case& c, const Truth& truth, const Draw& d, Table& table) {
 
 }  // namespace
 
-TEST_CASE("a motion is the same in any frame, order, unit, company, tree and formulation: all pairs",
-          "[stability][long]") {
+TEST_CASE("all pairs of frame, order, unit, company, tree and formulation give the same motion", "[stability][long]") {
   const std::vector<Case> all = cases();
   std::vector<Truth> truths;
   for (const Case& c : all) {

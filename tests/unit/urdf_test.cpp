@@ -246,6 +246,8 @@ TEST_CASE("joints that a robot holds elsewhere, and misspelt elements, are rejec
               {"<weld> 'w'", "in <own>", "--without weld"});
   check_words(said("<drake:ball_constraint name='b'/>"),
               {"<drake:ball_constraint> 'b'", "--without drake:ball_constraint"});
+  check_words(said("<drake:distance_constraint name='d'/>"), {"<drake:distance_constraint> 'd'"});
+  check_words(said("<closure name='e' parent='arm' child='base'/>"), {"<closure> 'e'", "--without closure"});
   check_words(said("<jont name='typo' type='fixed'/>"),
               {"r.urdf: <jont> 'typo'", "did you mean \"joint\"?", "--without jont"});
   check_words(said("", "<visuel/>"), {"<visuel> of 'arm'", "\"visual\"", "--without visuel"});
@@ -328,8 +330,7 @@ TEST_CASE("the mesh files of a robot are found next to it and in its package", "
 TEST_CASE("limits of a robot that its zero breaks are left out by name", "[unit][scene]") {
   const ImportedRobot robot = read_urdf(replaced(kArms, "upper=\"1.5\"", "upper=\"-0.5\""), "arms.urdf", false);
   CHECK(robot.left_out.front() == "limits of effort: 'elbow'");
-  CHECK(std::count(robot.left_out.begin(), robot.left_out.end(),
-                   "limits that exclude the joint's zero: 'elbow'") == 1);
+  CHECK(std::count(robot.left_out.begin(), robot.left_out.end(), "limits that exclude the joint's zero: 'elbow'") == 1);
   CHECK(write_json_line(robot.scene).find("stops") == std::string::npos);
 }
 

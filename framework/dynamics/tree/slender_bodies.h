@@ -24,7 +24,8 @@ LOCKSTEP_API std::string slender_body(const JointTree&, const System&, double mo
 constexpr double slenderness_at(double tolerance) { return 0x1p51 * tolerance; }
 
 /// Bodies in space whose least principal inertia J is below what rounding leaves of m r^2, of their own mass and the farthest
-/// of their markers: nothing finds their rotation about that axis to the default tolerance.
+/// of their markers: nothing finds their rotation about that axis to the default tolerance. Not those that joints hold there
+/// on the ground, or on bodies which are not lost.
 LOCKSTEP_API std::vector<Finding> lost_inertias(const System&);
 
 }  // namespace lockstep

@@ -67,9 +67,12 @@ Words known_in(const std::string& element) {
 
 // Whether an element that is not read is a joint: by its name without the prefix of a program ("drake:"), or its ends.
 bool is_joint(const std::string& element, const Tree& tree) {
-  static const Words joints{"loop_joint", "constraint", "ball_constraint", "equality"};
-  const auto holds = [&](const char* a, const char* b) { return tree.count(a) > 0 && tree.count(b) > 0; };
-  return has(joints, element.substr(element.find(':') + 1)) || holds("parent", "child") || holds("link1", "link2");
+  const std::string own = element.substr(element.find(':') + 1);
+  const auto names = [&](const std::string& end) {
+    return tree.count(end) > 0 || tree.get_child_optional("<xmlattr>." + end).has_value();
+  };
+  return own == "loop_joint" || own == "equality" || own.ends_with("constraint") ||
+         (names("parent") && names("child")) || (names("link1") && names("link2"));
 }
 
 std::string name_of(const Tree& tree, const std::string& of) {
