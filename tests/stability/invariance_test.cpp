@@ -170,9 +170,10 @@ Trace check(const Case& c, const Truth& truth, const Draw& d, Table& table) {
   if (motion.ok()) worst = std::max(worst, error / bound);
   CAPTURE(c.name, way.words(), d[frame], view.order, view.exchanged, view.length, view.company, truth.growth,
           motion.refusal);
-  if (!motion.doubts.empty()) {  // then also as it is written
+  if (!motion.doubts.empty()) {  // then also as it is written: of the same sizes
+    const View written{.length = view.length, .company = view.company};
     CAPTURE(motion.doubts);
-    CHECK_FALSE(follow(c, {}, way).doubts.empty());
+    CHECK_FALSE(follow(c, written, way).doubts.empty());
   }
   CHECK(error <= bound);
   return motion;
