@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include <lockstep/error.h>
@@ -18,7 +19,6 @@
 #include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/at_end.h"
-#include "framework/mechanism/rows/loads.h"
 
 namespace lockstep {
 
@@ -26,17 +26,10 @@ namespace {
 
 constexpr double kBeside = 0.1;  // rad, or parts of the length: to the nearest pose that is looked at
 
-// Turns are measured as lengths of the whole mechanism.
-SparseMat rows_transposed(const Evaluation& e) {
-  const double per_turn = 1 / e.system().length();
-  std::vector<Eigen::Triplet<double>> numbers;
-  for_each_jacobian(e.rows(), [&](int row, int slot, const auto& J) {
-    const int n = e.system().slot(slot).freedoms == Freedoms::particle ? 3 : 6;
-    for (int i = 0; i < n; ++i) numbers.emplace_back(6 * slot + i, row, (i < 3 ? 1.0 : per_turn) * J[i]);
-  });
-  SparseMat Jt(e.force().size(), e.rows().n_rows);
-  Jt.setFromTriplets(numbers.begin(), numbers.end());
-  return Jt;
+SparseMat all_rows(const Evaluation& e) {
+  std::vector<int> entries(e.rows().entries.size());
+  std::iota(entries.begin(), entries.end(), 0);
+  return rows_of_loop(e.system(), e.rows(), entries);
 }
 
 struct Loops {
@@ -157,7 +150,7 @@ Redundancy Dynamics::find_redundancy(const State& state) {
   };
   // How many rows depend on others, and whether J d = -C has a solution.
   const auto look_off = [&](const State& at) {
-    MatX Jt = at.coordinates ? tree(at.modes).rows_transposed(system_, at) : MatX(rows_transposed(gather_rows(at)));
+    MatX Jt = at.coordinates ? tree(at.modes).rows_transposed(system_, at) : MatX(all_rows(gather_rows(at)));
     const double least = kRoundOff * Jt.norm();  // a row that vanishes is one of round-off
     for (Eigen::Index row = 0; row < Jt.cols(); ++row)
       if (!(Jt.col(row).norm() > least)) Jt.col(row).setZero();

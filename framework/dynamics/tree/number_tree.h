@@ -114,7 +114,6 @@ struct NumberTree {
         __attribute__((always_inline)) {
       z.travel[k] = {Space::from(r), {Space::from(ca), Space::from_axial(cal)}};
       store4(b, moving::e, e), store9(b, moving::A, A), store3(b, moving::w, w);
-      if (!z.with_positions) return;
       store3(b, moving::x, G::linear(p, moving::x) + r), store3(b, moving::v, G::linear(p, moving::v) + v);
     };
     if constexpr (!kHinge && !G::kFlat) {

@@ -82,12 +82,10 @@ struct TreeArrays {
       wrench,                          ///< of the forces: 6 per slot; none: there are no forces
       joint, more, law, cosine, sine,  ///< of half the angle of each node
       moving;                          ///< the ground first
-  bool with_positions = true;          ///< x and v of the slots are asked for
 
   template <class F>
   auto each(F&& f) const -> TreeArrays<decltype(f(y))> {
-    return {f(y),   f(gravity), f(wrench), f(joint),  f(more),
-            f(law), f(cosine),  f(sine),   f(moving), with_positions};
+    return {f(y), f(gravity), f(wrench), f(joint), f(more), f(law), f(cosine), f(sine), f(moving)};
   }
 };
 /// What the recursion alone reads, a struct of numbers each: per node | per velocity | inertias that wait.
