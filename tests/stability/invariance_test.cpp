@@ -150,10 +150,10 @@ Way way_of(const Draw& d) {
 /// The worst error over its bound by mechanism and formulation, and what was refused.
 struct Table {
   std::map<std::string, std::map<std::string, double>> worst;
-  int runs = 0, stops = 0;
+  int runs = 0, stops = 0, doubts = 0;
 
   void print() const {
-    std::cout << runs << " runs, " << stops << " stopped; the worst error over its bound:\n";
+    std::cout << runs << " runs, " << stops << " stopped, " << doubts << " doubted; the worst error over its bound:\n";
     for (const auto& [name, row] : worst)
       for (const auto& [way, ratio] : row) std::cout << fmt::format("{:28} {:20} {:.1e}\n", name, way, ratio);
   }
@@ -166,11 +166,12 @@ Trace check(const Case& c, const Truth& truth, const Draw& d, Table& table) {
   const double bound = kTimes * std::max(way.tolerance, kLeast) * truth.growth;
   const double error = motion.ok() ? difference(truth.motion.history, motion.history) : HUGE_VAL;
   double& worst = table.worst[c.name][way.formulation + ", " + way.solver];
-  ++table.runs, table.stops += motion.ok() ? 0 : 1;
+  ++table.runs, table.stops += motion.ok() ? 0 : 1, table.doubts += motion.doubts.empty() ? 0 : 1;
   if (motion.ok()) worst = std::max(worst, error / bound);
   CAPTURE(c.name, way.words(), d[frame], view.order, view.exchanged, view.length, view.company, truth.growth,
           motion.refusal);
-  if (!motion.doubts.empty()) {  // then also as it is written: of the same sizes
+  // Then also as it is written, of the same sizes. Below kLeast it is rounding that decides whether a tolerance is met.
+  if (!motion.doubts.empty() && way.tolerance >= kLeast) {
     const View written{.length = view.length, .company = view.company};
     CAPTURE(motion.doubts);
     CHECK_FALSE(follow(c, written, way).doubts.empty());
@@ -217,15 +218,17 @@ TEST_CASE("a motion is the same in any frame, order, unit, tree and formulation"
 
 // What other draws have shown: stages off the constraints, where rows of the dense solver seem independent; ends of steps
 // close to a singular configuration; small pivots of forty bays; velocities beside a singular configuration that depended
-// on the rounds of a projection; metres and radians compared, in a mechanism of 500 m.
+// on the rounds of a projection; metres and radians compared, in a mechanism of 500 m; the rounding of a long pendulum
+// taken for that of a small loop.
 TEST_CASE("draws in which a motion differed, or needed many steps", "[stability][singular]") {
   const std::vector<Case> all = cases();
   Table table;
-  for (const Draw& d : {Draw{8, 0, 2, 0, 2, 5, 2}, Draw{3, 3, 1, 0, 0, 6, 8}, Draw{5, 1, 1, 1, 0, 2, 4},
-                        Draw{0, 4, 2, 0, 0, 7, 3}, Draw{1, 2, 1, 1, 1, 0, 3}}) {
+  for (const Draw& d :
+       {Draw{8, 0, 2, 0, 2, 5, 2}, Draw{3, 3, 1, 0, 0, 6, 8}, Draw{5, 1, 1, 1, 0, 2, 4}, Draw{0, 4, 2, 0, 0, 7, 3},
+        Draw{1, 2, 1, 1, 1, 0, 3}, Draw{1, 4, 2, 1, 1, 4, 4, 1}, Draw{7, 2, 1, 0, 1, 2, 4, 1}}) {
     const auto k = static_cast<std::size_t>(d[mechanism]);
     const Trace motion = check(all[k], truth_of(all[k]), d, table);
-    CHECK(motion.steps < (d[accuracy] == 8 ? 2500 : 400));
+    CHECK(motion.steps < (d[accuracy] == 8 ? 2500 : d[accuracy] == 4 ? 800 : 400));
   }
 }
 

@@ -50,20 +50,14 @@ MatX Dynamics::Tree::rows_transposed(System& system, const State& state) {
   return Jt;
 }
 
-double Dynamics::Tree::largest(Vec3 Motion::*of) const {
-  double most = 0;
-  for (const Motion& O : motions) most = std::max(most, (O.*of).lpNorm<Eigen::Infinity>());
-  return most;
-}
-
 // H d + (J T)' z = 0,  J T d = -C,  q <- q (+) d
 ProjectReport Dynamics::Tree::project(System& system, State& state, double goal, double tolerance) {
   ProjectReport report;
   coordinates->normalize(state);
   gather(system, state);
-  PositionRounds rounds(goal, tolerance, system.length(), largest(&Motion::x));
+  PositionRounds rounds(goal, tolerance);
   for (;; gather(system, state)) {
-    const bool ends = rounds.ends(closures().norm(C));
+    const bool ends = rounds.ends(closures().norm(C), loops.are_met(closure_rows, C, motions));
     if (rounds.round() == 0) report.before = rounds.residual();
     if (ends) break;
     if (!rounds.chord()) factor(state);
@@ -85,11 +79,11 @@ double Dynamics::Tree::project_velocity(System& system, State& state, double goa
 // Starts from Cd at this state. A factor of a position before serves while each round leaves a tenth at most; with one of
 // this position the proximal term alone leaves something.
 double Dynamics::Tree::velocities(State& state, bool factored, double goal) {
-  goal = velocity_goal(goal, std::max(largest(&Motion::v), largest(&Motion::w)));
+  const auto met = [&](double left) { return left <= goal || loops.are_rates_met(closure_rows, Cd, motions); };
   const double first = closures().norm(Cd);
   double left = first;
   bool old = factored;
-  for (int round = 0; !(left <= goal) && round < kTreeVelocityRounds; ++round) {
+  for (int round = 0; !met(left) && round < kTreeVelocityRounds; ++round) {
     if (!factored) factor(state), factored = true;
     recursion->correct(Cd, correction);
     state.v += correction;
@@ -102,7 +96,7 @@ double Dynamics::Tree::velocities(State& state, bool factored, double goal) {
     else if (!(left < kStalledRows * last))
       break;
   }
-  velocities_met = left <= goal || left <= kVelocitiesMet * first;
+  velocities_met = met(left) || left <= kVelocitiesMet * first;
   return left;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "framework/dynamics/evaluate/loop_rows.h"
 #include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/scales.h"
@@ -45,6 +46,7 @@ void Evaluation::lay_out(const State& state) {
   reacting_.clear();
   for (const auto& force : system_.forces())
     if (force->reacting() != nullptr) reacting_.push_back(force.get());
+  loops_ = std::make_shared<const LoopSizes>(system_, state.modes);
   layout_ = std::make_shared<const Layout>(Layout{system_.revision(), state.modes, has_loops(system_, state.modes)});
 }
 

@@ -34,7 +34,7 @@ void Factor::compute(const Evaluation& e) {
   ++work_->factors;
   if (of_equal_ || e.redundant() <= 0 || assembler_.kkt().nearly) return;
   equal_ = std::make_unique<KktAssembler>(e.system(), Formulation::omega);
-  equal_->lay_out(e.rows(), true), equal_->equal_masses();
+  equal_->lay_out(e.rows(), true), equal_->equal_masses(e.loops());
   of_equal_ = make_detector(equal_->kkt().pattern);
 }
 

@@ -63,6 +63,7 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   t.f.setZero(6 * system_.n_slots());
   if (layout.tree) t.recursion = TreeRecursion::of(layout.tree, system_, std::move(layout.fronts));
   t.coordinates = std::move(layout.tree);
+  if (t.closure_rows.n_rows > 0) t.loops = LoopSizes(system_, modes);
   if (t.coordinates) lay_out_reactions(t), t.find_turns(system_);
   t.revision = system_.revision();
   return t;

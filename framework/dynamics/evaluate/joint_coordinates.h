@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <lockstep/dynamics.h>
+#include "framework/dynamics/evaluate/loop_rows.h"
 #include "framework/dynamics/evaluate/singular_rate.h"
 #include "framework/dynamics/tree/closure_rows.h"
 #include "framework/dynamics/tree/joint_tree.h"
@@ -41,6 +42,7 @@ struct Dynamics::Tree {
   bool reads_power = false;                 // or the power of laws alone
   TreeReactions reactions;
   RowTable closure_rows;
+  LoopSizes loops;  // that they close
   VecX C, Cd, correction, loaded;
   State before;                // a projection
   bool velocities_met = true;  // the last projection brought them onto J v = -Ct, up to rounding
@@ -80,7 +82,6 @@ struct Dynamics::Tree {
   void gather(System&, const State&);
   void factor(const State&);
   double velocities(State&, bool factored, double goal);
-  double largest(Vec3 Motion::*of) const;
 };
 
 }  // namespace lockstep

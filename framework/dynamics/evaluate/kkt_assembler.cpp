@@ -2,6 +2,7 @@
 #include <lockstep/dynamics.h>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/evaluate/loop_rows.h"
 
 namespace lockstep {
 
@@ -20,9 +21,11 @@ void KktAssembler::lay_out_direct(const RowTable& rows) {
   }
 }
 
-void KktAssembler::equal_masses() {
-  for (SlotMass& slot : kkt_.masses)
-    slot = {1.0, system_.length() * system_.length() * Mat3::Identity(), slot.particle};
+void KktAssembler::equal_masses(const LoopSizes& loops) {
+  for (int k = 0; k < system_.n_slots(); ++k) {
+    SlotMass& slot = kkt_.masses[k];
+    slot = {1.0, loops.length(k) * loops.length(k) * Mat3::Identity(), slot.particle};
+  }
 }
 
 void KktAssembler::lay_out(const RowTable& rows, bool direct) {

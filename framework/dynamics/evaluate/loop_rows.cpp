@@ -9,7 +9,10 @@
 
 #include <Eigen/Geometry>
 
+#include <lockstep/author/passes.h>
+#include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/dynamics/solvers/scales.h"
 #include "framework/foundation/math/limits.h"
 
 namespace lockstep {
@@ -61,6 +64,8 @@ double length_of_loop(const System& system, const RowTable& table, const std::ve
   return length > kNegligible * system.length() ? length : system.length();
 }
 
+double gyration(const Slot& slot) { return std::sqrt(slot.J.trace() / (2 * slot.mass)); }
+
 }  // namespace
 
 SparseMat rows_of_loop(const System& system, const RowTable& table, const std::vector<int>& entries) {
@@ -73,10 +78,9 @@ SparseMat rows_of_loop(const System& system, const RowTable& table, const std::v
     for (int k = 0; k < e.m; ++k, ++row)
       for (int i = 0; i < e.slots.n; ++i) {
         const Slot& slot = system.slot(e.slots[i]);
-        const auto [first, L] = slots
-                                    .try_emplace(e.slots[i], 6 * static_cast<int>(slots.size()),
-                                                 std::max(length, std::sqrt(slot.J.trace() / (2 * slot.mass))))
-                                    .first->second;
+        const auto [first, L] =
+            slots.try_emplace(e.slots[i], 6 * static_cast<int>(slots.size()), std::max(length, gyration(slot)))
+                .first->second;
         const std::array<double, 6> J = table.block(e).J(i, k);
         for (int j = 0; j < (slot.freedoms == Freedoms::particle ? 3 : 6); ++j)
           numbers.emplace_back(first + j, row, j < 3 ? J[j] : J[j] / L);
@@ -85,6 +89,57 @@ SparseMat rows_of_loop(const System& system, const RowTable& table, const std::v
   SparseMat Jt(6 * static_cast<Eigen::Index>(slots.size()), row);
   Jt.setFromTriplets(numbers.begin(), numbers.end());
   return Jt;
+}
+
+LoopSizes::LoopSizes(const System& system, const std::vector<bool>& modes)
+    : loops_(1), loop_of_(system.links().size()), lengths_(system.n_slots(), 0.0) {  // loops_[0]: of links without rows
+  RowTable table;
+  passes::lay_out(system, modes, table);
+  for (const std::vector<int>& entries : loops_of(system, table)) {
+    Loop loop{length_of_loop(system, table, entries), {}};
+    for (const int at : entries) {
+      const RowEntry& e = table.entries[at];
+      for (int i = 0; i < e.slots.n; ++i) loop.slots.push_back(e.slots[i]);
+      if (std::size_t& own = loop_of_[e.link]; loops_[own].length < loop.length) own = loops_.size();
+    }
+    std::ranges::sort(loop.slots);
+    loop.slots.erase(std::ranges::unique(loop.slots).begin(), loop.slots.end());
+    for (const int slot : loop.slots)
+      lengths_[slot] = std::max({lengths_[slot], loop.length, gyration(system.slot(slot))});
+    loops_.push_back(std::move(loop));
+  }
+  for (double& length : lengths_)
+    if (length == 0) length = system.length();
+}
+
+template <class Rounding>
+bool LoopSizes::within(const RowTable& table, const VecX& c, Rounding&& rounding) const {
+  return std::ranges::all_of(table.entries, [&](const RowEntry& e) {
+    const Loop& loop = loops_[loop_of_[e.link]];
+    const double most = rounding(loop);
+    for (int k = 0; k < e.m; ++k)
+      if (!(length_per_unit(e.kind[k], loop.length) * std::abs(c[e.first_row + k]) <= most)) return false;
+    return true;
+  });
+}
+
+bool LoopSizes::are_met(const RowTable& table, const VecX& C, std::span<const Motion> motions) const {
+  return within(table, C, [&](const Loop& loop) {
+    double x_max = 0;
+    for (const int slot : loop.slots) x_max = std::max(x_max, motions[slot + 1].x.lpNorm<Eigen::Infinity>());
+    return position_rounding(loop.length, x_max);
+  });
+}
+
+bool LoopSizes::are_rates_met(const RowTable& table, const VecX& Cd, std::span<const Motion> motions) const {
+  return within(table, Cd, [&](const Loop& loop) {
+    double v_max = 0;
+    for (const int slot : loop.slots) {
+      const Motion& O = motions[slot + 1];
+      v_max = std::max({v_max, O.v.lpNorm<Eigen::Infinity>(), loop.length * O.w.lpNorm<Eigen::Infinity>()});
+    }
+    return velocity_rounding(v_max);
+  });
 }
 
 }  // namespace lockstep

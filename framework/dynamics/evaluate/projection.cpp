@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "framework/dynamics/evaluate/loop_rows.h"
 #include "framework/dynamics/evaluate/projection_rule.h"
 
 namespace lockstep {
@@ -20,15 +21,12 @@ ProjectReport Projection::project(Evaluation& e, Factor& factor, State& state, d
 
 // d = -M^-1 Jh^T z, (S + E) z = C. Returns whether the factor is still good for the velocities.
 bool Projection::positions(Evaluation& e, Factor& factor, State& state, double goal, ProjectReport& report) {
-  double x_max = 0;
-  for (Eigen::Index k = 0; k + 7 <= state.q.size(); k += 7)
-    x_max = std::max(x_max, state.q.segment<3>(k).lpNorm<Eigen::Infinity>());
-  PositionRounds rounds(goal, tolerance_, e.system().length(), x_max);
+  PositionRounds rounds(goal, tolerance_);
   for (;;) {
     e.rows_at(state);
     e.check();
     e.residuals(C_, Cd_);
-    const bool ends = rounds.ends(e.norm(C_));
+    const bool ends = rounds.ends(e.norm(C_), e.loops().are_met(e.rows(), C_, e.inputs().motions));
     if (rounds.round() == 0) report.before = rounds.residual();
     if (ends) break;
     C_ = -C_;
@@ -52,10 +50,10 @@ double Projection::project_velocity(Evaluation& e, Factor& factor, State& state,
 
 // Starts from Cd_ at this state. One factor serves all rounds, since the pose, and so the Jacobians, do not change.
 double Projection::velocities(const Evaluation& e, Factor& factor, bool factored, State& state, double goal) {
-  goal = velocity_goal(goal, state.v.lpNorm<Eigen::Infinity>());
   d_.resize(state.v.size()),
       lambda_.resize(e.rows().n_rows);  // sized here, since the first round may come late in a run
-  for (int round = 0; round < kVelocityRounds && !(e.norm(Cd_) <= goal); ++round) {
+  const auto met = [&] { return e.norm(Cd_) <= goal || e.loops().are_rates_met(e.rows(), Cd_, e.inputs().motions); };
+  for (int round = 0; round < kVelocityRounds && !met(); ++round) {
     if (!factored) factor.compute(e);
     factored = true;
     Cd_ = -Cd_;

@@ -13,22 +13,22 @@ inline double position_rounding(double length, double x_max) {
   return 1e-14 * length + 4 * std::numeric_limits<double>::epsilon() * x_max;
 }
 
+/// The round-off of |J v + Ct|, m/s, at this largest speed.
+inline double velocity_rounding(double v_max) { return 8 * std::numeric_limits<double>::epsilon() * v_max; }
+
 /// Rounds of the projection onto C = 0. They converge quadratically with a fresh factor, so three are usual.
 class PositionRounds {
  public:
-  PositionRounds() = default;
-  /// Ends at |C| <= goal, m, but not below the round-off of a mechanism of this length and largest coordinate x_max. It
-  /// has converged if |C| is within the tolerance.
-  PositionRounds(double goal, double tolerance, double length, double x_max)
-      : goal_(std::max(goal, position_rounding(length, x_max))), tolerance_(tolerance) {}
+  /// Ends at |C| <= goal, m, or where C is rounding. It has converged if |C| is within the tolerance.
+  PositionRounds(double goal, double tolerance) : goal_(goal), tolerance_(tolerance) {}
 
-  /// Takes the residual |C| before the next round; true when no further round is needed.
-  bool ends(double residual) {
+  /// Takes the residual |C| before the next round, and whether C is rounding; true when no further round is needed.
+  bool ends(double residual, bool rounding) {
     const double before = residual_;
     residual_ = residual;
     ++round_;
     chord_ = round_ > 0 && residual <= 0.1 * before;
-    if (residual <= goal_) return true;
+    if (residual <= goal_ || rounding) return true;
     if (round_ > 1 && residual > 0.5 * before && residual <= tolerance_) return true;  // round-off of this mechanism
     if (round_ < kMost && std::isfinite(residual)) return false;
     converged_ = residual <= tolerance_;
@@ -42,7 +42,7 @@ class PositionRounds {
 
  private:
   static constexpr int kMost = 6;
-  double goal_ = 0, tolerance_ = 0, residual_ = 0;
+  double goal_, tolerance_, residual_ = 0;
   int round_ = -1;
   bool chord_ = false, converged_ = true;
 };
@@ -59,8 +59,4 @@ inline constexpr int kVelocityRounds = 3;
 /// The goals of both for a tolerance of the violation, m and m/s.
 inline double position_goal_of(double tolerance) { return 1e-2 * tolerance; }
 inline double velocity_goal_of(double tolerance) { return 0.1 * position_goal_of(tolerance); }
-inline double velocity_goal(double goal, double v_max) {
-  return std::max(goal, 8 * std::numeric_limits<double>::epsilon() * v_max);
-}
-
 }  // namespace lockstep

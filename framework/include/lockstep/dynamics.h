@@ -41,6 +41,8 @@ class LOCKSTEP_API StateInputs {
   Inputs in_;
 };
 
+class LoopSizes;
+
 /// Rows and forces of a system, gathered at a state; neither solved nor factored (see Factor). Vectors have 6 numbers
 /// per slot (rigid group of bodies), three in the world and three in slot axes (m/s and rad/s, or N and N m), or 1 per
 /// row of rows().
@@ -77,7 +79,6 @@ class LOCKSTEP_API Evaluation {
   /// The largest |c| over the rows as a length, m: lengths as they are, values of functions times System::length(),
   /// components of quaternions times twice that (framework/docs/solvers.md, section 1). NaN if one of them is.
   double norm(const VecX& c) const;
-
   /// Forces that depend on the present reactions (friction).
   const std::vector<const Force*>& reacting() const { return reacting_; }
   /// Adds these forces at the multipliers lambda, 1 per row, to f, 6 per slot.
@@ -91,6 +92,7 @@ class LOCKSTEP_API Evaluation {
     bool operator==(const Layout&) const = default;  ///< of the same setup and the same joints
   };
   const std::shared_ptr<const Layout>& layout() const { return layout_; }  ///< the present one
+  const LoopSizes& loops() const { return *loops_; }                       ///< of it
   /// Whether at() would keep the layout at this state.
   bool covers(const State&) const;
   /// Kkt::redundant of these rows; unknown whenever they are laid out again.
@@ -104,6 +106,7 @@ class LOCKSTEP_API Evaluation {
 
   System& system_;
   std::shared_ptr<const Layout> layout_;
+  std::shared_ptr<const LoopSizes> loops_;
   StateInputs inputs_;
   RowTable rows_;
   VecX f_;
@@ -129,8 +132,8 @@ class LOCKSTEP_API KktAssembler {
   /// reads the rows themselves; nothing is copied then, and load() and unload() are not needed. Throws ModelError for
   /// the quaternion formulation with `direct` or in a plane.
   void lay_out(const RowTable& rows, bool direct);
-  /// For a solver that reads the rows: masses of 1 kg, inertias of 1 kg times the square of the mechanism's length.
-  void equal_masses();
+  /// For a solver that reads the rows: masses of 1 kg, inertias of 1 kg times the square of the length of the loop.
+  void equal_masses(const LoopSizes&);
   void forget() { kkt_ = {}, masses_ = {}, n_links_ = 0; }      ///< gives back its memory: without a layout then
   bool direct() const { return kkt_.pattern.rows != nullptr; }  ///< laid out for a solver that reads the rows
   /// Writes the numbers: Jacobians, and the mass blocks if they depend on the pose. `motions`: ground, then slots.
