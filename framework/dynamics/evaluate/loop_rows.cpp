@@ -103,7 +103,7 @@ LoopSizes::LoopSizes(const System& system, const std::vector<bool>& modes)
       if (std::size_t& own = loop_of_[e.link]; loops_[own].length < loop.length) own = loops_.size();
     }
     std::ranges::sort(loop.slots);
-    loop.slots.erase(std::ranges::unique(loop.slots).begin(), loop.slots.end());
+    loop.slots.erase(std::unique(loop.slots.begin(), loop.slots.end()), loop.slots.end());
     for (const int slot : loop.slots)
       lengths_[slot] = std::max({lengths_[slot], loop.length, gyration(system.slot(slot))});
     loops_.push_back(std::move(loop));
