@@ -57,7 +57,7 @@ ProjectReport Dynamics::Tree::project(System& system, State& state, double goal,
   gather(system, state);
   PositionRounds rounds(goal, tolerance);
   for (;; gather(system, state)) {
-    const bool ends = rounds.ends(closures().norm(C), loops.are_met(closure_rows, C, motions));
+    const bool ends = rounds.ends(closures().norm(C), [&] { return loops.are_met(closure_rows, C, motions); });
     if (rounds.round() == 0) report.before = rounds.residual();
     if (ends) break;
     if (!rounds.chord()) factor(state);

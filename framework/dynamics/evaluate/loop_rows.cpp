@@ -114,11 +114,12 @@ LoopSizes::LoopSizes(const System& system, const std::vector<bool>& modes)
 
 template <class Rounding>
 bool LoopSizes::within(const RowTable& table, const VecX& c, Rounding&& rounding) const {
+  const Loop* loop = nullptr;  // of the entry before, and most often of the next
+  double most = 0;
   return std::ranges::all_of(table.entries, [&](const RowEntry& e) {
-    const Loop& loop = loops_[loop_of_[e.link]];
-    const double most = rounding(loop);
+    if (const Loop& own = loops_[loop_of_[e.link]]; loop != &own) loop = &own, most = rounding(own);
     for (int k = 0; k < e.m; ++k)
-      if (!(length_per_unit(e.kind[k], loop.length) * std::abs(c[e.first_row + k]) <= most)) return false;
+      if (!(length_per_unit(e.kind[k], loop->length) * std::abs(c[e.first_row + k]) <= most)) return false;
     return true;
   });
 }

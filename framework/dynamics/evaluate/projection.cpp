@@ -26,7 +26,7 @@ bool Projection::positions(Evaluation& e, Factor& factor, State& state, double g
     e.rows_at(state);
     e.check();
     e.residuals(C_, Cd_);
-    const bool ends = rounds.ends(e.norm(C_), e.loops().are_met(e.rows(), C_, e.inputs().motions));
+    const bool ends = rounds.ends(e.norm(C_), [&] { return e.loops().are_met(e.rows(), C_, e.inputs().motions); });
     if (rounds.round() == 0) report.before = rounds.residual();
     if (ends) break;
     C_ = -C_;

@@ -22,13 +22,15 @@ class PositionRounds {
   /// Ends at |C| <= goal, m, or where C is rounding. It has converged if |C| is within the tolerance.
   PositionRounds(double goal, double tolerance) : goal_(goal), tolerance_(tolerance) {}
 
-  /// Takes the residual |C| before the next round, and whether C is rounding; true when no further round is needed.
-  bool ends(double residual, bool rounding) {
+  /// Takes the residual |C| before the next round, and `are_met`, which tells whether C is rounding; true when no further
+  /// round is needed.
+  template <class Met>
+  bool ends(double residual, Met&& are_met) {
     const double before = residual_;
     residual_ = residual;
     ++round_;
     chord_ = round_ > 0 && residual <= 0.1 * before;
-    if (residual <= goal_ || rounding) return true;
+    if (residual <= goal_ || are_met()) return true;
     if (round_ > 1 && residual > 0.5 * before && residual <= tolerance_) return true;  // round-off of this mechanism
     if (round_ < kMost && std::isfinite(residual)) return false;
     converged_ = residual <= tolerance_;
