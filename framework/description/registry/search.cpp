@@ -8,6 +8,7 @@
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <boost/dll/shared_library.hpp>
 #include <filesystem>
+#include <new>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -52,20 +53,27 @@ std::string stranger_at(const fs::path& path) {
   return {};
 }
 
+// Where a path leads to; empty if nowhere. To follow it needs memory: without it nothing is known of the path.
+fs::path followed(const fs::path& path) {
+  std::error_code error;
+  const fs::path real = fs::canonical(path, error);
+  if (error == std::errc::not_enough_memory) throw std::bad_alloc();
+  return real;
+}
+
 // Why a file that was found by its name must not be loaded.
 std::string problem_of(const fs::path& path, const fs::path& folder, const std::vector<std::string>& folders) {
-  std::error_code error;
-  const fs::path file = fs::canonical(path, error);
-  if (error) return "it is a broken symbolic link";
+  const fs::path file = followed(path);
+  if (file.empty()) return "it is a broken symbolic link";
   if (fs::is_directory(file)) return "it is a folder";
   const bool inside = std::any_of(folders.begin(), folders.end(), [&](const std::string& allowed) {
-    const fs::path real = fs::canonical(allowed, error);
-    return !error && holds(real, file);
+    const fs::path real = followed(allowed);
+    return !real.empty() && holds(real, file);
   });
   if (!inside)
     return "it is a link out of the plugin folders, to " + file.string() +
            "; add that folder to LOCKSTEP_PLUGIN_PATH, or give the path";
-  for (const fs::path& p : {file, file.parent_path(), fs::canonical(folder, error)})
+  for (const fs::path& p : {file, file.parent_path(), followed(folder)})
     if (std::string stranger = stranger_at(p); !stranger.empty()) return stranger;
   return {};
 }
