@@ -5,8 +5,9 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <utility>
+
+#include <Eigen/Geometry>
 
 #include <lockstep/author/passes.h>
 #include "framework/dynamics/evaluate/projection_rule.h"
@@ -39,51 +40,36 @@ std::vector<std::vector<int>> loops_of(const System& system, const RowTable& tab
   return groups;
 }
 
-namespace {
-
-bool is_closed(const System& system, const RowTable& table, const std::vector<int>& group) {
-  return group.size() > 1 ||
-         (group.size() == 1 && system.links()[table.entries[group.front()].link]->jointed() == nullptr);
+std::vector<std::vector<int>> closed_loops(const System& system, const RowTable& table) {
+  std::vector<std::vector<int>> loops = loops_of(system, table);
+  std::erase_if(loops, [&](const std::vector<int>& group) {
+    return group.empty() ||
+           (group.size() == 1 && system.links()[table.entries[group.front()].link]->jointed() != nullptr);
+  });
+  return loops;
 }
 
-double gyration(const Slot& slot) { return std::sqrt(slot.J.trace() / (2 * slot.mass)); }
+namespace {
 
-// Where the joints of the loop are on each slot that moves, in its axes, m.
-std::map<int, std::vector<Vec3>> joints_of(const System& system, const RowTable& table,
-                                           const std::vector<int>& entries) {
-  std::map<int, std::vector<Vec3>> joints;
+// Half of the farthest between two joints of one body that moves, m; the length of the system if it has one joint each.
+double length_of_loop(const System& system, const RowTable& table, const std::vector<int>& entries) {
+  std::map<int, Eigen::AlignedBox3d> joints;
   for (const int at : entries)
     for (const auto& [p, s] : system.links()[table.entries[at].link]->pairs())
       for (const Marker* marker : {p, s})
         if (const Body& body = *marker->body; body.slot != kGround)
-          joints[body.slot].push_back((body.in_slot * marker->local).x);
-  return joints;
+          joints[body.slot].extend((body.in_slot * marker->local).x);
+  double length = 0;
+  for (const auto& [slot, box] : joints) length = std::max(length, 0.5 * box.diagonal().norm());
+  return length > kNegligible * system.length() ? length : system.length();
 }
 
-// The farthest of a joint from the middle of all on its slot, m: the same in any axes. If there is one joint on each, the
-// largest radius of gyration; of particles the length of the system.
-double length_of_loop(const System& system, const std::map<int, std::vector<Vec3>>& joints) {
-  double length = 0, largest = 0;
-  for (const auto& [slot, places] : joints) {
-    const Vec3 middle =
-        std::accumulate(places.begin(), places.end(), Vec3(0, 0, 0)) / static_cast<double>(places.size());
-    for (const Vec3& x : places) length = std::max(length, (x - middle).norm());
-    largest = std::max(largest, gyration(system.slot(slot)));
-  }
-  const double least = kNegligible * system.length();
-  return length > least ? length : largest > least ? largest : system.length();
-}
+double gyration(const Slot& slot) { return std::sqrt(slot.J.trace() / (2 * slot.mass)); }
 
 }  // namespace
 
-std::vector<std::vector<int>> closed_loops(const System& system, const RowTable& table) {
-  std::vector<std::vector<int>> loops = loops_of(system, table);
-  std::erase_if(loops, [&](const std::vector<int>& group) { return !is_closed(system, table, group); });
-  return loops;
-}
-
 SparseMat rows_of_loop(const System& system, const RowTable& table, const std::vector<int>& entries) {
-  const double length = length_of_loop(system, joints_of(system, table, entries));
+  const double length = length_of_loop(system, table, entries);
   std::map<int, std::pair<int, double>> slots;  // where its unknowns begin, and its length
   std::vector<Eigen::Triplet<double>> numbers;
   int row = 0;
@@ -106,24 +92,20 @@ SparseMat rows_of_loop(const System& system, const RowTable& table, const std::v
 }
 
 LoopSizes::LoopSizes(const System& system, const std::vector<bool>& modes)
-    : loops_{{.length = std::nan("")}}, loop_of_(system.links().size()), lengths_(system.n_slots(), 0.0) {
+    : loops_(1), loop_of_(system.links().size()), lengths_(system.n_slots(), 0.0) {  // loops_[0]: of links without rows
   RowTable table;
   passes::lay_out(system, modes, table);
   for (const std::vector<int>& entries : loops_of(system, table)) {
-    const auto joints = joints_of(system, table, entries);
-    Loop loop{.length = length_of_loop(system, joints)};
-    for (const auto& [slot, places] : joints)
-      for (const Vec3& x : places) loop.arm = std::max(loop.arm, x.lpNorm<Eigen::Infinity>());
+    Loop loop{length_of_loop(system, table, entries), {}};
     for (const int at : entries) {
       const RowEntry& e = table.entries[at];
       for (int i = 0; i < e.slots.n; ++i) loop.slots.push_back(e.slots[i]);
-      loop_of_[e.link] = loops_.size();
+      if (std::size_t& own = loop_of_[e.link]; loops_[own].length < loop.length) own = loops_.size();
     }
     std::ranges::sort(loop.slots);
     loop.slots.erase(std::unique(loop.slots.begin(), loop.slots.end()), loop.slots.end());
-    if (is_closed(system, table, entries))
-      for (const int slot : loop.slots)
-        lengths_[slot] = std::max({lengths_[slot], loop.length, gyration(system.slot(slot))});
+    for (const int slot : loop.slots)
+      lengths_[slot] = std::max({lengths_[slot], loop.length, gyration(system.slot(slot))});
     loops_.push_back(std::move(loop));
   }
   for (double& length : lengths_)
@@ -146,7 +128,7 @@ bool LoopSizes::are_met(const RowTable& table, const VecX& C, std::span<const Mo
   return within(table, C, [&](const Loop& loop) {
     double x_max = 0;
     for (const int slot : loop.slots) x_max = std::max(x_max, motions[slot + 1].x.lpNorm<Eigen::Infinity>());
-    return position_rounding(loop.length, x_max + loop.arm);
+    return position_rounding(loop.length, x_max);
   });
 }
 

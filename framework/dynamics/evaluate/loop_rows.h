@@ -25,25 +25,24 @@ class LOCKSTEP_API LoopSizes {
  public:
   LoopSizes() = default;
   LoopSizes(const System&, const std::vector<bool>& modes);
-  /// Of the largest closed loop of a slot, m, or its radius of gyration if that is larger; of the system if there is none.
+  /// Of the largest loop of a slot, m, or its radius of gyration if that is larger.
   double length(int slot) const { return lengths_[slot]; }
   /// Whether all of C, rows of these links, is what rounding leaves: by the size of their loop, and by how far its slots
-  /// are from the origin and its joints from the slots. Projected where rows nearly depend, it would move the state.
-  /// `motions`: ground, then slots.
+  /// are from the origin. Projected where rows nearly depend, it would move the state. `motions`: ground, then slots.
   bool are_met(const RowTable&, const VecX& C, std::span<const Motion> motions) const;
   /// The same of J v + Ct: by the speed of the slots of the loop.
   bool are_rates_met(const RowTable&, const VecX& Cd, std::span<const Motion> motions) const;
 
  private:
   struct Loop {
-    double length = 0, arm = 0;  // m; largest coordinate of a joint on its slot
-    std::vector<int> slots{};
+    double length = 0;
+    std::vector<int> slots;
   };
   template <class Rounding>  // of a loop, m or m/s
   bool within(const RowTable&, const VecX& c, Rounding&&) const;
 
-  std::vector<Loop> loops_;           // the first is no loop: nothing is rounding there
-  std::vector<std::size_t> loop_of_;  // of each link
+  std::vector<Loop> loops_;
+  std::vector<std::size_t> loop_of_;  // of each link the largest that it is part of
   std::vector<double> lengths_;
 };
 

@@ -76,12 +76,9 @@ bool SingularPassage::evaluate(Dynamics& dynamics, const State& y, double h, int
   }
   const Conditioning c = refused ? Conditioning{0, 0} : stages.conditioning(i);
   seen_.indicator = std::min(seen_.indicator, c.indicator()), seen_.limit = false;
-  if (on_ == StagesOn::plain || round_off(std::sqrt(c.detector)) < relative_) return true;
-  if (!near()) {
-    if (refused) std::rethrow_exception(refused);
-    if (below_ > 0) seen_.accuracy += round_off(std::sqrt(c.detector * near_singular_below(1) / below_));
-    return true;
-  }
+  const double by_detector = round_off(std::sqrt(c.detector));
+  if (on_ == StagesOn::plain || by_detector < relative_) return true;
+  if (!near()) return seen_.accuracy += by_detector, true;
   if (y.z.size() > 0) stage_.z = y.z;
   stages.combine(y, h, a_[i], stage_);
   stage_.t = y.t + stages.tableau().c[i] * h;

@@ -14,8 +14,8 @@ namespace lockstep {
 // smooth function of the motion; and always if rows are redundant only there, as in a spherical loop of hinges. At
 // the distance e, rad, rounding leaves eps/e^3 of the accelerations, and the indicator is e^2 at most. If that may be
 // more than the tolerance, SingularRate looks at both sides: closer than half of its d, stages and noisy ends of
-// steps are its limits. No step can be more accurate than its stages, near the position and somewhat farther out, where
-// they are on the constraints still: an error that they explain and that a shorter step has too is accepted.
+// steps are its limits. No step can be more accurate than its stages: an error that they explain and that a shorter
+// step has too is accepted.
 
 /// Takes the steps of an explicit method through singular positions.
 class LOCKSTEP_API SingularPassage {
