@@ -72,6 +72,7 @@ TEST_CASE("a request for memory that fails ends by one sentence and exit code 10
   const std::string scene = arm_scene("memory", kShort), old = kFolder + "/memory.csv";
   check_requests({"run '" + scene + "' --record '" + old + "'", {old}});
   check_requests({"check '" + scene + "'"});
+  check_requests({"check '" + scene + "' --plugin bump"});
   check_requests({"sweep '" + scene + "' --jobs 1 --vary gravity.2=-9.81,-1.62 --record '" + old + "'", {old}, false});
 }
 

@@ -30,7 +30,7 @@ fs::path own_file() {
 
 bool holds(const fs::path& folder, const fs::path& file) {
   const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
-  return end == folder.end() && rest != file.end();
+  return !folder.empty() && end == folder.end() && rest != file.end();
 }
 
 bool is_own_group(gid_t group) {
@@ -61,16 +61,11 @@ fs::path followed(const fs::path& path) {
   return real;
 }
 
-// Why a file that was found by its name must not be loaded.
-std::string problem_of(const fs::path& path, const fs::path& folder, const std::vector<std::string>& folders) {
-  const fs::path file = followed(path);
+// Why a file that was found by its name in a folder, and its links followed, must not be loaded.
+std::string problem_of(const fs::path& file, const fs::path& folder, const std::vector<std::string>& folders) {
   if (file.empty()) return "it is a broken symbolic link";
   if (fs::is_directory(file)) return "it is a folder";
-  const bool inside = std::any_of(folders.begin(), folders.end(), [&](const std::string& allowed) {
-    const fs::path real = followed(allowed);
-    return !real.empty() && holds(real, file);
-  });
-  if (!inside)
+  if (std::ranges::none_of(folders, [&](const std::string& allowed) { return holds(followed(allowed), file); }))
     return "it is a link out of the plugin folders, to " + file.string() +
            "; add that folder to LOCKSTEP_PLUGIN_PATH, or give the path";
   for (const fs::path& p : {file, file.parent_path(), followed(folder)})
@@ -87,10 +82,9 @@ std::vector<fs::path> spellings(const fs::path& path) {
 }
 
 std::string file_at(const std::string& path) {
-  std::error_code error;
   for (const fs::path& file : spellings(path))
-    if (fs::exists(file, error) && (!fs::is_directory(file, error) || file.extension() == ending()))
-      if (const fs::path real = fs::canonical(file, error); !error) return real.string();
+    if (const fs::path real = followed(file); !real.empty())
+      if (!fs::is_directory(real) || file.extension() == ending()) return real.string();
   throw PluginError("plugin '" + path + "': there is no such file; check the path, or build it first");
 }
 
@@ -133,8 +127,9 @@ std::string find_plugin(const std::string& name, std::vector<std::string> folder
     for (const fs::path& spelled : spellings(fs::path(folder) / name)) {
       if (spelled.extension() != ending() || fs::symlink_status(spelled, error).type() == fs::file_type::not_found)
         continue;
-      const std::string problem = problem_of(spelled, folder, folders);
-      if (problem.empty()) return fs::canonical(spelled, error).string();
+      const fs::path file = followed(spelled);
+      const std::string problem = problem_of(file, folder, folders);
+      if (problem.empty()) return file.string();
       throw PluginError("plugin '" + name + "' (" + spelled.string() + ") is not loaded: " + problem);
     }
   throw PluginError("plugin '" + name + "' not found; looked in " +
@@ -153,10 +148,10 @@ std::vector<PluginCandidate> files_in(const std::vector<std::string>& folders) {
       return std::pair(plugin_name(p.string()), p.string().size());
     });
     for (const fs::path& path : paths) {
-      const fs::path file = fs::weakly_canonical(path, error);
+      const fs::path file = followed(path);
       PluginCandidate& c = found.emplace_back();
       c.name = plugin_name(path.string()), c.folder = folder, c.path = path.string();
-      c.file = error ? c.path : file.string(), c.why = problem_of(path, folder, folders);
+      c.file = file.empty() ? c.path : file.string(), c.why = problem_of(file, folder, folders);
     }
   }
   return found;
